@@ -52,12 +52,21 @@ def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]
         raise SystemExit("this CPU is no x86-64-v3: wheels with kernels are made on one that is")
     with tempfile.TemporaryDirectory() as place:
         cache = Path(place) / "numba"
-        settings = {"NUMBA_CACHE_DIR": str(cache), "NUMBA_CPU_NAME": own.cpu,
-                    "NUMBA_CPU_FEATURES": "", "PYTHONPATH": str(root)}  # fmt: skip
+        settings = {
+            "NUMBA_CACHE_DIR": str(cache),
+            "NUMBA_CPU_NAME": own.cpu,
+            "NUMBA_CPU_FEATURES": "",
+            "PYTHONPATH": str(root),
+        }
         for words in commands:
             print(f"compiling for {' '.join(words)}", file=sys.stderr)
-            subprocess.run([sys.executable, "-m", "walkergen", *words], cwd=place, check=True,
-                           env=os.environ | settings, stdout=subprocess.DEVNULL)  # fmt: skip
+            subprocess.run(
+                [sys.executable, "-m", "walkergen", *words],
+                cwd=place,
+                check=True,
+                env=os.environ | settings,
+                stdout=subprocess.DEVNULL,
+            )
         sums = _gathered(cache, folder, root / "walkergen")
     manifest = own._asdict() | {"files": sums}
     (folder / shipped.MANIFEST).write_text(json.dumps(manifest, indent=1, sort_keys=True))

@@ -63,10 +63,17 @@ def chromium(profile):
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
     for flag in (
-        "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
-        "--no-first-run", "--disable-background-networking", "--window-size=1280,1000",
-        f"--user-data-dir={profile}", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    ):  # fmt: skip
+        "--headless",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--window-size=1280,1000",
+        f"--user-data-dir={profile}",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"performance": "ALL"})
     browser = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
@@ -153,9 +160,7 @@ def large_mesh(folder):
 
 def memory(pid):
     """Memory of a process, MB."""
-    (line,) = (
-        each for each in Path(f"/proc/{pid}/status").read_text().splitlines() if "VmRSS" in each
-    )
+    (line,) = (each for each in Path(f"/proc/{pid}/status").read_text().splitlines() if "VmRSS" in each)
     return int(line.split()[1]) / 1e3
 
 
@@ -194,9 +199,7 @@ def measured(browser, folder, minutes, count):
         alone = steps(browser, count)
         print(f"a step of the paper's walker: {quantiles(alone)} (goal {STEP_MS:.0f} ms)")
         asked, most, drawn = dragged(browser, 200)
-        print(
-            f"a drag of 200 steps: {asked} requests, at most {most} in flight; last drawn: {drawn}"
-        )
+        print(f"a drag of 200 steps: {asked} requests, at most {most} in flight; last drawn: {drawn}")
         first = browser.current_window_handle
         for _ in range(TABS - 1):
             browser.switch_to.new_window("tab")
@@ -214,17 +217,16 @@ def measured(browser, folder, minutes, count):
         browser.switch_to.window(first)
         path, triangles = large_mesh(folder)
         browser.find_element(By.ID, "file").send_keys(str(path))
-        WebDriverWait(browser, 120).until(lambda _: browser.find_elements(
-            By.CSS_SELECTOR, '.row[data-key="body.mesh"]'
-        ))  # fmt: skip
+        WebDriverWait(browser, 120).until(
+            lambda _: browser.find_elements(By.CSS_SELECTOR, '.row[data-key="body.mesh"]')
+        )
         time.sleep(10 * SETTLED_S)
         mesh = steps(browser, max(count // 2, 10))
         print(f"a step of {triangles} triangles: {quantiles(mesh)} (goal {MESH_MS:.0f} ms)")
         browser.get("about:blank")
         number, early, late = worn(server, address, minutes)
         growth = late / early
-        print(f"memory after {number} answers: {late:.0f} MB, {growth:.3f} of that after a third "
-              f"of them (goal {FLAT})")  # fmt: skip
+        print(f"memory after {number} answers: {late:.0f} MB, {growth:.3f} of that after a third of them (goal {FLAT})")
     finally:
         server.terminate()
         server.wait()

@@ -90,9 +90,7 @@ class Body(NamedTuple):
         return modes
 
 
-def keeps(
-    label: float, stiffness: float, mobility: float, corners: int, modes: Sequence[Mode]
-) -> float:
+def keeps(label: float, stiffness: float, mobility: float, corners: int, modes: Sequence[Mode]) -> float:
     """Speed kept by what lands with speed 1 on `corners` feet of a label (stiffness of one)."""
     damper = 2.0 * feet.damping_ratio(label) * math.sqrt(stiffness / CORNER)
     omega = 2.0 * math.pi * np.array([mode.frequency for mode in modes])
@@ -125,8 +123,10 @@ def main() -> None:
         "a front corner": (CORNER, 1, body.modes([front], True)),
         "both feet, level": (whole, 4, body.modes([back, front], False)),
     }
-    print(f"bending {body.bending:.0f} Hz, twist {body.twisting:.0f} Hz, a corner on its foot "
-          f"{math.sqrt(stiffness * CORNER) / (2.0 * math.pi):.0f} Hz\n")  # fmt: skip
+    print(
+        f"bending {body.bending:.0f} Hz, twist {body.twisting:.0f} Hz, a corner on its foot "
+        f"{math.sqrt(stiffness * CORNER) / (2.0 * math.pi):.0f} Hz\n"
+    )
     print(f"| lands | body | at the foot, 1/g | {' | '.join(f'{one:g}' for one in LABELS)} |")
     print("|---|---|---|" + "---|" * len(LABELS))
     for name, (mobility, corners, modes) in landings.items():

@@ -46,10 +46,13 @@ from walkergen.walker.design import Design
 METHODS = ("predict", "uncertain", "fit")
 
 SHAPES = {
-    "body.length_mm": (24.0, 34.0), "body.thickness_mm": (2.5, 4.0), "legs.length_mm": (5.5, 9.5),
-    "legs.contact_spacing_mm": (10.0, 15.0), "legs.flexible_thickness_mm": (0.3, 0.6),
+    "body.length_mm": (24.0, 34.0),
+    "body.thickness_mm": (2.5, 4.0),
+    "legs.length_mm": (5.5, 9.5),
+    "legs.contact_spacing_mm": (10.0, 15.0),
+    "legs.flexible_thickness_mm": (0.3, 0.6),
     "legs.tilt_deg": (5.0, 24.0),
-}  # fmt: skip
+}
 SHAKES = {"drive.gamma": (1.5, 2.4), "drive.frequency_hz": (75.0, 110.0)}
 """Ranges of the random walkers and plates, inside those of the table behind `predict`."""
 
@@ -109,8 +112,7 @@ def drawn(number: int, scene: Scene, seed: int) -> Hidden:
     template = templates.load("koumakis2016", "walkers", Design)
     while True:
         shape, shake = (
-            {key: round(float(rng.uniform(*ends)), 2) for key, ends in ranges.items()}
-            for ranges in (SHAPES, SHAKES)
+            {key: round(float(rng.uniform(*ends)), 2) for key, ends in ranges.items()} for ranges in (SHAPES, SHAKES)
         )
         try:
             design = template.variant(**shape)
@@ -134,8 +136,12 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
     for tilt in tilts:
         design = hidden.design.variant(tilt_deg=tilt)
         scene, printed, mass = uncertain.applied(hidden.scene, design, hidden.values)
-        keys = {"run.runs": 1, "run.seconds": seconds, "legs.model": "space",
-                "run.seed": int(hidden.rng.integers(2**31))}  # fmt: skip
+        keys = {
+            "run.runs": 1,
+            "run.seconds": seconds,
+            "legs.model": "space",
+            "run.seed": int(hidden.rng.integers(2**31)),
+        }
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
         asked.append(Experiment(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
@@ -146,15 +152,12 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
     return [float(one) for one in told if one is not None]
 
 
-def bounds(
-    method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], draws: int
-) -> Sequence[float | None]:
+def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], draws: int) -> Sequence[float | None]:
     """Ends of 95, 68, 68 and 95 % by a method, mm/s; `filmed` are tilts and speeds for the fit."""
     design, scene = hidden.design, hidden.scene.variant(**{"legs.model": "space"})
     if method == "predict":
         row = prediction.predict(design, solids.mass_of(design), hidden.scene)
-        return (row.speed_low_95_mm_s, row.speed_low_68_mm_s,
-                row.speed_high_68_mm_s, row.speed_high_95_mm_s)  # fmt: skip
+        return (row.speed_low_95_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s, row.speed_high_95_mm_s)
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})
         return prints.measure(short, design, draws, silent).bounds_mm_s
@@ -194,10 +197,16 @@ def kept(path: Path, code: str, setting: str) -> list[Row]:
         return []
     with path.open(encoding="utf-8", newline="") as stream:
         lines = [
-            Row(one["code"], one["setting"], int(one["walker"]), one["method"],
-                *(float(one[name]) for name in Row._fields[4:10]), one["note"])
+            Row(
+                one["code"],
+                one["setting"],
+                int(one["walker"]),
+                one["method"],
+                *(float(one[name]) for name in Row._fields[4:10]),
+                one["note"],
+            )
             for one in csv.DictReader(stream)
-        ]  # fmt: skip
+        ]
     return [row for row in lines if (row.code, row.setting) == (code, setting)]
 
 

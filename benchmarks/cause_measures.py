@@ -50,16 +50,19 @@ class Setting(NamedTuple):
     """Acceleration under the walker over the one that is stated, where a bent plate moves more."""
 
 
-def plan_of(
-    one: Setting, label: float, tilt: float, runs: int, seconds: float, gamma: float = 1.8
-) -> Plan:
+def plan_of(one: Setting, label: float, tilt: float, runs: int, seconds: float, gamma: float = 1.8) -> Plan:
     """Plan of the paper's walker with one cause, on its plane unless the cause is a lane."""
     scene = templates.load("plane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=tilt)
     walker = {key[7:]: value for key, value in one.keys.items() if key.startswith("walker.")}
-    keys = {"run.runs": runs, "run.seconds": seconds, "run.discard_seconds": 0.5,
-            "legs.model": "space", "contact.restitution": label,
-            "drive.gamma": one.shake * gamma}  # fmt: skip
+    keys = {
+        "run.runs": runs,
+        "run.seconds": seconds,
+        "run.discard_seconds": 0.5,
+        "legs.model": "space",
+        "contact.restitution": label,
+        "drive.gamma": one.shake * gamma,
+    }
     keys |= {key: value for key, value in one.keys.items() if not key.startswith("walker.")}
     design = design.variant(**walker) if walker else design
     plan = prepare(scene.variant(**keys), design, solids.mass_of(design))
@@ -151,7 +154,9 @@ def slow(one: Setting, label: float) -> Quantities:
 
 
 MEASURES: dict[str, tuple[Callable[[Setting, float], Quantities], str]] = {
-    "fast": (fast, "types"), "bounce": (bounce, "rebound"), "onset": (onset, "line 1.8"),
+    "fast": (fast, "types"),
+    "bounce": (bounce, "rebound"),
+    "onset": (onset, "line 1.8"),
     "slow": (slow, "turning"),
-}  # fmt: skip
+}
 """Measures by name, each with its last quantity: what was cut short is measured again."""

@@ -42,9 +42,7 @@ CROSSOVER, SHARE_OF_LINE, TYPES = (0.5, 2.0), 0.8, 0.95
 """Lag (s) at which the exponent falls to 1.5, share of the line, and of types, that count so."""
 
 
-def some(
-    cause: str, key: str, unit: str, likely: Sequence[float], far: Sequence[float]
-) -> list[Setting]:
+def some(cause: str, key: str, unit: str, likely: Sequence[float], far: Sequence[float]) -> list[Setting]:
     """Settings of one key, at values that a set-up may have and at others."""
     values = sorted([(one, True) for one in likely] + [(one, False) for one in far])
     return [Setting(cause, f"{one:g}{unit}", near, {key: one}) for one, near in values]
@@ -75,27 +73,35 @@ SETTINGS = (
     Setting("none", "", True),
     *some("uneven corners", "feet.unevenness_um", " um", (2, 5, 10, 20), (50, 100)),
     *some("plate noise", "plate.noise_ratio", " of the drive", (0.03, 0.1), (0.2, 0.3, 0.5, 1)),
-    distorted(0.03, 0, True), distorted(0.1, 0, False), distorted(0.1, 180, False),
+    distorted(0.03, 0, True),
+    distorted(0.1, 0, False),
+    distorted(0.1, 180, False),
     distorted(0.3, 0, False),
-    lane(0.5, 0.25, True), lane(0.2, 0.25, True), lane(0.1, 0.25, True), lane(0.2, 1.0, False),
+    lane(0.5, 0.25, True),
+    lane(0.2, 0.25, True),
+    lane(0.1, 0.25, True),
+    lane(0.2, 1.0, False),
     *some("slope of the plate", "plate.slope_deg", " deg", (0.1, 0.3), (1, 3)),
-    rocking(0.05, 0, True), rocking(0.05, 90, True), rocking(0.2, 0, False),
-    rocking(0.2, 90, False), rocking(0.5, 0, False), rocking(0.5, 90, False),
+    rocking(0.05, 0, True),
+    rocking(0.05, 90, True),
+    rocking(0.2, 0, False),
+    rocking(0.2, 90, False),
+    rocking(0.5, 0, False),
+    rocking(0.5, 90, False),
     rocking(0.5, 180, False),
-    *[Setting("bent plate", f"x {one:g}", 0.9 < one < 1.11, shake=one)
-      for one in (0.9, 0.92, 0.95, 1.1, 1.25, 1.5)],
-    *some("soft layer", "feet.local_stiffness_ratio", " of the leg's",
-          (1, 0.3, 0.1, 0.03, 0.025, 0.02), (0.01,)),
-    rough(20, 20, True), rough(3, 1, False), rough(10, 1, False),
+    *[Setting("bent plate", f"x {one:g}", 0.9 < one < 1.11, shake=one) for one in (0.9, 0.92, 0.95, 1.1, 1.25, 1.5)],
+    *some("soft layer", "feet.local_stiffness_ratio", " of the leg's", (1, 0.3, 0.1, 0.03, 0.025, 0.02), (0.01,)),
+    rough(20, 20, True),
+    rough(3, 1, False),
+    rough(10, 1, False),
     *some("friction", "contact.friction", "", (), (0.1, 0.15, 0.4, 0.5)),
     Setting("hysteretic feet", "", True, {"feet.damping": "hysteretic"}),
     *some("leg damping", "legs.damping_ratio", "", (0.1,), (0.3,)),
     *some("leg thickness", "walker.legs.flexible_thickness_mm", " mm", (), (0.3, 0.6)),
     Setting("square feet", "", True, {"walker.legs.foot": "square"}),
-)  # fmt: skip
+)
 
-STILL = {"plate noise", "second harmonic", "slope of the plate", "rocking plate", "walls",
-         "bent plate"}  # fmt: skip
+STILL = {"plate noise", "second harmonic", "slope of the plate", "rocking plate", "walls", "bent plate"}
 """Causes without a part in a drop on a level plate at rest."""
 
 AT_BOTH = {"none", "soft layer"}
@@ -173,10 +179,7 @@ def rebound_beside(known: Known) -> tuple[float, float] | None:
     if speeds[0] > SPEED[1] or speeds[-1] < SPEED[0]:
         return None
     largest = min(SPEED[1], speeds[-1])
-    level, turned = (
-        float(np.interp(largest, speeds, [known[label, name][0] for label in LABELS]))
-        for name in DROPS
-    )
+    level, turned = (float(np.interp(largest, speeds, [known[label, name][0] for label in LABELS])) for name in DROPS)
     return level, turned
 
 
@@ -203,8 +206,7 @@ def cell(known: Known, name: str, labels: Sequence[float], digits: int, times: f
     """Values with their errors at some labels."""
     pairs = [known[label, name] for label in labels if (label, name) in known]
     return ", ".join(
-        "never" if math.isnan(value) else f"{times * value:.{digits}f} ± {times * se:.{digits}f}"
-        for value, se in pairs
+        "never" if math.isnan(value) else f"{times * value:.{digits}f} ± {times * se:.{digits}f}" for value, se in pairs
     )
 
 
@@ -226,12 +228,16 @@ def table(rows: Sequence[Row]) -> str:
         pair = rebound_beside(known)
         shares = [cell(known, f"line {gamma:g}", ENDS, 2) for gamma in GAMMAS[:2]]
         cells = (
-            one.cause, one.size + ("" if one.likely else " *"),
-            cell(known, "crossover", ENDS, 2), cell(known, "exponent", ENDS, 2), *shares,
+            one.cause,
+            one.size + ("" if one.likely else " *"),
+            cell(known, "crossover", ENDS, 2),
+            cell(known, "exponent", ENDS, 2),
+            *shares,
             cell(known, "types", ENDS, 0, 100.0),
             cell(known, "speed", LABELS, 0),
-            "/".join(f"{ratio:.2f}" for ratio in pair) if pair else "no label", brought(known),
-        )  # fmt: skip
+            "/".join(f"{ratio:.2f}" for ratio in pair) if pair else "no label",
+            brought(known),
+        )
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

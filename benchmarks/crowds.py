@@ -31,25 +31,23 @@ def card() -> Card:
     """The paper's walker, with numbers of the size that cards have."""
     x, y = 0.5 * LENGTH, 0.5 * WIDTH
     measured = {
-        "speed_mm_s": 56.0, "velocity_relaxation_s": 0.02, "turning_rad_s": 0.0,
-        "rotational_diffusion_rad2_s": 0.5, "translational_diffusion_mm2_s": 5.0,
-    }  # fmt: skip
+        "speed_mm_s": 56.0,
+        "velocity_relaxation_s": 0.02,
+        "turning_rad_s": 0.0,
+        "rotational_diffusion_rad2_s": 0.5,
+        "translational_diffusion_mm2_s": 5.0,
+    }
     known = {key: {"value": value} for key, value in measured.items()}
     box = [[-x, -y], [x, -y], [x, y], [-x, y]]
-    return Card.model_validate(
-        {"name": "box", "mass_g": 0.9, "inertia_g_mm2": 63.6, "outline_mm": [box], **known}
-    )
+    return Card.model_validate({"name": "box", "mass_g": 0.9, "inertia_g_mm2": 63.6, "outline_mm": [box], **known})
 
 
-def taken(
-    one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int
-) -> tuple[float, float]:
+def taken(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
     crowd.simulate(
-        [one], np.zeros(len(places), int), dish, places, seconds=simulated, rate_hz=50.0, seed=1,
-        ranks=ranks,
-    )  # fmt: skip
+        [one], np.zeros(len(places), int), dish, places, seconds=simulated, rate_hz=50.0, seed=1, ranks=ranks
+    )
     return os.times().children_user - before, time.perf_counter() - started
 
 

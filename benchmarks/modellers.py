@@ -40,12 +40,10 @@ def outlines(part: Part) -> list[Any]:
     tilt, kind = math.radians(part[0]), part[1]
     half, up = 0.5 * LEG_THICKNESS[kind] / math.cos(tilt), 0.25 * THICKNESS
     foot_x, foot_y = -LEG * math.sin(tilt), -LEG * math.cos(tilt)
-    limbs = [[(-half, up), (-half, 0), (foot_x - half, foot_y), (foot_x + half, foot_y),
-              (half, 0), (half, up)]]  # fmt: skip
+    limbs = [[(-half, up), (-half, 0), (foot_x - half, foot_y), (foot_x + half, foot_y), (half, 0), (half, up)]]
     if kind == "braced":
         left, right = foot_x - 0.5 * BRACE, foot_x + 0.5 * BRACE
-        limbs.append([(left, up), (left, 0), (left, foot_y), (right, foot_y), (right, 0),
-                      (right, up)])  # fmt: skip
+        limbs.append([(left, up), (left, 0), (left, foot_y), (right, foot_y), (right, 0), (right, up)])
     x, y = 0.5 * LENGTH, 0.5 * THICKNESS
     anchors = (-foot_x - 0.5 * SPACING, -foot_x + 0.5 * SPACING)
     placed = [[(px + a, py - y) for px, py in limb] for a in anchors for limb in limbs]
@@ -140,8 +138,7 @@ def with_openscad() -> Maker:
     def make(part: Part, folder: Path) -> Weighed:
         program, target = folder / "part.scad", folder / "part.stl"
         shapes = "".join(
-            f"linear_extrude({finer * DEPTH!r}) "
-            f"polygon({[[finer * x, finer * y] for x, y in polygon]!r});\n"
+            f"linear_extrude({finer * DEPTH!r}) polygon({[[finer * x, finer * y] for x, y in polygon]!r});\n"
             for polygon in outlines(part)
         )
         program.write_text(f"scale({1 / finer!r}) union() {{\n{shapes}}}\n", encoding="utf-8")
@@ -158,10 +155,7 @@ def with_cadquery() -> Maker:
     import cadquery
 
     def make(part: Part, folder: Path) -> Weighed:
-        pieces = [
-            cadquery.Workplane("XY").polyline(polygon).close().extrude(DEPTH)
-            for polygon in outlines(part)
-        ]
+        pieces = [cadquery.Workplane("XY").polyline(polygon).close().extrude(DEPTH) for polygon in outlines(part)]
         walker = pieces[0]
         for piece in pieces[1:]:
             walker = walker.union(piece)
@@ -177,10 +171,7 @@ def with_build123d() -> Maker:
     import build123d
 
     def make(part: Part, folder: Path) -> Weighed:
-        faces = [
-            build123d.make_face(build123d.Polyline(*polygon, close=True))
-            for polygon in outlines(part)
-        ]
+        faces = [build123d.make_face(build123d.Polyline(*polygon, close=True)) for polygon in outlines(part)]
         pieces = [build123d.extrude(face, amount=DEPTH, dir=(0, 0, 1)) for face in faces]
         walker = pieces[0].fuse(*pieces[1:])
         inertia = walker.matrix_of_inertia[2][2]
@@ -219,8 +210,12 @@ def worker(way: str, repeats: int, count: int, folder: Path) -> dict[str, Any]:
         made = [make(part, folder) for part in chosen]
         per_part.append((time.perf_counter() - started) / count)
     weighed = [entry() if callable(entry) else entry for entry in made]
-    return {"per_part": per_part, "imports": imports, "version": _version(way),
-            "weighed": list(zip(chosen, weighed, strict=True))}  # fmt: skip
+    return {
+        "per_part": per_part,
+        "imports": imports,
+        "version": _version(way),
+        "weighed": list(zip(chosen, weighed, strict=True)),
+    }
 
 
 def _version(way: str) -> str:

@@ -26,9 +26,7 @@ MOST, STEP = 1.5, 0.05
 
 
 def outline(mesh: Mesh) -> list[tuple[float, float]]:
-    solid = manifold3d.Manifold(
-        manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64))
-    )
+    solid = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.triangles.astype(np.uint64)))
     (polygon,) = solid.project().to_polygons()
     return [(float(x), float(y)) for x, y in polygon]
 
@@ -38,9 +36,8 @@ def strip(shape: list[tuple[float, float]], count: int, printer: Printer, second
     depth = printer.bed_depth_mm - 2.0 * plate.border(printer)
     item = spyrrow.Item("walker", shape, count, [0.0, 180.0])
     config = spyrrow.StripPackingConfig(
-        total_computation_time=seconds, seed=1, num_workers=1,
-        min_items_separation=plate.spacing(printer),
-    )  # fmt: skip
+        total_computation_time=seconds, seed=1, num_workers=1, min_items_separation=plate.spacing(printer)
+    )
     return float(spyrrow.StripPackingInstance("plate", depth, [item]).solve(config).width)
 
 

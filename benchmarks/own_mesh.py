@@ -95,11 +95,7 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
 
     made = joining.ready(body)
     legs = two_legs(made)
-    taken: dict[str, list[tuple[float, float]]] = {
-        "walkergen": [],
-        "the same, with its conversion": [],
-        "trimesh": [],
-    }
+    taken: dict[str, list[tuple[float, float]]] = {"walkergen": [], "the same, with its conversion": [], "trimesh": []}
     apart = 0.0
     for _ in range(repeats):
         # trimesh keeps what it has computed: each time a mesh that knows nothing yet
@@ -109,9 +105,7 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
         taken["walkergen"].append(seconds)
         seconds, _ = timed_twice(lambda path=path: with_walkergen(joining.ready(body), legs, path))
         taken["the same, with its conversion"].append(seconds)
-        seconds, other = timed_twice(
-            lambda given=theirs: with_trimesh(given[0], given[1:], folder / "rival.stl")
-        )
+        seconds, other = timed_twice(lambda given=theirs: with_trimesh(given[0], given[1:], folder / "rival.stl"))
         taken["trimesh"].append(seconds)
         for a, b in zip(mine, other, strict=True):
             apart = max(apart, float(np.abs(np.subtract(a, b)).max() / np.abs(b).max()))
@@ -121,9 +115,7 @@ def unite(body: Mesh, repeats: int, folder: Path) -> bool:
     for way, times in taken.items():
         walls, busy = zip(*times, strict=True)
         spread, median = f"{min(walls):.3f}..{max(walls):.3f}", statistics.median(walls)
-        print(
-            f"  {way:<30}{median:8.3f}{spread:>16}{statistics.median(busy):8.3f}{median / own:8.2f}"
-        )
+        print(f"  {way:<30}{median:8.3f}{spread:>16}{statistics.median(busy):8.3f}{median / own:8.2f}")
     print(f"  volumes and tensors differ by {apart:.1e}; the limit of time is {LIMIT} s")
     return apart <= AGREEMENT
 
@@ -160,11 +152,8 @@ def million() -> None:
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         seconds, found = timed(lambda: own_mesh.read(path))
         after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        print(
-            f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB"
-        )
-        print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB "
-              f"(before {before / 1e6:.2f} GB)")  # fmt: skip
+        print(f"a million: {len(found.mesh.triangles)} triangles, {path.stat().st_size / 1e6:.0f} MB")
+        print(f"  read and checked in {seconds:.2f} s, peak {after / 1e6:.2f} GB (before {before / 1e6:.2f} GB)")
         made = joining.ready(found.mesh)
         legs = two_legs(made)
         seconds, _ = timed(lambda: with_walkergen(made, legs, folder / "own.stl"))

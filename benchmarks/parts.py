@@ -78,8 +78,10 @@ def machine() -> str:
     lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
     names = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
     cpu = names[0] if names else platform.processor()
-    return (f"{cpu}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}, "
-            f"Python {platform.python_version()}, numpy {np.__version__}")  # fmt: skip
+    return (
+        f"{cpu}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}, "
+        f"Python {platform.python_version()}, numpy {np.__version__}"
+    )
 
 
 def compare(ways: list[str], pythons: dict[str, str], options: argparse.Namespace) -> bool:
@@ -96,8 +98,10 @@ def compare(ways: list[str], pythons: dict[str, str], options: argparse.Namespac
     reference = found["walkergen"]
     if "skipped" in reference:
         raise SystemExit(f"walkergen: {reference['skipped']}; {WAYS['walkergen'][1]}")
-    print(f"{'one part':<21}{'parts':>6}{'ms/part':>10}{'least..most':>20}{'ratio':>8}"
-          f"{'dV/V':>10}{'dJ/J':>10}{'import s':>10}")  # fmt: skip
+    print(
+        f"{'one part':<21}{'parts':>6}{'ms/part':>10}{'least..most':>20}{'ratio':>8}"
+        f"{'dV/V':>10}{'dJ/J':>10}{'import s':>10}"
+    )
     apart = 0.0
     for way, made in found.items():
         if "skipped" in made:
@@ -108,9 +112,11 @@ def compare(ways: list[str], pythons: dict[str, str], options: argparse.Namespac
         times = 1e3 * np.array(made["per_part"])
         ratio = np.median(made["per_part"]) / np.median(reference["per_part"])
         spread = f"{times.min():.3f}..{times.max():.3f}"
-        print(f"{way + ' ' + made['version']:<21}{len(made['weighed']):>6}"
-              f"{np.median(times):>10.3f}{spread:>20}{ratio:>8.2f}"
-              f"{volume:>10.1e}{inertia:>10.1e}{made['imports']:>10.2f}")  # fmt: skip
+        print(
+            f"{way + ' ' + made['version']:<21}{len(made['weighed']):>6}"
+            f"{np.median(times):>10.3f}{spread:>20}{ratio:>8.2f}"
+            f"{volume:>10.1e}{inertia:>10.1e}{made['imports']:>10.2f}"
+        )
     return apart <= AGREEMENT
 
 

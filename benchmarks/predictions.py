@@ -60,9 +60,7 @@ def shelf() -> MassProperties:
         LegMass(*(np.array([getattr(leg, name) for leg in alike]) for name in VARYING))
         for alike in zip(*(mass.legs for mass in weighed), strict=True)
     ]
-    M, J = (
-        np.array(values) for values in zip(*((mass.M, mass.J) for mass in weighed), strict=True)
-    )
+    M, J = (np.array(values) for values in zip(*((mass.M, mass.J) for mass in weighed), strict=True))
     return MassProperties(M, J, tuple(legs), rigid=False)
 
 
@@ -119,9 +117,7 @@ def with_roots(triples: Triples, mode: Mode, law: LawName) -> Array | None:
 
             # Beyond this speed the foot slides on throughout; at 0 friction only pushes it on.
             bound = -np.copysign(4.0 * (friction * xx + abs(xy)) / yy, xy)
-            found[foot, k] = brentq(
-                impulse, 0.0, bound, (xx, xy, yy, restitution, friction), xtol=1e-14, rtol=1e-14
-            )
+            found[foot, k] = brentq(impulse, 0.0, bound, (xx, xy, yy, restitution, friction), xtol=1e-14, rtol=1e-14)
     return found.mean(axis=0)
 
 
@@ -153,9 +149,7 @@ def paper_tensor(mass: MassProperties, leg: LegMass) -> Array:
     return H
 
 
-def closed_form(
-    xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode, law: LawName
-) -> float:
+def closed_form(xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode, law: LawName) -> float:
     """The stationary factor under Poisson's or Newton's law (docs/physics.md section 4)."""
     ratio = mu if mode == "paper" else min(mu, abs(xy) / xx)
     top = (1 + e) * ratio / (mu + ratio) * (mu * xx + abs(xy))
@@ -164,8 +158,10 @@ def closed_form(
 
 Way = Callable[[Triples, Mode, LawName], Array | None]
 RIVALS: dict[str, tuple[Way, int]] = {
-    "root": (with_roots, 2000), "loop": (with_loop, 2000), "calls": (with_calls, 2000),
-}  # fmt: skip
+    "root": (with_roots, 2000),
+    "loop": (with_loop, 2000),
+    "calls": (with_calls, 2000),
+}
 
 
 def measure(walkers: MassProperties, mode: Mode, law: LawName, total: int, size: int) -> float:
@@ -198,13 +194,14 @@ def machine() -> str:
 def compare(walkers: MassProperties, rivals: list[str], options: argparse.Namespace) -> bool:
     """Print a row for every mode, law and way; True when all ways gave the same factors."""
     per_million = 1e6 / options.triples
-    print(f"{'mode':<9}{'law':<9}{'way':<11}{'triples':>9}{'s/million':>11}{'least..most':>18}"
-          f"{'ratio':>9}{'difference':>12}")  # fmt: skip
+    print(
+        f"{'mode':<9}{'law':<9}{'way':<11}{'triples':>9}{'s/million':>11}{'least..most':>18}"
+        f"{'ratio':>9}{'difference':>12}"
+    )
     agree = True
     for mode, law in CASES:
         times = [
-            per_million * measure(walkers, mode, law, options.triples, options.chunk)
-            for _ in range(options.repeats)
+            per_million * measure(walkers, mode, law, options.triples, options.chunk) for _ in range(options.repeats)
         ]
         reference = statistics.median(times)
         print(row(mode, law, "walkergen", options.triples, times, 1.0))
@@ -251,8 +248,10 @@ def main() -> None:
     before = peak_memory()
     measure(walkers, "coulomb", "stronge", options.triples, options.chunk)
     grown = peak_memory() - before
-    print(f"memory: peak {before:.1f} MB after the first {options.chunk} triples, "
-          f"{grown:.1f} MB more after {options.triples}")  # fmt: skip
+    print(
+        f"memory: peak {before:.1f} MB after the first {options.chunk} triples, "
+        f"{grown:.1f} MB more after {options.triples}"
+    )
     if not compare(walkers, rivals, options):
         raise SystemExit(f"the ways disagree: a factor is more than {AGREEMENT:g} apart")
 

@@ -146,9 +146,8 @@ def run_mujoco(task: dict[str, Any]) -> dict[str, Any]:
         def advance(periods: int) -> float:
             for _ in range(periods // every):
                 states, _ = rollout.rollout(
-                    model, data, state[None], pull,
-                    control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False,
-                )  # fmt: skip
+                    model, data, state[None], pull, control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False
+                )
                 state[:] = states[0, -1]
             return float(state[1])
 

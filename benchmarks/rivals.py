@@ -122,8 +122,7 @@ FINE_US = 1.0
 def scene_of(case: Case, step_us: float, runs: int, seconds: float) -> Scene:
     scene = templates.load("lane-90hz", "scenes", Scene)
     contact = {"restitution": case.restitution, "friction": FRICTION, "law": "newton"}
-    run = {"step_us": step_us, "runs": runs, "seconds": seconds,
-           "discard_seconds": DISCARDED_S}  # fmt: skip
+    run = {"step_us": step_us, "runs": runs, "seconds": seconds, "discard_seconds": DISCARDED_S}
     return scene.model_copy(
         update={
             "contact": scene.contact.model_copy(update=contact),
@@ -163,30 +162,38 @@ def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str
         starts.append((drive.amplitude * clearance, FIRST_TURN * pitch, phase))
     return {
         "walker": walker._asdict() | {"legs": limbs},
-        "amplitude": drive.amplitude, "omega": drive.omega, "gravity": GRAVITY,
-        "restitution": case.restitution, "friction": FRICTION,
-        "step": period / count, "steps_per_period": count, "starts": starts,
+        "amplitude": drive.amplitude,
+        "omega": drive.omega,
+        "gravity": GRAVITY,
+        "restitution": case.restitution,
+        "friction": FRICTION,
+        "step": period / count,
+        "steps_per_period": count,
+        "starts": starts,
         "periods": 10 * math.ceil(0.1 * seconds / period),
         "discarded_periods": 10 * math.ceil(0.1 * DISCARDED_S / period),
-    } | setting.extra  # fmt: skip
+    } | setting.extra
 
 
 def with_rival(python: str, case: Case, setting: Setting, runs: int, seconds: float) -> Measured:
     said = subprocess.run(
-        [python, WORKER, setting.engine], check=True, text=True, stdout=subprocess.PIPE,
+        [python, WORKER, setting.engine],
+        check=True,
+        text=True,
+        stdout=subprocess.PIPE,
         input=json.dumps(task_of(case, setting, runs, seconds)),
-    ).stdout  # fmt: skip
+    ).stdout
     found = json.loads(said.splitlines()[-1])
     return Measured(np.array(found["speeds"]), found["simulated_s"], found["cpu_s"])
 
 
-def compare(
-    case: Case, ladder: list[Setting], python: str, options: argparse.Namespace
-) -> list[Rung]:
+def compare(case: Case, ladder: list[Setting], python: str, options: argparse.Namespace) -> list[Rung]:
     """Print a case's table; returns what each setting of the ladder reached."""
     exact = with_walkergen(case, FINE_US, options.runs, options.reference)
-    print(f"\n{case}, mu = {FRICTION:g}: steps of {FINE_US:g} us {exact.mean:.2f} +- "
-          f"{exact.standard_error:.2f} mm/s at {exact.rate:.1f} s/CPU s")  # fmt: skip
+    print(
+        f"\n{case}, mu = {FRICTION:g}: steps of {FINE_US:g} us {exact.mean:.2f} +- "
+        f"{exact.standard_error:.2f} mm/s at {exact.rate:.1f} s/CPU s"
+    )
     print(f"{'engine':<24}{'step us':>8}{'s/CPU s':>9}{'mean speed mm/s':>18}{'error %':>16}")
     found = []
     for setting in ladder:
@@ -197,8 +204,11 @@ def compare(
         error = made.mean / exact.mean - 1.0
         noise = math.hypot(made.standard_error, exact.standard_error) / exact.mean
         speed = f"{made.mean:.2f} +- {made.standard_error:.2f}"
-        print(f"{setting!s:<24}{setting.step_us:>8g}{made.rate:>9.2f}{speed:>18}"
-              f"{100 * error:>+9.1f} +- {100 * noise:.1f}", flush=True)  # fmt: skip
+        print(
+            f"{setting!s:<24}{setting.step_us:>8g}{made.rate:>9.2f}{speed:>18}"
+            f"{100 * error:>+9.1f} +- {100 * noise:.1f}",
+            flush=True,
+        )
         found.append(Rung(error, noise, made.rate))
     return found
 
@@ -208,8 +218,7 @@ def conclude(ladder: list[Setting], cases: list[list[Rung]], accepted: float) ->
 
     One case alone is no judge: errors of either sign cancel at some step by accident.
     """
-    print(f"\nfastest with an error of at most {100 * accepted:g} % in every case "
-          "(s/CPU s: over all cases)")  # fmt: skip
+    print(f"\nfastest with an error of at most {100 * accepted:g} % in every case (s/CPU s: over all cases)")
     each = list(zip(*cases, strict=True))
     worst = [max(rungs, key=lambda rung: abs(rung.error)) for rungs in each]
     rates = [len(cases) / sum(1.0 / rung.rate for rung in rungs) for rungs in each]
@@ -223,9 +232,11 @@ def conclude(ladder: list[Setting], cases: list[list[Rung]], accepted: float) ->
             best, remark = min(places, key=lambda at: abs(worst[at].error)), "; none is accepted"
         ours = rates[best] if engine == "walkergen" else ours
         error = f"{100 * worst[best].error:+.1f} +- {100 * worst[best].noise:.1f} %"
-        print(f"{ladder[best]!s:<24}{ladder[best].step_us:>8g}{rates[best]:>9.2f}"
-              f"   largest error {error:<15} walkergen / {engine}: {ours / rates[best]:.1f}"
-              f"{remark}")  # fmt: skip
+        print(
+            f"{ladder[best]!s:<24}{ladder[best].step_us:>8g}{rates[best]:>9.2f}"
+            f"   largest error {error:<15} walkergen / {engine}: {ours / rates[best]:.1f}"
+            f"{remark}"
+        )
 
 
 def isolated_python(folder: Path) -> str:

@@ -75,8 +75,12 @@ def plan_of(case: Case, seconds: float, runs: int) -> Plan:
         design = design.model_copy(update={"motor": Motor()})
         plate = Scene().drive
         moment = plate.amplitude * float(mass.total)
-        tables["drive"] = {"kind": "motor", "frequency_hz": plate.frequency, "axis": case.axis,
-                           "eccentric_g_mm": moment}  # fmt: skip
+        tables["drive"] = {
+            "kind": "motor",
+            "frequency_hz": plate.frequency,
+            "axis": case.axis,
+            "eccentric_g_mm": moment,
+        }
     return prepare(Scene.model_validate(tables), design, mass)
 
 
@@ -109,9 +113,7 @@ def threads(seconds: float, runs: int) -> None:
     (case,) = [case for case in CASES if case.name == SHOWN]
     plan = plan_of(case, 2.0 * seconds, 2 * runs)
     walls = {count: ensemble.measure(plan, silent, count)[0].wall_s for count in (1, 2)}
-    print(
-        f"two threads are {walls[1] / walls[2]:.2f} times as fast as one ({os.cpu_count()} cores)"
-    )
+    print(f"two threads are {walls[1] / walls[2]:.2f} times as fast as one ({os.cpu_count()} cores)")
 
 
 def first_results() -> None:
@@ -120,9 +122,7 @@ def first_results() -> None:
         for told in ("cold, with compilation", "warm"):
             started = time.perf_counter()
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
-            subprocess.run(
-                [sys.executable, *FIRST, "--quiet"], env=environment, check=True, timeout=600
-            )
+            subprocess.run([sys.executable, *FIRST, "--quiet"], env=environment, check=True, timeout=600)
             print(f"first result, {told}: {time.perf_counter() - started:.1f} s")
 
 

@@ -37,9 +37,7 @@ def main() -> None:
     area = seen_above.area_of(outline)
     alone = cost(own, np.zeros((1, 3)), None, arguments.seconds)
     print(f"alone on a plane: {1e3 * alone:.1f} ms of CPU for a simulated second")
-    print(
-        f"{'walkers':>8} {'dish':>10} {'ms a walker':>12} {'over one alone':>15} {'LAMMPS, ms':>11}"
-    )
+    print(f"{'walkers':>8} {'dish':>10} {'ms a walker':>12} {'over one alone':>15} {'LAMMPS, ms':>11}")
     for count in arguments.counts:
         diameter = round(math.sqrt(4.0 * count * area / math.pi / arguments.packing), 1)
         dish = Dish("disc", (diameter,))
@@ -77,8 +75,9 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     taken = []
     for simulated in (0.1, 0.6):
         before = os.times().children_user
-        crowd.simulate([card()], np.zeros(len(places), int), dish, places, seconds=simulated,
-                       rate_hz=50.0, seed=1, ranks=1)  # fmt: skip
+        crowd.simulate(
+            [card()], np.zeros(len(places), int), dish, places, seconds=simulated, rate_hz=50.0, seed=1, ranks=1
+        )
         taken.append(os.times().children_user - before)
     return (taken[1] - taken[0]) / 0.5 / len(places)
 

@@ -31,8 +31,13 @@ def seconds(words: tuple[str, ...]) -> float:
     surroundings = {name: value for name, value in os.environ.items() if name not in unset}
     with tempfile.TemporaryDirectory() as folder:
         started = time.perf_counter()
-        subprocess.run([sys.executable, "-m", "walkergen", *words], cwd=folder, check=True,
-                       env=surroundings, stdout=subprocess.DEVNULL)  # fmt: skip
+        subprocess.run(
+            [sys.executable, "-m", "walkergen", *words],
+            cwd=folder,
+            check=True,
+            env=surroundings,
+            stdout=subprocess.DEVNULL,
+        )
         return time.perf_counter() - started
 
 

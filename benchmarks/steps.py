@@ -66,20 +66,37 @@ class Row(NamedTuple):
 
 
 SETTINGS = (
-    Setting(2.0), Setting(5.0), Setting(10.0), Setting(15.0), Setting(20.0), Setting(35.0),
-    Setting(2.0, 0.3, 0.25), Setting(2.0, 0.5, 0.1), Setting(5.0, 0.05, 0.25),
-    Setting(5.0, 0.2, 0.1), Setting(5.0, 0.3, 0.05), Setting(5.0, 0.3, 0.1),
-    Setting(5.0, 0.5, 0.5), Setting(8.0, 0.3, 0.25), Setting(10.0, 0.05, 0.1),
-    Setting(10.0, 0.3, 0.25), Setting(10.0, 0.3, 0.5), Setting(10.0, 0.8, 0.1),
+    Setting(2.0),
+    Setting(5.0),
+    Setting(10.0),
+    Setting(15.0),
+    Setting(20.0),
+    Setting(35.0),
+    Setting(2.0, 0.3, 0.25),
+    Setting(2.0, 0.5, 0.1),
+    Setting(5.0, 0.05, 0.25),
+    Setting(5.0, 0.2, 0.1),
+    Setting(5.0, 0.3, 0.05),
+    Setting(5.0, 0.3, 0.1),
+    Setting(5.0, 0.5, 0.5),
+    Setting(8.0, 0.3, 0.25),
+    Setting(10.0, 0.05, 0.1),
+    Setting(10.0, 0.3, 0.25),
+    Setting(10.0, 0.3, 0.5),
+    Setting(10.0, 0.8, 0.1),
     Setting(10.0, 0.5, 0.25, keys={"feet.damping": "hysteretic"}),
-    Setting(12.0, 0.5, 0.05), Setting(15.0, 0.3, 0.25, keys={"drive.gamma": 2.6}),
-    Setting(15.0, 0.8, 0.25), Setting(20.0, 0.05, 0.5), Setting(20.0, 0.5, 0.25),
-    Setting(35.0, 0.3, 0.25), Setting(10.0, 0.02, 0.25), Setting(5.0, 0.02, 0.25),
+    Setting(12.0, 0.5, 0.05),
+    Setting(15.0, 0.3, 0.25, keys={"drive.gamma": 2.6}),
+    Setting(15.0, 0.8, 0.25),
+    Setting(20.0, 0.05, 0.5),
+    Setting(20.0, 0.5, 0.25),
+    Setting(35.0, 0.3, 0.25),
+    Setting(10.0, 0.02, 0.25),
+    Setting(5.0, 0.02, 0.25),
     Setting(15.0, 0.02, 0.25),
     Setting(10.0, scene="lane-90hz"),
-    *(Setting(None, 0.3, None, one)
-      for one in ("two-materials", "unequal-legs", "polar-disc", "rotator")),
-)  # fmt: skip
+    *(Setting(None, 0.3, None, one) for one in ("two-materials", "unequal-legs", "polar-disc", "rotator")),
+)
 
 
 def silent(what: str, done: int, total: int) -> None:
@@ -138,8 +155,10 @@ def kept(path: Path, code: str) -> dict[str, Row]:
     if not path.exists():
         return {}
     with path.open(encoding="utf-8", newline="") as stream:
-        rows = [Row(line["code"], line["setting"], *(float(line[key]) for key in Row._fields[2:]))
-                for line in csv.DictReader(stream)]  # fmt: skip
+        rows = [
+            Row(line["code"], line["setting"], *(float(line[key]) for key in Row._fields[2:]))
+            for line in csv.DictReader(stream)
+        ]
     return {row.setting: row for row in rows if row.code == code}
 
 
@@ -164,9 +183,7 @@ def main() -> None:
     code = f"{kernels.digest()} {options.finer:g} {options.runs} {options.seconds:g}"
     rows = kept(options.out, code)
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    print(
-        f"| setting | own step | step / {options.finer:g} | difference | stated | table | median |"
-    )
+    print(f"| setting | own step | step / {options.finer:g} | difference | stated | table | median |")
     print("|---|--:|--:|--:|--:|--:|--:|")
     for one in SETTINGS:
         row = rows.get(name(one)) or measured(one, code, options)

@@ -64,9 +64,7 @@ def overhead(count: int, folder: Path) -> None:
     for number in range(REPEATS):
         started = time.perf_counter()
         for one in asked:
-            experiments.measure(
-                Experiment(one.scene, one.design, solids.mass_of(one.design)), silent, 1
-            )
+            experiments.measure(Experiment(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
         middle = time.perf_counter()
         list(run.each(asked, Store(folder / f"overhead{number}")))
         times.append((middle - started, time.perf_counter() - middle))
@@ -96,14 +94,19 @@ def predicted(count: int, folder: Path) -> None:
     for told, one in (
         ("first", request),
         ("again", request),
-        ("one more", request_of(count)._replace(space=axes.Space((
-            axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5)),
-        )))),
-    ):  # fmt: skip
+        (
+            "one more",
+            request_of(count)._replace(
+                space=axes.Space((axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5)),))
+            ),
+        ),
+    ):
         started, used = time.perf_counter(), time.process_time()
         make(Job(one, "benchmark", pictures=False), folder / "table", store, None, silent)
-        print(f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
-              f"({time.process_time() - used:.2f} s CPU)")  # fmt: skip
+        print(
+            f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
+            f"({time.process_time() - used:.2f} s CPU)"
+        )
 
 
 def memory(count: int, folder: Path) -> None:

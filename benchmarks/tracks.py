@@ -89,20 +89,20 @@ class Row(NamedTuple):
         return Cell(self.kind, self.walkers, self.seconds, self.gaps)
 
 
-CELLS = [
-    Cell(*values) for values in itertools.product(KINDS, NUMBERS, LENGTHS, GAPS)
-    if values[:2] != ("unlike", 1)
-]  # fmt: skip
+CELLS = [Cell(*values) for values in itertools.product(KINDS, NUMBERS, LENGTHS, GAPS) if values[:2] != ("unlike", 1)]
 """All cells; one walker tells nothing of how walkers differ."""
 
 
 def truth(walker: Walker) -> dict[str, float]:
     """Numbers that the analysis should find, by its own names: those of all prints of a kind."""
     numbers = {
-        "speed": walker.ahead.real, "sideways speed": walker.ahead.imag,
-        "turning bias": walker.turn, "rotational diffusion": walker.rate,
-        "persistence rate": walker.rate, "diffusivity": _diffusivity(walker),
-    }  # fmt: skip
+        "speed": walker.ahead.real,
+        "sideways speed": walker.ahead.imag,
+        "turning bias": walker.turn,
+        "rotational diffusion": walker.rate,
+        "persistence rate": walker.rate,
+        "diffusivity": _diffusivity(walker),
+    }
     if walker.speed_sd:
         numbers |= {"speed scatter": walker.speed_sd, "turning scatter": walker.turn_sd}
     if walker.diffusion:
@@ -113,11 +113,15 @@ def truth(walker: Walker) -> dict[str, float]:
 def _diffusivity(walker: Walker) -> float:
     """Mean diffusivity of walkers that differ, by Gauss and Hermite's rule."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(15)
-    each = [
-        walker._replace(speed=walker.speed + x * walker.speed_sd,
-                        turn=walker.turn + y * walker.turn_sd).diffusivity
-        for x in nodes for y in nodes
-    ] if walker.speed_sd else [walker.diffusivity] * len(nodes) ** 2  # fmt: skip
+    each = (
+        [
+            walker._replace(speed=walker.speed + x * walker.speed_sd, turn=walker.turn + y * walker.turn_sd).diffusivity
+            for x in nodes
+            for y in nodes
+        ]
+        if walker.speed_sd
+        else [walker.diffusivity] * len(nodes) ** 2
+    )
     return float(np.outer(weights, weights).ravel() @ each / weights.sum() ** 2)
 
 
@@ -140,8 +144,12 @@ def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
 
 def digest() -> str:
     """Digest of everything that decides a row."""
-    files = [*(ROOT / "walkergen" / "analysis").glob("*.py"), ROOT / "tests/synthetic_tracks.py",
-             ROOT / "walkergen/numerics/statistics.py", Path(__file__)]  # fmt: skip
+    files = [
+        *(ROOT / "walkergen" / "analysis").glob("*.py"),
+        ROOT / "tests/synthetic_tracks.py",
+        ROOT / "walkergen/numerics/statistics.py",
+        Path(__file__),
+    ]
     return hashlib.sha256(b"".join(one.read_bytes() for one in sorted(files))).hexdigest()[:12]
 
 
@@ -151,11 +159,18 @@ def kept(path: Path, code: str, seed: int, films: int) -> list[Row]:
         return []
     with path.open(encoding="utf-8", newline="") as stream:
         rows = [
-            Row(one["code"], int(one["seed"]), one["kind"], int(one["walkers"]),
-                float(one["seconds"]), one["gaps"], one["quantity"],
-                *(int(one[name]) for name in Row._fields[7:]))
+            Row(
+                one["code"],
+                int(one["seed"]),
+                one["kind"],
+                int(one["walkers"]),
+                float(one["seconds"]),
+                one["gaps"],
+                one["quantity"],
+                *(int(one[name]) for name in Row._fields[7:]),
+            )
             for one in csv.DictReader(stream)
-        ]  # fmt: skip
+        ]
     return [row for row in rows if (row.code, row.seed, row.films) == (code, seed, films)]
 
 
@@ -164,8 +179,7 @@ def share(rows: Sequence[Row]) -> str:
     told, films = (sum(getattr(row, name) for row in rows) for name in ("told", "films"))
     if told < FEWEST:
         return "refused" if films else ""
-    narrow, wide = (sum(getattr(row, name) for row in rows) / told
-                    for name in ("inside_68", "inside_95"))  # fmt: skip
+    narrow, wide = (sum(getattr(row, name) for row in rows) / told for name in ("inside_68", "inside_95"))
     refused = 100 * (films - told) / films
     note = f" ({refused:.0f})" if refused >= 0.5 else ""
     return f"{100 * narrow:.0f}, {100 * wide:.0f} ± {100 * error(wide, told):.0f}{note}"
@@ -198,8 +212,10 @@ def missed(rows: Sequence[Row]) -> list[str]:
         slack = 2.0 * error(inside, row.told)
         if not GOAL[0] - slack <= inside <= GOAL[1] + slack:
             cell = row.cell
-            lines.append(f"- {row.quantity}: {cell.kind}, {cell.walkers} walkers, "
-                         f"{cell.seconds:g} s, gaps {cell.gaps}: {share([row])}")  # fmt: skip
+            lines.append(
+                f"- {row.quantity}: {cell.kind}, {cell.walkers} walkers, "
+                f"{cell.seconds:g} s, gaps {cell.gaps}: {share([row])}"
+            )
     return lines
 
 

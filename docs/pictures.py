@@ -42,15 +42,11 @@ PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
 
 FAMILY = "walkergen family koumakis2016"
-MOVIE = (
-    "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 "
-    "--slow 150"
-)
+MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 --slow 150"
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:45:2.5 --set scene.drive.gamma=1.2:3:0.1"
 CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 10 --only models --budget 2min"
 SIMULATED = (
-    "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 "
-    "--set scene.run.runs=8"
+    "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
 )
 REPRODUCE = "walkergen reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "walkergen validate"
@@ -122,9 +118,7 @@ def app(folder: Path) -> bytes:
     """Picture of the page on which a walker is designed."""
     words = [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser"]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(
-        words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
-    ) as server:
+    with subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdout is not None
         address = server.stdout.readline().split()[-1]
         try:
@@ -137,50 +131,96 @@ def browser(folder: Path, address: str, width: int, height: int) -> bytes:
     """Picture of a page in a browser."""
     shot = folder / "shot.png"
     command = [
-        "chromium", "--headless", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader", f"--window-size={width},{height}",
-        "--virtual-time-budget=8000", f"--screenshot={shot}", address,
-    ]  # fmt: skip
+        "chromium",
+        "--headless",
+        "--no-sandbox",
+        "--hide-scrollbars",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        f"--window-size={width},{height}",
+        "--virtual-time-budget=8000",
+        f"--screenshot={shot}",
+        address,
+    ]
     subprocess.run(command, check=True, capture_output=True)
     return shot.read_bytes()
 
 
 PICTURES = (
-    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 15,
-            "preview.png"),
-    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0,
-            "speed.png"),
-    Picture("page.png", FAMILY, (*PREDICTION, "walkergen/jobs/page/report/**/*"), 10, page,
-            program="chromium", package="chromium",
-            shown=f"{FAMILY}\nwalkergen report out/koumakis2016"),
-    Picture("app.png", "", (*PREDICTION, *WALKER, "walkergen/app/**/*", "viewer/*.js"), 10, app,
-            program="chromium", package="chromium", shown="walkergen app"),
-    Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 2,
-            mechanisms, shown="\n".join(f"walkergen family {name}" for name in OTHERS)),
+    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 15, "preview.png"),
+    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0, "speed.png"),
+    Picture(
+        "page.png",
+        FAMILY,
+        (*PREDICTION, "walkergen/jobs/page/report/**/*"),
+        10,
+        page,
+        program="chromium",
+        package="chromium",
+        shown=f"{FAMILY}\nwalkergen report out/koumakis2016",
+    ),
+    Picture(
+        "app.png",
+        "",
+        (*PREDICTION, *WALKER, "walkergen/app/**/*", "viewer/*.js"),
+        10,
+        app,
+        program="chromium",
+        package="chromium",
+        shown="walkergen app",
+    ),
+    Picture(
+        "mechanisms.png",
+        "",
+        (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"),
+        2,
+        mechanisms,
+        shown="\n".join(f"walkergen family {name}" for name in OTHERS),
+    ),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
-    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30,
-            "movie.gif"),
-    Picture("choice.png", CHOICE,
-            (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190,
-            "choice.png"),
-    Picture("simulated.png", SIMULATED,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/make/family/figures.py"), 40,
-            "speed.png"),
-    Picture("reproduced.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
-            190, "figure2.png"),
-    Picture("figure6.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"), 0,
-            "figure6.png"),
-    Picture("crowd.png", CROWD,
-            (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/run/crowd/*.py",
-             "walkergen/points/crowd*.py"),
-            40, "crowd.png"),
-    Picture("validation.png", VALIDATE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/validate/*.py"),
-            180, "validation.png", beside=("validation.md",), program="prusa-slicer",
-            package="prusa-slicer"),
-)  # fmt: skip
+    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30, "movie.gif"),
+    Picture(
+        "choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190, "choice.png"
+    ),
+    Picture(
+        "simulated.png",
+        SIMULATED,
+        (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/make/family/figures.py"),
+        40,
+        "speed.png",
+    ),
+    Picture(
+        "reproduced.png",
+        REPRODUCE,
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
+        190,
+        "figure2.png",
+    ),
+    Picture(
+        "figure6.png",
+        REPRODUCE,
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
+        0,
+        "figure6.png",
+    ),
+    Picture(
+        "crowd.png",
+        CROWD,
+        (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/run/crowd/*.py", "walkergen/points/crowd*.py"),
+        40,
+        "crowd.png",
+    ),
+    Picture(
+        "validation.png",
+        VALIDATE,
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/validate/*.py"),
+        180,
+        "validation.png",
+        beside=("validation.md",),
+        program="prusa-slicer",
+        package="prusa-slicer",
+    ),
+)
 """All pictures, those of one command beside one another."""
 
 
@@ -240,19 +280,13 @@ def command_of(picture: Picture) -> str:
 
 def facts(picture: Picture) -> dict[str, str]:
     """Facts that a picture bears: version of walkergen, command, digest of the code."""
-    return {
-        "Software": f"walkergen {__version__}",
-        "Command": command_of(picture),
-        "Code": digest(picture.sources),
-    }
+    return {"Software": f"walkergen {__version__}", "Command": command_of(picture), "Code": digest(picture.sources)}
 
 
 def stamped(data: bytes, told: dict[str, str]) -> bytes:
     """PNG with facts as chunks of text, or GIF with them as a comment of a line each."""
     if data.startswith(b"\x89PNG"):
-        chunks = b"".join(
-            _chunk(f"{key}\0{value}".encode("latin-1")) for key, value in told.items()
-        )
+        chunks = b"".join(_chunk(f"{key}\0{value}".encode("latin-1")) for key, value in told.items())
         return data[:33] + chunks + data[33:]  # behind the header
     comment = "\n".join(f"{key}: {value}" for key, value in told.items()).encode()
     colours = 3 * 2 ** ((data[10] & 7) + 1) if data[10] & 0x80 else 0
@@ -300,8 +334,7 @@ def make(pictures: Sequence[Picture]) -> None:
         wanted = []
         for picture in group:
             if picture.program and shutil.which(picture.program) is None:
-                print(f"{picture.name}: skipped: no {picture.program} here; "
-                      f"apt-get install {picture.package}")  # fmt: skip
+                print(f"{picture.name}: skipped: no {picture.program} here; apt-get install {picture.package}")
             else:
                 wanted.append(picture)
         if wanted:

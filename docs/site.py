@@ -20,9 +20,7 @@ ROOT = Path(__file__).parent.parent
 NAMES = [name for names in COMMANDS.values() for name in names]
 """Commands, in the order of the help."""
 
-PAPERS = {
-    "index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"
-}  # fmt: skip
+PAPERS = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
 CALLS = {
@@ -46,13 +44,7 @@ CALLS = {
 ROOMS = {
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
-    "theory": [
-        "theory/impact",
-        "theory/tensors",
-        "theory/speed",
-        "theory/balance",
-        "theory/stationary",
-    ],
+    "theory": ["theory/impact", "theory/tensors", "theory/speed", "theory/balance", "theory/stationary"],
     "predictions": ["theory/prediction", "theory/uncertain", "theory/discrepancy"],
     "simulation": [
         "simulation/plan",
@@ -97,9 +89,7 @@ def on_files(files, config):
     made["api/python.md"] = _calls()
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
-        made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(
-            f"::: {name}" for name in names
-        )
+        made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(f"::: {name}" for name in names)
     for page, text in made.items():
         files.append(File.generated(config, page, content=text))
     return Files([file for file in files if not file.src_path.endswith(".py")])
@@ -112,9 +102,7 @@ def on_page_markdown(markdown, page, config, files):
 
 def _paper(path):
     """Text of a paper of the project, as a page; what lies outside docs/ is no link there."""
-    text = re.sub(
-        r"\[([^]]+)\]\((?!https?:|#|docs/)[^)]+\)", r"\1", path.read_text(encoding="utf-8")
-    )
+    text = re.sub(r"\[([^]]+)\]\((?!https?:|#|docs/)[^)]+\)", r"\1", path.read_text(encoding="utf-8"))
     return re.sub(r"\]\(docs/", "](", text)
 
 
@@ -125,8 +113,7 @@ def _gallery():
     said = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
     commands = {one.name: one.shown or one.command for one in _pictures().PICTURES}
     return "# Gallery\n\n" + "\n\n".join(
-        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```"
-        for name, words in said.items()
+        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```" for name, words in said.items()
     )
 
 
@@ -158,26 +145,27 @@ def _calls():
         "or the name of a template or of a TOML file; so is a `Ground` a `wg.Scene` or a name, "
         "and a `Machine` a `wg.Printer` or a name."
     )
-    return "\n\n".join([begin, *(
-        f"::: walkergen.api.{module}.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}"
-        for name, module in CALLS.items()
-    )])  # fmt: skip
+    return "\n\n".join(
+        [
+            begin,
+            *(
+                f"::: walkergen.api.{module}.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}"
+                for name, module in CALLS.items()
+            ),
+        ]
+    )
 
 
 def _command(name):
     """Page of a command: its help, and that of the commands under it."""
     texts = [_help(name)]
-    for under in re.findall(
-        r"^  (\w+)  ", texts[0].partition("Commands:\n")[2], flags=re.MULTILINE
-    ):
+    for under in re.findall(r"^  (\w+)  ", texts[0].partition("Commands:\n")[2], flags=re.MULTILINE):
         texts.append(_help(name, under))
     return f"# {name}\n\n" + "\n\n".join(f"```text\n{text}\n```" for text in texts)
 
 
 def _help(*words):
-    text = CliRunner().invoke(
-        command_line, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"}
-    )
+    text = CliRunner().invoke(command_line, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"})
     assert text.exit_code == 0, text.output
     return text.stdout.strip()
 

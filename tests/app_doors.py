@@ -77,11 +77,18 @@ class Doors:
         """Answer to a request by its whole path."""
         fields = {"host": HOST} | headers
         scope = {
-            "type": "http", "method": method, "path": path, "raw_path": path.encode(),
-            "query_string": query.encode(), "root_path": "", "scheme": "http",
-            "http_version": "1.1", "server": ("127.0.0.1", 8765), "client": ("127.0.0.1", 1),
+            "type": "http",
+            "method": method,
+            "path": path,
+            "raw_path": path.encode(),
+            "query_string": query.encode(),
+            "root_path": "",
+            "scheme": "http",
+            "http_version": "1.1",
+            "server": ("127.0.0.1", 8765),
+            "client": ("127.0.0.1", 1),
             "headers": [(key.encode(), value.encode("latin-1")) for key, value in fields.items()],
-        }  # fmt: skip
+        }
         return asyncio.run(self._at(scope, data, leave_s))
 
     async def _at(self, scope, data, leave_s):
@@ -110,8 +117,11 @@ class Process:
     def __init__(self, folder: Path, *words: str) -> None:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser", *words],
-            cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         line = self.process.stdout.readline()
         self.host, self.path = re.search(r"http://([^/]+)(/\S*)", line).groups()
 
@@ -193,19 +203,68 @@ KEYS = [
     for path in config.keys(model)
 ] + ["legs[1].tilt_deg", "legs[2].along_mm", "legs[99].kind", "walker.mesh", "body.points_mm"]
 ODD = (
-    None, True, False, 0, -1, 1e-320, 1e308, math.nan, math.inf, -math.inf, 2**63, 10**400, "", "x",
-    "nan", "1e5", "\x00", "\x1b[31m", "\x7f", "\u202e", "\ud800", "\U0001f600", "é" * 300,
-    "a" * 200_000, "../../etc/passwd", "/etc/passwd", "C:\\x.stl", "disc", "text", "braced",
-    "auto", "0" * 16 + ".stl", [], {}, [[]], [1, "a"], {"": 1}, {"a.b": {"c": [{}]}},
-    [[-1e9, 0], [0, 0], [1, 1]], [{"kind": "braced"}] * 3, {"tilt_deg": 5}, "=", "a\nb = 1", '"',
-)  # fmt: skip
+    None,
+    True,
+    False,
+    0,
+    -1,
+    1e-320,
+    1e308,
+    math.nan,
+    math.inf,
+    -math.inf,
+    2**63,
+    10**400,
+    "",
+    "x",
+    "nan",
+    "1e5",
+    "\x00",
+    "\x1b[31m",
+    "\x7f",
+    "\u202e",
+    "\ud800",
+    "\U0001f600",
+    "é" * 300,
+    "a" * 200_000,
+    "../../etc/passwd",
+    "/etc/passwd",
+    "C:\\x.stl",
+    "disc",
+    "text",
+    "braced",
+    "auto",
+    "0" * 16 + ".stl",
+    [],
+    {},
+    [[]],
+    [1, "a"],
+    {"": 1},
+    {"a.b": {"c": [{}]}},
+    [[-1e9, 0], [0, 0], [1, 1]],
+    [{"kind": "braced"}] * 3,
+    {"tilt_deg": 5},
+    "=",
+    "a\nb = 1",
+    '"',
+)
 """Values that no page sends."""
 
 BLOBS = (
-    b"", b"null", b"[]", b"{", b"\xff\xfe", b'{"document": 1}', b'{"document": {}}', b"[" * 100_000,
-    b'{"a":' * 5000 + b"1" + b"}" * 5000, b'{"document": {"walker": NaN}}', b"9" * 5000,
-    b'{"document": ' + b"[" * 40 + b"]" * 40 + b"}", b'"' + b"x" * 1_200_000 + b'"',
-)  # fmt: skip
+    b"",
+    b"null",
+    b"[]",
+    b"{",
+    b"\xff\xfe",
+    b'{"document": 1}',
+    b'{"document": {}}',
+    b"[" * 100_000,
+    b'{"a":' * 5000 + b"1" + b"}" * 5000,
+    b'{"document": {"walker": NaN}}',
+    b"9" * 5000,
+    b'{"document": ' + b"[" * 40 + b"]" * 40 + b"}",
+    b'"' + b"x" * 1_200_000 + b'"',
+)
 """Messages that are no documents."""
 
 

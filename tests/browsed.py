@@ -27,11 +27,18 @@ def chromium(profile, *more):
     options = webdriver.ChromeOptions()
     options.binary_location = BROWSER
     for flag in (
-        "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
-        "--no-first-run", "--disable-background-networking", "--disable-component-update",
-        "--disable-sync", "--window-size=1280,1000", f"--user-data-dir={profile}",
+        "--headless",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--window-size=1280,1000",
+        f"--user-data-dir={profile}",
         *(more or ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")),
-    ):  # fmt: skip
+    ):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     return webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
@@ -40,9 +47,8 @@ def chromium(profile, *more):
 def walkergen(folder, *words):
     """What a command line printed that was run in a folder and succeeded."""
     done = subprocess.run(
-        [sys.executable, "-m", "walkergen", *map(str, words)],
-        cwd=folder, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
+        [sys.executable, "-m", "walkergen", *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=300
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -55,8 +61,7 @@ class Page:
         self.downloads = folder / "downloads"
         self.downloads.mkdir(exist_ok=True)
         browser.execute_cdp_cmd(
-            "Browser.setDownloadBehavior",
-            {"behavior": "allow", "downloadPath": str(self.downloads)},
+            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(self.downloads)}
         )
         self.start()
 
@@ -64,8 +69,10 @@ class Page:
         """Start the server and open its page."""
         self.server = subprocess.Popen(
             [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser", *self.words],
-            cwd=self.folder, stdout=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         line = self.server.stdout.readline()
         self.address = re.search(r"http://\S+", line)[0]
         self.open()
@@ -155,6 +162,4 @@ class Page:
         return [message for message in messages if "status of 422" not in message]
 
 
-needs_browser = pytest.mark.skipif(
-    not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED
-)
+needs_browser = pytest.mark.skipif(not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED)

@@ -40,13 +40,31 @@ def rings(modulus, density, strip, tip=0.0, root=0.42, clamp=0.05, elements=30):
     bending = modulus * width * thickness**3 / 12.0
     per_length = density * thickness * width + 0.25 * math.pi * AIR * width**2
     h = (free - clamp * width) / elements
-    k = bending / h**3 * np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-                                   [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h * h, -6 * h,
-                                                              4 * h * h]])  # fmt: skip
-    m = per_length * h / 420 * np.array([[156, 22 * h, 54, -13 * h],
-                                         [22 * h, 4 * h * h, 13 * h, -3 * h * h],
-                                         [54, 13 * h, 156, -22 * h],
-                                         [-13 * h, -3 * h * h, -22 * h, 4 * h * h]])  # fmt: skip
+    k = (
+        bending
+        / h**3
+        * np.array(
+            [
+                [12, 6 * h, -12, 6 * h],
+                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
+                [-12, -6 * h, 12, -6 * h],
+                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
+            ]
+        )
+    )
+    m = (
+        per_length
+        * h
+        / 420
+        * np.array(
+            [
+                [156, 22 * h, 54, -13 * h],
+                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
+                [54, 13 * h, 156, -22 * h],
+                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
+            ]
+        )
+    )
     size = 2 * elements + 2
     stiff, mass = np.zeros((size, size)), np.zeros((size, size))
     for one in range(elements):

@@ -99,9 +99,7 @@ class Rival:
         p, v = self.coordinates(state)
         hinges, _ = self.hinges(p, v)
         feet = np.vstack([self.foot(p, v, 0)[1], self.foot(p, v, 1)[1]])
-        return np.column_stack(
-            [feet @ self.solve(hinges, np.zeros(4), feet[i], hinges)[0] for i in range(4)]
-        )
+        return np.column_stack([feet @ self.solve(hinges, np.zeros(4), feet[i], hinges)[0] for i in range(4)])
 
     def acceleration(self, p, v, t, foot=None, mode="open", friction=0.0):
         """Acceleration (9,) and contact force (2,) with one foot open, stuck or sliding."""
@@ -148,9 +146,7 @@ class Rival:
                 v = self.kick(p, v, foot, impulse(self, p, v, t))
 
             def slopes(t, z, mode=mode, friction=friction):
-                return np.concatenate(
-                    [z[9:], self.acceleration(z[:9], z[9:], t, foot, mode, friction)[0]]
-                )
+                return np.concatenate([z[9:], self.acceleration(z[:9], z[9:], t, foot, mode, friction)[0]])
 
             def crossing(t, z, mode=mode, friction=friction, event=event):
                 force = self.acceleration(z[:9], z[9:], t, foot, mode, friction)[1]
@@ -163,9 +159,15 @@ class Rival:
 
             crossing.terminal, crossing.direction = True, -1.0
             found = solve_ivp(
-                slopes, (t, duration), np.concatenate([p, v]), "DOP853",
-                rtol=1e-12, atol=1e-14, max_step=2e-5, events=crossing if event else None,
-            )  # fmt: skip
+                slopes,
+                (t, duration),
+                np.concatenate([p, v]),
+                "DOP853",
+                rtol=1e-12,
+                atol=1e-14,
+                max_step=2e-5,
+                events=crossing if event else None,
+            )
             t, p, v = found.t[-1], found.y[:9, -1], found.y[9:, -1]
             if found.status == 0:
                 break

@@ -29,9 +29,7 @@ class Pair:
             (world._replace(acting=world.acting._replace(gravity=Gravity(1e-9, 0.0, 0.0))), state)
             for world, state in run.let_go(self.plan, 0)
         ]
-        for (world, state), at, velocity, spin in zip(
-            self.walkers, places, velocities, spins, strict=True
-        ):
+        for (world, state), at, velocity, spin in zip(self.walkers, places, velocities, spins, strict=True):
             state[C_X], state[C_Y], state[C_Z] = at[0], 100.0, at[1]
             state[V_X], state[V_Z] = velocity
             level(state, at[2])

@@ -69,10 +69,7 @@ def mobility(box, motion, arm):
 
 def inverse_mass(boxes, motions, point):
     """Inverse mass (1/g) of two boxes that touch at a point, shape (3, 3), in space."""
-    return sum(
-        mobility(box, motion, point - motion.place)
-        for box, motion in zip(boxes, motions, strict=True)
-    )
+    return sum(mobility(box, motion, point - motion.place) for box, motion in zip(boxes, motions, strict=True))
 
 
 def struck(boxes, motions, point, normal, law):

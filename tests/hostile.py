@@ -53,9 +53,7 @@ def faults(one: Try, seen: Seen) -> list[str]:
         found.append(f"exit code {seen.code}")
     if "Traceback" in seen.err or "Warning" in seen.err:
         found.append("traceback or warning of a library")
-    if seen.code == 2 and not any(
-        line.lower().startswith("error: ") for line in seen.err.splitlines()
-    ):
+    if seen.code == 2 and not any(line.lower().startswith("error: ") for line in seen.err.splitlines()):
         found.append("no line of error")
     if seen.code == 2 and seen.new:
         found.append(f"refused, and left {seen.new[:3]}")
@@ -76,9 +74,13 @@ def faults(one: Try, seen: Seen) -> list[str]:
 def _hidden(letter: str) -> bool:
     code = ord(letter)
     return (
-        code < 32 or 127 <= code < 160 or 0xD800 <= code < 0xE000
-        or 0x200E <= code < 0x2010 or 0x2028 <= code < 0x202F or 0x2066 <= code < 0x206A
-    )  # fmt: skip
+        code < 32
+        or 127 <= code < 160
+        or 0xD800 <= code < 0xE000
+        or 0x200E <= code < 0x2010
+        or 0x2028 <= code < 0x202F
+        or 0x2066 <= code < 0x206A
+    )
 
 
 # --- running -------------------------------------------------------------------------------------
@@ -127,10 +129,7 @@ def _run(words: tuple[str, ...], folder: Path, told: Path, seconds: int) -> None
         signal.setitimer(signal.ITIMER_REAL, 4 * seconds)
         limit = _size() + MEMORY
         resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-        out, err = (
-            io.TextIOWrapper(io.BytesIO(), "utf-8", "surrogatepass", write_through=True)
-            for _ in range(2)
-        )
+        out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", "surrogatepass", write_through=True) for _ in range(2))
         sys.stdout, sys.stderr, sys.argv = out, err, ["walkergen", *words]
         warnings.simplefilter("default")
         try:
@@ -165,44 +164,194 @@ def _below(folder: Path) -> set[str]:
 # --- what is hostile -----------------------------------------------------------------------------
 
 NUMBERS = (
-    "5e-324", "1e-320", "-1e-310", "-0.0", "1e-200", "1e-13", "-1e-9", "1e-7", "1e17", "1e150",
-    "1.7e308", "-1.7e308", "nan", "-nan", "inf", "-inf", "9" * 400, "9" * 5000, "0x" + "f" * 9000,
-    "-9223372036854775809", "18446744073709551616", "0", "-1", "1", "2", "0.5", "1e9", "0b1", "0o7",
-)  # fmt: skip
+    "5e-324",
+    "1e-320",
+    "-1e-310",
+    "-0.0",
+    "1e-200",
+    "1e-13",
+    "-1e-9",
+    "1e-7",
+    "1e17",
+    "1e150",
+    "1.7e308",
+    "-1.7e308",
+    "nan",
+    "-nan",
+    "inf",
+    "-inf",
+    "9" * 400,
+    "9" * 5000,
+    "0x" + "f" * 9000,
+    "-9223372036854775809",
+    "18446744073709551616",
+    "0",
+    "-1",
+    "1",
+    "2",
+    "0.5",
+    "1e9",
+    "0b1",
+    "0o7",
+)
 TEXTS = (
-    r'""', r'"\u001b[31mred"', r'"\u009b2J"', r'"\u202Eabc"', r'"\u0000"', r'"\u0007"',
+    r'""',
+    r'"\u001b[31mred"',
+    r'"\u009b2J"',
+    r'"\u202Eabc"',
+    r'"\u0000"',
+    r'"\u0007"',
     r'"\u2066x"',
-    '"' + "a" * 300 + '"', '"' + "b" * 20_000 + '"', '"../../x"', '"/etc/passwd"', '"."', '"/"',
-    '"<script>alert(1)</script>"', '"{{7*7}}"', r'"a\nb"', '"%s%n"', '"[bold]x[/bold]"', '"CON"',
-    '"\U0001f600"', r'"\u0301\u0301"', '"=1+1"', "''", "'''\n\n'''",
-)  # fmt: skip
+    '"' + "a" * 300 + '"',
+    '"' + "b" * 20_000 + '"',
+    '"../../x"',
+    '"/etc/passwd"',
+    '"."',
+    '"/"',
+    '"<script>alert(1)</script>"',
+    '"{{7*7}}"',
+    r'"a\nb"',
+    '"%s%n"',
+    '"[bold]x[/bold]"',
+    '"CON"',
+    '"\U0001f600"',
+    r'"\u0301\u0301"',
+    '"=1+1"',
+    "''",
+    "'''\n\n'''",
+)
 OTHERS = (
-    "true", "[]", "{}", "[[]]", "[1]", "[true, 'x']", "{a = 1}", "[{}]", "1979-05-27", "07:32:00",
-    "1979-05-27T07:32:00Z", "[" * 40 + "]" * 40, "[" * 3000, "{a = " * 50 + "1" + "}" * 50,
-    "[1e-320, 2]", "[nan]", "[" + "1," * 3000 + "]",
-)  # fmt: skip
+    "true",
+    "[]",
+    "{}",
+    "[[]]",
+    "[1]",
+    "[true, 'x']",
+    "{a = 1}",
+    "[{}]",
+    "1979-05-27",
+    "07:32:00",
+    "1979-05-27T07:32:00Z",
+    "[" * 40 + "]" * 40,
+    "[" * 3000,
+    "{a = " * 50 + "1" + "}" * 50,
+    "[1e-320, 2]",
+    "[nan]",
+    "[" + "1," * 3000 + "]",
+)
 WORDS = (
-    "", " ", "\n", "5%\n", "1\n", "1_0", "١٢", "１", "nan", "inf", "-inf", "1e999", "1e-999", "-0",
-    "0x1", "1e-320", "9" * 5000, "1,", ",", ":", "1:2", "1:2:0", "1:2:1e-300",
-    "0:1e300:1", "--", "-",
-    "\x1b[31m", "\x9b1m", "\u202ex", "a\tb", "\udcff", "é" * 300, "x" * 5000, "../x",
-    "/", "/dev/null",
-    "1;2", "1 2", "%s", "{}", "$HOME", "[bold]", "=", "a=b", "legs=1", "scene.=1", "True", "none",
-    "5 %", "5%%", "%", "1mm/s/s", "1s", "0s", "1e-9s", "1e9h", "auto", "1e-9", "1e9", "10:5001",
-)  # fmt: skip
+    "",
+    " ",
+    "\n",
+    "5%\n",
+    "1\n",
+    "1_0",
+    "١٢",
+    "１",
+    "nan",
+    "inf",
+    "-inf",
+    "1e999",
+    "1e-999",
+    "-0",
+    "0x1",
+    "1e-320",
+    "9" * 5000,
+    "1,",
+    ",",
+    ":",
+    "1:2",
+    "1:2:0",
+    "1:2:1e-300",
+    "0:1e300:1",
+    "--",
+    "-",
+    "\x1b[31m",
+    "\x9b1m",
+    "\u202ex",
+    "a\tb",
+    "\udcff",
+    "é" * 300,
+    "x" * 5000,
+    "../x",
+    "/",
+    "/dev/null",
+    "1;2",
+    "1 2",
+    "%s",
+    "{}",
+    "$HOME",
+    "[bold]",
+    "=",
+    "a=b",
+    "legs=1",
+    "scene.=1",
+    "True",
+    "none",
+    "5 %",
+    "5%%",
+    "%",
+    "1mm/s/s",
+    "1s",
+    "0s",
+    "1e-9s",
+    "1e9h",
+    "auto",
+    "1e-9",
+    "1e9",
+    "10:5001",
+)
 CELLS = (
-    "", " ", "nan", "inf", "-inf", "1e17", "1e300", "-1e300", "1e-320", "-0.0", "1_0", "١", "0x1p3",
-    '"', '"1', "x" * 300, "\x1b[31m", "\u202e", "-5", "1e12", "9" * 400, "1,1", "0", "true", "\0",
-)  # fmt: skip
+    "",
+    " ",
+    "nan",
+    "inf",
+    "-inf",
+    "1e17",
+    "1e300",
+    "-1e300",
+    "1e-320",
+    "-0.0",
+    "1_0",
+    "١",
+    "0x1p3",
+    '"',
+    '"1',
+    "x" * 300,
+    "\x1b[31m",
+    "\u202e",
+    "-5",
+    "1e12",
+    "9" * 400,
+    "1,1",
+    "0",
+    "true",
+    "\0",
+)
 BLOBS = (
-    b"", b"\n", b"\0" * 100, b"\xff\xfe a\0", b"\xef\xbb\xbf", b"caf\xe9", bytes(range(256)),
-    b"a" * 1_200_000, b"\n" * 300_000, b"=" * 1000, b"[" * 5000, b'"""', b"a.b.c=" * 500,
+    b"",
+    b"\n",
+    b"\0" * 100,
+    b"\xff\xfe a\0",
+    b"\xef\xbb\xbf",
+    b"caf\xe9",
+    bytes(range(256)),
+    b"a" * 1_200_000,
+    b"\n" * 300_000,
+    b"=" * 1000,
+    b"[" * 5000,
+    b'"""',
+    b"a.b.c=" * 500,
     b"\x1b[2J",
-    b"a,b\n1", b"," * 100_000, b"a" + b".a" * 100_000 + b"=1", b"{}", b"[]", b"<svg/>", b"solid\n",
-
-    b"<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm'>"
-    b"<path d='M0 0L1 0L1 1Z'/></svg>",
-)  # fmt: skip
+    b"a,b\n1",
+    b"," * 100_000,
+    b"a" + b".a" * 100_000 + b"=1",
+    b"{}",
+    b"[]",
+    b"<svg/>",
+    b"solid\n",
+    b"<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm'><path d='M0 0L1 0L1 1Z'/></svg>",
+)
 
 
 def _fifo(place: Path) -> None:
@@ -239,27 +388,35 @@ def _dangling(place: Path) -> None:
 
 
 KINDS: Mapping[str, Callable[[Path], None]] = {
-    "fifo": _fifo, "loop": _loop, "endless": _endless, "socket": _socket, "sparse": _sparse,
-    "folder": Path.mkdir, "dangling": _dangling,
+    "fifo": _fifo,
+    "loop": _loop,
+    "endless": _endless,
+    "socket": _socket,
+    "sparse": _sparse,
+    "folder": Path.mkdir,
+    "dangling": _dangling,
     "terminal": lambda place: place.symlink_to("/dev/tty"),
     "memory": lambda place: place.symlink_to("/proc/self/mem"),
     "growing": lambda place: place.symlink_to("/proc/kmsg"),
-}  # fmt: skip
+}
 
 READERS: Mapping[str, tuple[str, ...]] = {
-    "x.toml": ("predict", "{}"), "s.toml": ("predict", "--scene", "{}"),
-    "p.toml": ("check", "--printer", "{}"), "w.toml": ("sweep", "--file", "{}", "--out", "out"),
+    "x.toml": ("predict", "{}"),
+    "s.toml": ("predict", "--scene", "{}"),
+    "p.toml": ("check", "--printer", "{}"),
+    "w.toml": ("sweep", "--file", "{}", "--out", "out"),
     "t.csv": ("analyse", "{}", "--out", "out", "--no-pictures"),
     "f.csv": ("fit", "{}", "--no-pictures", "--out", "out"),
     "m.csv": ("family", "--tilt", "10", "--legs", "braced", "--measured", "{}", "--out", "out"),
     "weights.csv": ("predict", "--weights", "{}"),
     "o.csv": ("plate", "--orders", "{}", "--out", "out"),
-    "c.csv": ("calibrate", "{}", "--out", "out"), "film.mp4": ("track", "{}", "--mm-per-px", "1"),
+    "c.csv": ("calibrate", "{}", "--out", "out"),
+    "film.mp4": ("track", "{}", "--mm-per-px", "1"),
     "fam/manifest.json": ("report", "fam", "--out", "page.html"),
     **{f"b.{end}": ("weigh", "{}") for end in ("stl", "obj", "ply", "off", "3mf", "glb")},
     **{f"d.{end}": ("predict", "--set", 'body={{outline="{}"}}') for end in ("svg", "dxf")},
     "e.stl": ("predict", "--set", 'body={{mesh="{}"}}'),
-}  # fmt: skip
+}
 """Commands that read a file, by the file's name."""
 
 
@@ -294,22 +451,20 @@ def keys(rng: random.Random) -> Try:
 def sweeps(rng: random.Random) -> Try:
     """A sweep's file with hostile values, ranges and bounds."""
     ends = [rng.choice((*NUMBERS[:20], "0", "5", "10")) for _ in range(3)]
-    odd = (
-        f'"{":".join(ends)}"',
-        f'"{ends[0]}:{ends[1]}"',
-        f"[{ends[0]}, {ends[1]}]",
-        f'"{ends[0]}"',
-    )
+    odd = (f'"{":".join(ends)}"', f'"{ends[0]}:{ends[1]}"', f"[{ends[0]}, {ends[1]}]", f'"{ends[0]}"')
     value = rng.choice((*odd, *odd, *OTHERS, *TEXTS, *NUMBERS))
     name = rng.choice(("legs.tilt_deg", "scene.drive.gamma", "scene.run.seed", "name", "nope"))
-    text = rng.choice((
-        f'[grid]\n"{name}" = {value}\n', f"[grid]\n{name} = {value}\n",
-        f'[sample]\npoints = 4\n[sample.between]\n"{name}" = {value}\n',
-        f'[sample]\npoints = {value}\n[sample.between]\n"legs.tilt_deg" = [5, 10]\n',
-        f'[set]\n"{name}" = {value}\n[grid]\n"legs.length_mm" = "7:8:1"\n',
-        f'error = {value}\nseed = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
-        f'keep = {value}\nmodel = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
-    ))  # fmt: skip
+    text = rng.choice(
+        (
+            f'[grid]\n"{name}" = {value}\n',
+            f"[grid]\n{name} = {value}\n",
+            f'[sample]\npoints = 4\n[sample.between]\n"{name}" = {value}\n',
+            f'[sample]\npoints = {value}\n[sample.between]\n"legs.tilt_deg" = [5, 10]\n',
+            f'[set]\n"{name}" = {value}\n[grid]\n"legs.length_mm" = "7:8:1"\n',
+            f'error = {value}\nseed = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
+            f'keep = {value}\nmodel = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
+        )
+    )
     words = ("sweep", "--file", "w.toml", "--no-pictures", "--out", "out")
     return Try("sweep", words, {"w.toml": text.encode("utf-8", "surrogatepass")})
 
@@ -334,9 +489,7 @@ def limits(rng: random.Random) -> Try:
 def names(rng: random.Random) -> Try:
     """A hostile key, table or header."""
     word = rng.choice(TEXTS)
-    text = rng.choice(
-        (f"{word} = 1\n", f"[{word}]\nx = 1\n", f"[legs]\n{word} = 1\n", f"legs.{word} = 1\n")
-    )
+    text = rng.choice((f"{word} = 1\n", f"[{word}]\nx = 1\n", f"[legs]\n{word} = 1\n", f"legs.{word} = 1\n"))
     return Try("name", ("predict", "x.toml"), {"x.toml": text.encode()})
 
 
@@ -367,28 +520,42 @@ def _form() -> str:
         stiff = modulus * width * thick**3 / 12.0
         hertz = 0.5596 * math.sqrt(stiff / (density * width * thick * long**4))
         sunk = weight * 9806.65 * (long - 2.0) ** 3 / (3.0 * stiff)
-        readings = [("thickness_mm", thick, 0.02), ("width_mm", width, 0.05),
-                    ("free_length_mm", long, 0.5), ("swings_20_s", 20.0 / hertz, 0.01)]  # fmt: skip
+        readings = [
+            ("thickness_mm", thick, 0.02),
+            ("width_mm", width, 0.05),
+            ("free_length_mm", long, 0.5),
+            ("swings_20_s", 20.0 / hertz, 0.01),
+        ]
         rows += [f"strip_{number},{name},{value:.4f},{error},,," for name, value, error in readings]
         rows += [f"strip_{number},deflection_mm,{40.0 - sunk:.2f},0.5,40,{weight},{long - 2.0}"] * 2
-    block = [("mass_g", 12.2, 0.01), ("length_mm", 20, 0.05), ("width_mm", 25, 0.05),
-             ("height_mm", 20, 0.05), ("slides_deg", 14, 1)]  # fmt: skip
+    block = [
+        ("mass_g", 12.2, 0.01),
+        ("length_mm", 20, 0.05),
+        ("width_mm", 25, 0.05),
+        ("height_mm", 20, 0.05),
+        ("slides_deg", 14, 1),
+    ]
     rows += [f"block,{name},{value},{error},,," for name, value, error in block]
     rows += ["walker,slides_deg,15,1,,,", *["walker,flight_s,0.04,0.002,,,10"] * 2]
     return "\n".join(rows) + "\n"
 
 
 TABLES: Mapping[str, tuple[str, int]] = {
-    "t.csv": ("t_s,particle,x_mm,y_mm,theta_rad,plate_speed_mm_s\n" + "".join(
-        f"{0.1 * k:.1f},{p},{k},{0.1 * k},0.1,30\n" for p in (0, 1) for k in range(30)), 6),
-    "f.csv": ("tilt_deg,speed_mm_s,speed_se_mm_s,legs,plate_speed_mm_s\n" + "".join(
-        f"{t},{3 * t + 5},2,{legs},31\n" for t in (0, 5, 10, 15,
-        20) for legs in ("flexible", "braced")), 5),
+    "t.csv": (
+        "t_s,particle,x_mm,y_mm,theta_rad,plate_speed_mm_s\n"
+        + "".join(f"{0.1 * k:.1f},{p},{k},{0.1 * k},0.1,30\n" for p in (0, 1) for k in range(30)),
+        6,
+    ),
+    "f.csv": (
+        "tilt_deg,speed_mm_s,speed_se_mm_s,legs,plate_speed_mm_s\n"
+        + "".join(f"{t},{3 * t + 5},2,{legs},31\n" for t in (0, 5, 10, 15, 20) for legs in ("flexible", "braced")),
+        5,
+    ),
     "m.csv": ("tilt_deg,speed_mm_s,speed_se_mm_s\n10,40,2\n10,45,2\n", 3),
     "weights.csv": ("part,grams,body_g,leg_g\nkoumakis2016_t10_flexible_s1.00,1,,\n", 4),
     "o.csv": ("design,tilt_deg,legs,copies\nkoumakis2016,10,braced,2\n", 4),
     "c.csv": (_form(), 7),
-}  # fmt: skip
+}
 """Sound tables, with the number of their columns."""
 
 
@@ -432,9 +599,13 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "predict": ((), {}),
     "analyse": (("t.csv", "--no-pictures", "--out", "out"), {"t.csv": TABLES["t.csv"][0].encode()}),
     "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
-    "check": ((), {}), "track": (("film.mp4",), {"film.mp4": b"no film"}),
-    "report": (("fam",), {}), "weigh": (("b.stl",), {}), "templates": ((), {}),
-    "export": (("--out", "out"), {}), "plate": (("--tilt", "10", "--out", "out"), {}),
+    "check": ((), {}),
+    "track": (("film.mp4",), {"film.mp4": b"no film"}),
+    "report": (("fam",), {}),
+    "weigh": (("b.stl",), {}),
+    "templates": ((), {}),
+    "export": (("--out", "out"), {}),
+    "plate": (("--tilt", "10", "--out", "out"), {}),
     "calibrate": (("c.csv", "--out", "out"), {"c.csv": TABLES["c.csv"][0].encode()}),
     "family": (("--tilt", "10", "--legs", "braced", "--no-pictures", "--out", "out"), {}),
     "sweep": (("--set", "legs.tilt_deg=5,10", "--out", "out"), {}),
@@ -448,7 +619,7 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "bench drop": (("--measured", "0.5", "--measured-sd", "0.1", "--drops", "2"), {}),
     "bench slide": (("--measured", "14", "--measured-sd", "1"), {}),
     "bench pluck": (("--measured", "400", "--measured-sd", "5"), {}),
-}  # fmt: skip
+}
 """Commands that end soon whatever flag is added, with what they need."""
 
 
@@ -472,9 +643,7 @@ def flags(rng: random.Random) -> Try:
     value = rng.choice(WORDS)
     if "\0" in value:
         value = "x"
-    given = (
-        (option.opts[0],) if getattr(option, "is_flag", False) else (f"{option.opts[0]}={value}",)
-    )
+    given = (option.opts[0],) if getattr(option, "is_flag", False) else (f"{option.opts[0]}={value}",)
     if option.opts[0] == "--out":
         given = ("--out", f"out/{value.strip('/') or 'x'}"[:4000])
     return Try(f"{name} {option.opts[0]}", (*name.split(), *words, *given), files)
@@ -510,10 +679,13 @@ def commands(rng: random.Random) -> Try:
     word, other = rng.choice(WORDS), rng.choice(WORDS)
     form = rng.randrange(6)
     words = (
-        (word,), ("predict", word), ("templates", word), ("templates", "show", word),
+        (word,),
+        ("predict", word),
+        ("templates", word),
+        ("templates", "show", word),
         ("templates", "copy", "prusa-mk3s", f"out/{word.strip('/')}"),
         ("selftest", "--only", word or "nope"),
-    )[form]  # fmt: skip
+    )[form]
     del other
     return Try("command", words)
 
@@ -528,8 +700,20 @@ def _cube() -> bytes:
 def _walls() -> bytes:
     """Binary STL of a closed box that is a sound body."""
     corners = [(x, y, z) for x in (0.0, 20.0) for y in (0.0, 4.0) for z in (0.0, 10.0)]
-    faces = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
-             (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3))  # fmt: skip
+    faces = (
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+        (1, 5, 7),
+        (1, 7, 3),
+    )
     return _stl([corners[at] for face in faces for at in face])
 
 
@@ -585,16 +769,28 @@ SOLIDS: Mapping[str, bytes] = {
     "b.obj": b"v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
     "b.off": b"OFF\n4 4 6\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
     "b.ply": b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-             b"property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
-             b"end_header\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
+    b"property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+    b"end_header\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
     "d.svg": BLOBS[-1],
     "d.dxf": b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
-             b"0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n9\n0\nENDSEC\n0\nEOF\n",
-}  # fmt: skip
+    b"0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n9\n0\nENDSEC\n0\nEOF\n",
+}
 PIECES = (
-    b"", b"-1", b"1e300", b"nan", b"1e-320", b"999999999", b"9" * 400, b"\xff", b"\0", b"0", b"inf",
-    b"\x1b[31m", b"<!ENTITY a 'b'>", b"4294967295",
-)  # fmt: skip
+    b"",
+    b"-1",
+    b"1e300",
+    b"nan",
+    b"1e-320",
+    b"999999999",
+    b"9" * 400,
+    b"\xff",
+    b"\0",
+    b"0",
+    b"inf",
+    b"\x1b[31m",
+    b"<!ENTITY a 'b'>",
+    b"4294967295",
+)
 
 
 def shapes(rng: random.Random) -> Try:
@@ -632,9 +828,7 @@ def make_family(folder: Path) -> None:
 def family(rng: random.Random) -> Try:
     """A family's folder in which somebody has edited a file."""
     files: dict[str, bytes | str] = dict(FAMILY)
-    name = rng.choice(
-        [one for one in files if not one.endswith((".3mf", ".md"))] + ["fam/manifest.json"] * 6
-    )
+    name = rng.choice([one for one in files if not one.endswith((".3mf", ".md"))] + ["fam/manifest.json"] * 6)
     way = rng.random()
     data = FAMILY[name]
     if way < 0.15:
@@ -657,12 +851,29 @@ def family(rng: random.Random) -> Try:
 
 
 JSONS = (
-    "null", "true", "0", "-1", "1e400", "9" * 5000, '""', r'"\ud800"', r'"\u001b[31m"', "[]", "{}",
-    '"../../../etc/passwd"', '"/etc/passwd"', '"a\\u0000b"', "[" * 3000 + "]" * 3000,
-    "NaN", "[null]",
-    '{"a": {"b": 1}}', '"' + "z" * 5000 + '"', "1e-320",
-    '"<img src=x onerror=alert(1)>"', r'"\u202e"',
-)  # fmt: skip
+    "null",
+    "true",
+    "0",
+    "-1",
+    "1e400",
+    "9" * 5000,
+    '""',
+    r'"\ud800"',
+    r'"\u001b[31m"',
+    "[]",
+    "{}",
+    '"../../../etc/passwd"',
+    '"/etc/passwd"',
+    '"a\\u0000b"',
+    "[" * 3000 + "]" * 3000,
+    "NaN",
+    "[null]",
+    '{"a": {"b": 1}}',
+    '"' + "z" * 5000 + '"',
+    "1e-320",
+    '"<img src=x onerror=alert(1)>"',
+    r'"\u202e"',
+)
 
 
 def _edited(data: bytes, rng: random.Random) -> bytes:
@@ -681,11 +892,7 @@ def _edited(data: bytes, rng: random.Random) -> bytes:
         place[mark] = place.pop(at)
     else:
         place[at] = mark
-    return (
-        json.dumps(tree)
-        .replace(f'"{mark}"', _key(rng) if mark in place else rng.choice(JSONS))
-        .encode()
-    )
+    return json.dumps(tree).replace(f'"{mark}"', _key(rng) if mark in place else rng.choice(JSONS)).encode()
 
 
 def _key(rng: random.Random) -> str:
@@ -693,10 +900,22 @@ def _key(rng: random.Random) -> str:
 
 
 CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
-    (keys, 10), (limits, 4), (sweeps, 3), (names, 2), (kinds, 6), (blobs, 4), (paths, 4),
-    (cells, 6), (flags, 8), (commands, 2), (shapes, 4), (family, 5),
-    (ends, 5), (bodies, 5), (forms, 2),
-)  # fmt: skip
+    (keys, 10),
+    (limits, 4),
+    (sweeps, 3),
+    (names, 2),
+    (kinds, 6),
+    (blobs, 4),
+    (paths, 4),
+    (cells, 6),
+    (flags, 8),
+    (commands, 2),
+    (shapes, 4),
+    (family, 5),
+    (ends, 5),
+    (bodies, 5),
+    (forms, 2),
+)
 """Makers of tries, and how often each is drawn."""
 
 

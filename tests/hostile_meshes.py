@@ -47,9 +47,7 @@ def tube(path, radius=0.6, sides=12):
     up = np.cross(ahead, across)
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     angles = 2.0 * np.pi * np.arange(sides) / sides
-    rings = path[:, None] + radius * (
-        np.cos(angles)[:, None] * across[:, None] + np.sin(angles)[:, None] * up[:, None]
-    )
+    rings = path[:, None] + radius * (np.cos(angles)[:, None] * across[:, None] + np.sin(angles)[:, None] * up[:, None])
     count = len(path)
     index = np.arange(count * sides).reshape(count, sides)
     a, b = index[:-1], np.roll(index, -1, axis=1)[:-1]

@@ -55,9 +55,7 @@ def _track(rng, one, frames, interval, number):
     unit = one.speed * np.exp(1j * heading)
     kept = math.exp(-h / one.relaxation)
     half = [0.5 * (1.0 - kept)] * 2
-    follows, _ = signal.lfilter(
-        half, [1.0, -kept], unit, zi=signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1])
-    )
+    follows, _ = signal.lfilter(half, [1.0, -kept], unit, zi=signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1]))
     pushed = [_remembered(rng, steps + 1, h, one.relaxation, one.diffusion) for _ in range(2)]
     velocity = follows + pushed[0] + 1j * pushed[1]
     place = np.concatenate([[0.0], np.cumsum(0.5 * h * (velocity[1:] + velocity[:-1]))])

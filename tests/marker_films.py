@@ -46,9 +46,7 @@ class Camera(NamedTuple):
         whole = turn.T @ nod @ turn
         plane = np.column_stack([whole[:, 0], whole[:, 1], (0.0, 0.0, -self.height)])
         shift = np.array([(1, 0, -self.middle[0]), (0, 1, -self.middle[1]), (0, 0, 1.0)])
-        lens = np.array([
-            (self.focal, 0, -0.5 * self.wide), (0, -self.focal, -0.5 * self.high), (0, 0, -1.0)
-        ])  # fmt: skip
+        lens = np.array([(self.focal, 0, -0.5 * self.wide), (0, -self.focal, -0.5 * self.high), (0, 0, -1.0)])
         return lens @ plane @ shift
 
     def pixels(self, places):
@@ -231,8 +229,7 @@ def errors(found, ways, fps=60.0):
     headings = np.concatenate([walker.theta for walker in found.walkers])
     true = truth[frames, numbers]
     here, there = places - places.mean(axis=0), true[:, :2] - true[:, :2].mean(axis=0)
-    turn = np.arctan2(np.sum(here[:, 1] * there[:, 0] - here[:, 0] * there[:, 1]),
-                      np.sum(here * there))  # fmt: skip
+    turn = np.arctan2(np.sum(here[:, 1] * there[:, 0] - here[:, 0] * there[:, 1]), np.sum(here * there))
     scale = np.sqrt(np.sum(here**2) / np.sum(there**2))
     c, s = np.cos(turn), np.sin(turn)
     fitted = here / scale @ np.array([(c, -s), (s, c)])
@@ -241,10 +238,13 @@ def errors(found, ways, fps=60.0):
     way = np.linalg.norm(others - (fitted - there)[:, None], axis=-1)
     place = float(np.sqrt(np.mean((fitted - there) ** 2)))
     return Errors(
-        len(frames) / truth[..., 0].size, float(scale) - 1.0, place,
-        float(np.degrees(np.sqrt(np.mean(off**2)))), float(np.degrees(np.abs(off).max())),
+        len(frames) / truth[..., 0].size,
+        float(scale) - 1.0,
+        place,
+        float(np.degrees(np.sqrt(np.mean(off**2)))),
+        float(np.degrees(np.abs(off).max())),
         int((way.argmin(axis=1) != numbers).sum()),
-    )  # fmt: skip
+    )
 
 
 def write(path, pictures, times="N/60", rate=None):
@@ -252,11 +252,34 @@ def write(path, pictures, times="N/60", rate=None):
     high, wide = pictures[0].shape
     quality = ("-crf", "12") if rate is None else ("-b:v", f"{rate}k")
     words = [
-        imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt",
-        "gray", "-s", f"{wide}x{high}", "-r", "60", "-i", "-", "-vf",
-        f"settb=1/90000,setpts='({times})/TB'", "-fps_mode", "passthrough", "-enc_time_base",
-        "1/90000", "-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", *quality,
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-loglevel",
+        "error",
+        "-y",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "gray",
+        "-s",
+        f"{wide}x{high}",
+        "-r",
+        "60",
+        "-i",
+        "-",
+        "-vf",
+        f"settb=1/90000,setpts='({times})/TB'",
+        "-fps_mode",
+        "passthrough",
+        "-enc_time_base",
+        "1/90000",
+        "-c:v",
+        "libx264",
+        "-preset",
+        "veryfast",
+        "-pix_fmt",
+        "yuv420p",
+        *quality,
         str(path),
-    ]  # fmt: skip
+    ]
     subprocess.run(words, input=b"".join(one.tobytes() for one in pictures), check=True)
     return path

@@ -63,9 +63,7 @@ def rival(plan, radius, friction=0.0, step=4e-6):
     spring = (float(walker.stiffness[0]), float(walker.damping[0]))
     text = mujoco_walker.mujoco_walker(plan.case.design, mass, spring, friction, step)
     # The body without the mass at its place: O is its centre with it
-    whole = mass.spatial.body + float(mass.M) * cross([0, 0, mass.spatial.z]).T @ cross(
-        [0, 0, mass.spatial.z]
-    )
+    whole = mass.spatial.body + float(mass.M) * cross([0, 0, mass.spatial.z]).T @ cross([0, 0, mass.spatial.z])
     rest = float(mass.M) - m
     centre = (float(mass.M) * np.array([0.0, 0.0, mass.spatial.z]) - m * at) / rest
     tensor = whole - m * cross(at).T @ cross(at) - rest * cross(centre).T @ cross(centre)
@@ -128,9 +126,7 @@ def speeds_there(plan, radius, seconds, seeds, step=4e-6):
     model.opt.timestep = period / count
     means = []
     for seed in seeds:
-        pitch, roll, phase = np.random.default_rng(seed).uniform(
-            (-1e-3, -1e-3, 0.0), (1e-3, 1e-3, 6.28)
-        )
+        pitch, roll, phase = np.random.default_rng(seed).uniform((-1e-3, -1e-3, 0.0), (1e-3, 1e-3, 6.28))
         mujoco.mj_resetData(model, data)
         data.qpos[3:7] = 1.0, 0.5 * roll, 0.0, 0.5 * pitch
         data.qpos[turn.qposadr[0]] = phase
@@ -145,7 +141,5 @@ def speeds_there(plan, radius, seconds, seeds, step=4e-6):
             places.append([*data.qpos[[0, 2]], *heading / np.linalg.norm(heading)])
         settled = np.array(places[round(0.5 / (4 * period)) :])
         along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
-        means.append(
-            np.sum(np.diff(settled[:, :2], axis=0) * along) / ((len(settled) - 1) * 4 * period)
-        )
+        means.append(np.sum(np.diff(settled[:, :2], axis=0) * along) / ((len(settled) - 1) * 4 * period))
     return np.array(means)

@@ -42,10 +42,7 @@ def picture(walkers, film=Filmed(), shift=(0.0, 0.0), seed=0):  # noqa: B008
     row, column = np.mgrid[: film.high, : film.wide] + 0.5
     x, y = column + shift[0], film.high - row + shift[1]
     near = 1.0 + film.tilt * (x / film.wide - 0.5)  # magnification there, from the middle
-    x, y = (
-        0.5 * film.wide + (x - 0.5 * film.wide) / near,
-        0.5 * film.high + (y - 0.5 * film.high) / near,
-    )
+    x, y = (0.5 * film.wide + (x - 0.5 * film.wide) / near, 0.5 * film.high + (y - 0.5 * film.high) / near)
     light = film.light(x / film.wide, y / film.high) * np.ones_like(x)
     reflected = np.full_like(x, film.ground)
     if film.screws:
@@ -73,10 +70,33 @@ def write(path, pictures, times="N/25"):
     """Write a film whose frames come at `times`, s, an expression of ffmpeg's in their number N."""
     high, wide = pictures[0].shape
     words = [
-        imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt",
-        "gray", "-s", f"{wide}x{high}", "-r", "25", "-i", "-", "-vf",
-        f"settb=1/90000,setpts='({times})/TB'", "-fps_mode", "passthrough", "-enc_time_base",
-        "1/90000", "-c:v", "libx264", "-preset", "veryfast", "-crf", "10", str(path),
-    ]  # fmt: skip
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-loglevel",
+        "error",
+        "-y",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "gray",
+        "-s",
+        f"{wide}x{high}",
+        "-r",
+        "25",
+        "-i",
+        "-",
+        "-vf",
+        f"settb=1/90000,setpts='({times})/TB'",
+        "-fps_mode",
+        "passthrough",
+        "-enc_time_base",
+        "1/90000",
+        "-c:v",
+        "libx264",
+        "-preset",
+        "veryfast",
+        "-crf",
+        "10",
+        str(path),
+    ]
     subprocess.run(words, input=b"".join(one.tobytes() for one in pictures), check=True)
     return path

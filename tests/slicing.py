@@ -37,9 +37,18 @@ def program(name: str) -> str:
 
 def sliced(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
     """Slice a file into G-code beside it, with the maker's own profile and our settings."""
-    words = [program("prusa-slicer"), "--load", str(ini.with_name("yours.ini")), "--load", str(ini),
-             "--dont-arrange", "--export-gcode", "--output", str(model.with_suffix(".gcode")),
-             str(model)]  # fmt: skip
+    words = [
+        program("prusa-slicer"),
+        "--load",
+        str(ini.with_name("yours.ini")),
+        "--load",
+        str(ini),
+        "--dont-arrange",
+        "--export-gcode",
+        "--output",
+        str(model.with_suffix(".gcode")),
+        str(model),
+    ]
     return subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
 
 

@@ -15,9 +15,7 @@ def check(design):
     assert mesh.volume > 0
     genus = 1 - mesh.euler_number // 2
     assert genus == sum(solids.has_window(limb) for limb in design.limbs)
-    whole, body, *legs = (
-        mass.weigh(part, 1.0).volume for part in (built.walker, built.body, *built.legs)
-    )
+    whole, body, *legs = (mass.weigh(part, 1.0).volume for part in (built.walker, built.body, *built.legs))
     # The union neither loses nor doubles anything: coordinates carry 16 digits.
     assert whole == pytest.approx(body + sum(legs), rel=1e-12)
     z = built.walker.vertices[:, 2]

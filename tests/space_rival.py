@@ -201,9 +201,7 @@ def keller(W, friction, velocity, restitution, law):
 
         stops.terminal = ends.terminal = True
         stops.direction, ends.direction = -1.0, 1.0
-        found = solve_ivp(
-            slopes, (0.0, 1e3), z, "DOP853", rtol=1e-9, atol=1e-12, events=[stops, ends]
-        )
+        found = solve_ivp(slopes, (0.0, 1e3), z, "DOP853", rtol=1e-9, atol=1e-12, events=[stops, ends])
         z = found.y[:, -1].copy()
         if len(found.t_events[0]):
             force = _held(W, friction, z, slow)

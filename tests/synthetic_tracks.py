@@ -57,11 +57,13 @@ class Walker(NamedTuple):
             return complex(self.speed, self.drift)
         kept, sides = [
             _integral(
-                lambda lag, part=part: math.exp(-lag / self.inertia)
-                / self.inertia * self.kept(lag) * part(self.turn * lag), 40.0 * self.inertia
+                lambda lag, part=part: (
+                    math.exp(-lag / self.inertia) / self.inertia * self.kept(lag) * part(self.turn * lag)
+                ),
+                40.0 * self.inertia,
             )
             for part in (math.cos, math.sin)
-        ]  # fmt: skip
+        ]
         return complex(self.speed, self.drift) * complex(kept, -sides)
 
     def drawn(self, rng):

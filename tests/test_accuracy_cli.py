@@ -42,9 +42,7 @@ def test_a_study_of_models_and_steps(run, tmp_path):
     result = run("accuracy", *words, "--only", "models,steps", "--budget", "3s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
-    assert set(found["ladders"]) == {
-        "models", "steps-short", "steps-long", "observables", "frames",
-    }  # fmt: skip
+    assert set(found["ladders"]) == {"models", "steps-short", "steps-long", "observables", "frames"}
     folder = tmp_path / found["folder"]
     for name in found["ladders"]:
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -81,8 +79,11 @@ def test_shape_alone_needs_no_simulation(run, tmp_path):
     assert result.exit_code == 0, result.exception
     assert "number of edges, claimed 2" in result.stdout
     assert {path.name for path in (tmp_path / "here").glob("shape*")} == {
-        "shape.csv", "shape.md", "shape.png", "shape.pdf",
-    }  # fmt: skip
+        "shape.csv",
+        "shape.md",
+        "shape.png",
+        "shape.pdf",
+    }
 
 
 @pytest.mark.slow
@@ -108,10 +109,7 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
         (("simulate", "--error", "5"), "--error '5': write"),
         (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
         (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),
-        (
-            ("simulate", "--error", "5%", "--of", "power"),
-            "must be one of speed_mm_s, impacts_per_s",
-        ),
+        (("simulate", "--error", "5%", "--of", "power"), "must be one of speed_mm_s, impacts_per_s"),
         (("simulate", "--of", "contact_fraction"), "give --error as well"),
     ],
 )

@@ -55,9 +55,7 @@ def test_a_crowd_is_drawn_from_above_with_its_curves(run, runs, tmp_path):
 def test_a_body_may_be_a_walker(run, runs, tmp_path):
     flags = ("--dish", "disc:60", "--no-pictures", "--json", "--out", str(tmp_path / "out"))
     packing = [
-        json.loads(run("analyse", str(runs[0]), "--body", body, *flags).stdout)["numbers"][
-            "packing"
-        ]
+        json.loads(run("analyse", str(runs[0]), "--body", body, *flags).stdout)["numbers"]["packing"]
         for body in ("koumakis2016", "28x8")
     ]
     assert packing[0]["value"] == pytest.approx(packing[1]["value"])
@@ -72,9 +70,7 @@ def test_the_middle_of_the_dish_may_lie_anywhere(run, runs, tmp_path):
     flags = ("--dish", "disc:60", "--no-pictures", "--json")
     there = run("analyse", str(moved), "--middle", "70,-20", "--out", str(tmp_path / "a"), *flags)
     here = run("analyse", str(runs[0]), "--out", str(tmp_path / "b"), *flags)
-    density = [
-        json.loads(each.stdout)["numbers"]["wall_density"]["value"] for each in (there, here)
-    ]
+    density = [json.loads(each.stdout)["numbers"]["wall_density"]["value"] for each in (there, here)]
     assert density[0] == pytest.approx(density[1])
     lost = run("analyse", str(moved), *flags).exception
     assert isinstance(lost, InputError)

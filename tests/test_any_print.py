@@ -19,16 +19,7 @@ from walkergen.jobs.make.family import make as families
 from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.points import members as predictions
 from walkergen.points import speed_table
-from walkergen.printing import (
-    checks,
-    legs_up,
-    orientation,
-    plate_map,
-    plates,
-    profile,
-    sheet,
-    walls,
-)
+from walkergen.printing import checks, legs_up, orientation, plate_map, plates, profile, sheet, walls
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.shapes import outlines
@@ -180,10 +171,7 @@ def test_findings_name_the_leg_where_legs_differ():
     assert any(one.startswith("error it: legs[2] is thinner than") for one in lines(thin))
     assert not any("legs[1] is thinner" in one for one in lines(thin))
     braced = design_of(
-        legs=[
-            {"along_mm": -6.0},
-            {"along_mm": 6.0, "kind": "braced", "tilt_deg": 8.0, "length_mm": 7.4586},
-        ]
+        legs=[{"along_mm": -6.0}, {"along_mm": 6.0, "kind": "braced", "tilt_deg": 8.0, "length_mm": 7.4586}]
     )
     assert any("window between leg and brace of legs[2] may fuse" in one for one in lines(braced))
     names = [wall.name for wall in walls.of_design(UNLIKE)]
@@ -201,9 +189,7 @@ def test_layers_lie_along_what_prints_upright():
     assert about(DISC) == []
     flush = [leg(-5.0, across_mm=-2.05, width_mm=3.9), leg(5.0)]
     flush[1]["across_mm"] = -2.0
-    assert about(design_of({"length_mm": 24.0}, flush)) == [
-        "the width of legs[1] is not a whole number of layers"
-    ]
+    assert about(design_of({"length_mm": 24.0}, flush)) == ["the width of legs[1] is not a whole number of layers"]
 
 
 def test_repairs_of_a_mesh_are_told(tmp_path):
@@ -235,10 +221,7 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     three = design_of(legs=[leg(-6.0), leg(0.0, width_mm=2.0), leg(6.0)])
     built = solids.build(three)
     meshed = solids.weigh(three, built)
-    whole, body = (
-        weights.Mean(1.1 * grams, error, 2)
-        for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001))
-    )
+    whole, body = (weights.Mean(1.1 * grams, error, 2) for grams, error in ((meshed.total, 0.002), (meshed.M, 0.001)))
     known = weights.Weighings(grams=whole, body_g=body)
     found = solids.weigh(weights.applied(three, built, known, "it"), built)
     assert found.total == pytest.approx(1.1 * meshed.total, rel=1e-12)
@@ -248,9 +231,7 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     assert weights.total_error(parts, 3) == pytest.approx(math.hypot(0.001, 0.006))
 
 
-@pytest.mark.parametrize(
-    "design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])]
-)
+@pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])])
 def test_labels_lie_on_their_part_beside_its_legs(design):
     mesh = printed(design)
     room = plate_map._between_legs if design.pair and solids.on_side(design) else plate_map._on_part
@@ -260,8 +241,7 @@ def test_labels_lie_on_their_part_beside_its_legs(design):
     box = shapely.box(x - half, y - 0.5 * height, x + half, y + 0.5 * height)
     view = plate_map._view(design, mesh)
     whole, legs = (
-        shapely.union_all([shapely.Polygon(corners) for corners in triangles])
-        for triangles in (view.whole, view.legs)
+        shapely.union_all([shapely.Polygon(corners) for corners in triangles]) for triangles in (view.whole, view.legs)
     )
     assert height > 1.0
     if room is plate_map._on_part:
@@ -273,10 +253,7 @@ def test_labels_lie_on_their_part_beside_its_legs(design):
 
 def test_the_map_shows_the_outline_and_the_legs_on_it():
     view = plate_map._view(DISC, printed(DISC))
-    whole, legs = (
-        sum(shapely.Polygon(corners).area for corners in triangles)
-        for triangles in (view.whole, view.legs)
-    )
+    whole, legs = (sum(shapely.Polygon(corners).area for corners in triangles) for triangles in (view.whole, view.legs))
     assert whole == pytest.approx(weigh(solids.build(DISC).body, 1.0).volume / 2.0, rel=1e-5)
     reach = 7.5 * math.sin(math.radians(10.0)) + 0.4 / math.cos(math.radians(10.0))
     # Above the sliver of CLEAR_MM that is left out
@@ -383,9 +360,7 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
 
 def test_check_tells_the_orientation(tmp_path):
     path = tmp_path / "disc.toml"
-    path.write_text(
-        '[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n'
-    )
+    path.write_text('[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n')
     result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
     assert json.loads(result.stdout)["orientations"] == [orientation.LEGS_UP]

@@ -22,9 +22,7 @@ from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 
 ROTATOR = [
-    {"along_mm": x, "across_mm": z, "width_mm": 3.0, "mirrored": z > 0}
-    for z in (-2.5, 2.5)
-    for x in (-6.0, 6.0)
+    {"along_mm": x, "across_mm": z, "width_mm": 3.0, "mirrored": z > 0} for z in (-2.5, 2.5) for x in (-6.0, 6.0)
 ]
 MIXED = [{"along_mm": 6.5}, {"along_mm": -6.5, "kind": "braced"}]
 DISC = {"outline": "disc", "length_mm": 22.0, "thickness_mm": 2.0}
@@ -130,10 +128,7 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
     assert changed.limbs[0].restitution == 1.0  # 0.9 x 1.2, capped
     assert changed.limbs[1].friction is None
     mass = solids.mass_of(design)
-    by_draw = stationary(
-        design, mass, np.array([0.5, 0.6]), np.array([nominal, 1.5 * nominal]),
-        nominal=(0.5, nominal),
-    )  # fmt: skip
+    by_draw = stationary(design, mass, np.array([0.5, 0.6]), np.array([nominal, 1.5 * nominal]), nominal=(0.5, nominal))
     by_design = stationary(changed, mass, 0.6, 1.5 * nominal)
     assert by_draw.factor[1] == pytest.approx(float(by_design.factor), rel=1e-12)
     kept = stationary(design, mass, 0.5, nominal)

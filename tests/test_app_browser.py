@@ -198,8 +198,7 @@ def test_a_second_of_a_run_plays_and_pauses(page):
     image = page.find("#canvas").screenshot_as_png
     assert page.text("#play") == "play"
     page.browser.execute_script(
-        "arguments[0].value = 0.5; arguments[0].dispatchEvent(new Event('input'))",
-        page.find("#time"),
+        "arguments[0].value = 0.5; arguments[0].dispatchEvent(new Event('input'))", page.find("#time")
     )
     assert page.text("#time-shown") == "500.0 ms" != shown
     assert page.find("#canvas").screenshot_as_png != image
@@ -237,8 +236,7 @@ def test_a_design_outlives_a_reload_and_a_restart(page):
 def test_a_phone_shows_all_in_one_column(page):
     page.browser.set_window_size(500, 800)  # the narrowest window; the page's own is narrower
     page.browser.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True},
+        "Emulation.setDeviceMetricsOverride", {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
     )
     page.open()
     wide = page.browser.execute_script("return document.documentElement.scrollWidth")

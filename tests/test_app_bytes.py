@@ -19,10 +19,15 @@ from app_doors import PAPER, Doors, document
 from walkergen.app import document as documents
 
 CHANGED = document(
-    legs__tilt_deg=12.5, legs__kind="braced", body__length_mm=30.0, description='a "b" \x7f é',
-    scene__contact__friction=0.3, scene__run__seconds=1.0, scene__run__runs=2,
+    legs__tilt_deg=12.5,
+    legs__kind="braced",
+    body__length_mm=30.0,
+    description='a "b" \x7f é',
+    scene__contact__friction=0.3,
+    scene__run__seconds=1.0,
+    scene__run__runs=2,
     printer__line_width_mm=0.42,
-)  # fmt: skip
+)
 DRAWING = (
     b'<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="10mm" viewBox="0 0 30 10">'
     b'<path d="M0 0H30V10H0Z"/></svg>'
@@ -39,9 +44,7 @@ def doors(tmp_path, monkeypatch):
 
 def command(folder, words):
     """What a command line prints that runs in a folder and succeeds."""
-    done = subprocess.run(
-        [sys.executable, "-m", "walkergen", *words], cwd=folder, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-m", "walkergen", *words], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -83,15 +86,10 @@ def timeless(folder):
     """Files of a folder by name, but for the time that making a family took and seals over it."""
     contents = system.tree(folder)
     for name in [name for name in contents if name.endswith("report.html")]:
-        taken_s = json.loads((folder / name).with_name("manifest.json").read_bytes())[
-            "time_taken_s"
-        ]
+        taken_s = json.loads((folder / name).with_name("manifest.json").read_bytes())["time_taken_s"]
         page = re.sub(rb"<!-- sealed: [0-9a-f]{64} -->", b"", contents[name])
         contents[name] = page.replace(f"{taken_s}</td".encode(), b"</td")
-    return {
-        name: data for name, data in contents.items()
-        if not name.rpartition("/")[2].startswith(".")
-    }  # fmt: skip
+    return {name: data for name, data in contents.items() if not name.rpartition("/")[2].startswith(".")}
 
 
 @pytest.mark.slow
@@ -131,11 +129,7 @@ def test_an_archive_of_fewer_plates_keeps_none_of_the_earlier(doors):
     many = doors.ask("take", {"document": PAPER, "what": "plate", "copies": 300})
     few = doors.ask("take", {"document": PAPER, "what": "plate", "copies": 2})
     names = [
-        [
-            name
-            for name in zipfile.ZipFile(io.BytesIO(each.body)).namelist()
-            if name.endswith(".3mf")
-        ]
+        [name for name in zipfile.ZipFile(io.BytesIO(each.body)).namelist() if name.endswith(".3mf")]
         for each in (many, few)
     ]
     assert len(names[0]) > 1
@@ -147,9 +141,7 @@ def test_lines_of_python_make_the_same_part_and_speed(doors, tmp_path, chosen):
     document = CHANGED if chosen == "changed" else uploaded(doors, chosen)
     (part,) = taken(doors, document, "stl")[0].values()
     lines = doors.ask("outlook", {"document": document}).json["python"]
-    done = subprocess.run(
-        [sys.executable, "-c", lines], cwd=tmp_path / "page", capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", lines], cwd=tmp_path / "page", capture_output=True, text=True)
     facts = json.loads(doors.ask("walker", {"document": document}).body.split(b"\n")[0])
     assert (done.stdout, done.stderr) == (f"{facts['speed']}\n", "")
     assert (tmp_path / "page" / "walker.stl").read_bytes() == part
@@ -181,17 +173,13 @@ def test_settings_taken_from_a_page_are_its_walker(doors, tmp_path, chosen):
     for name, data in entries.items():
         (tmp_path / "settings").mkdir(exist_ok=True)
         (tmp_path / name).write_bytes(data)
-    printed = command(
-        tmp_path / "settings", ["predict", "walker.toml", "--scene", "scene.toml", "--json"]
-    )
+    printed = command(tmp_path / "settings", ["predict", "walker.toml", "--scene", "scene.toml", "--json"])
     facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
     (row,) = json.loads(printed)["rows"]
     assert {key: row[key] for key in facts["row"]} == facts["row"]
     again = Doors(tmp_path / "settings", own=str(tmp_path / "settings" / "walker.toml"))
-    own = chosen | {"walker": str(tmp_path / "settings" / "walker.toml"), "values": {
-        key: each for key, each in chosen["values"].items() if key.startswith("scene.")
-    }}  # fmt: skip
-    assert (
-        again.ask("walker", {"document": own}).body
-        == doors.ask("walker", {"document": chosen}).body
-    )
+    own = chosen | {
+        "walker": str(tmp_path / "settings" / "walker.toml"),
+        "values": {key: each for key, each in chosen["values"].items() if key.startswith("scene.")},
+    }
+    assert again.ask("walker", {"document": own}).body == doors.ask("walker", {"document": chosen}).body

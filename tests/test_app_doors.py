@@ -28,12 +28,21 @@ def test_every_door_opens_to_a_page_of_this_server(doors):
         assert "default-src 'none'" in answer.headers["content-security-policy"]
 
 
-@pytest.mark.parametrize("headers", [
-    {"host": "evil.example"}, {"host": "evil.example:8765"}, {"host": "127.0.0.1"},
-    {"host": "localhost:1"}, {"host": ""}, {"origin": "http://evil.example"}, {"origin": "null"},
-    {"origin": f"https://{HOST}"}, {"origin": "http://127.0.0.1:1"},
-    {"host": "evil.example:8765", "origin": "http://evil.example:8765"},  # its name led here
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"host": "evil.example"},
+        {"host": "evil.example:8765"},
+        {"host": "127.0.0.1"},
+        {"host": "localhost:1"},
+        {"host": ""},
+        {"origin": "http://evil.example"},
+        {"origin": "null"},
+        {"origin": f"https://{HOST}"},
+        {"origin": "http://127.0.0.1:1"},
+        {"host": "evil.example:8765", "origin": "http://evil.example:8765"},  # its name led here
+    ],
+)
 def test_pages_of_elsewhere_open_no_door(doors, headers):
     for door in (*QUICK, *MAKING):
         answer = doors.ask(door, {"document": PAPER}, **headers)
@@ -66,19 +75,43 @@ def test_an_address_for_another_device_works_once(tmp_path):
     assert "start walkergen app again" in again.refused
 
 
-@pytest.mark.parametrize("values", [
-    {key: name} for name in ("b.stl", "../b.stl", "{folder}/b.stl", "out/app/uploads/b.stl", "disc",
-                             "/dev/zero", "0123456789abcdef.stl", "\ud800", "a\0b")
-    for key in ("body.mesh", "walker.mesh", "body.outline")
-    if (key, name) != ("body.outline", "disc")
-] + [
-    {"body": {"mesh": "b.stl"}}, {"body": {"outline": "d.svg", "thickness_mm": 3}},
-    {"body.mesh": ["b.stl"]}, {"body": {"mesh": ["b.stl"]}}, {"body": [{"mesh": "b.stl"}]},
-    {"walker": {"mesh": "b.stl"}}, {"body.mesh ": "b.stl"}, {"body .mesh": "b.stl"},
-    {"body.mesh[1]": "b.stl"}, {"body": {"mesh": {"mesh": "b.stl"}}}, {"legs": [{"mesh": "b.stl"}]},
-    {"scene.mesh": "b.stl"}, {"scene.x=1 --set body.mesh": "b.stl"}, {"printer.outline": "b.stl"},
-    {"family.mesh": "b.stl"}, {"body.text": "A", "body.mesh": "b.stl"},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "values",
+    [
+        {key: name}
+        for name in (
+            "b.stl",
+            "../b.stl",
+            "{folder}/b.stl",
+            "out/app/uploads/b.stl",
+            "disc",
+            "/dev/zero",
+            "0123456789abcdef.stl",
+            "\ud800",
+            "a\0b",
+        )
+        for key in ("body.mesh", "walker.mesh", "body.outline")
+        if (key, name) != ("body.outline", "disc")
+    ]
+    + [
+        {"body": {"mesh": "b.stl"}},
+        {"body": {"outline": "d.svg", "thickness_mm": 3}},
+        {"body.mesh": ["b.stl"]},
+        {"body": {"mesh": ["b.stl"]}},
+        {"body": [{"mesh": "b.stl"}]},
+        {"walker": {"mesh": "b.stl"}},
+        {"body.mesh ": "b.stl"},
+        {"body .mesh": "b.stl"},
+        {"body.mesh[1]": "b.stl"},
+        {"body": {"mesh": {"mesh": "b.stl"}}},
+        {"legs": [{"mesh": "b.stl"}]},
+        {"scene.mesh": "b.stl"},
+        {"scene.x=1 --set body.mesh": "b.stl"},
+        {"printer.outline": "b.stl"},
+        {"family.mesh": "b.stl"},
+        {"body.text": "A", "body.mesh": "b.stl"},
+    ],
+)
 def test_no_path_of_a_file_comes_from_a_page(doors, tmp_path, monkeypatch, values):
     (tmp_path / "b.stl").write_bytes(hostile.SOLIDS["b.stl"])
     (tmp_path / "d.svg").write_bytes(hostile.SOLIDS["d.svg"])
@@ -108,16 +141,12 @@ def watched(monkeypatch, paths):
     return opened
 
 
-@pytest.mark.parametrize(
-    "name", ["../x", "/etc/passwd", "x.toml", "koumakis2016.toml", "", "A" * 99]
-)
+@pytest.mark.parametrize("name", ["../x", "/etc/passwd", "x.toml", "koumakis2016.toml", "", "A" * 99])
 @pytest.mark.parametrize("kind", ["walker", "scene", "printer"])
 def test_walkers_scenes_and_printers_are_named_not_located(doors, tmp_path, kind, name):
     (tmp_path / "x.toml").write_text("nothing")
     for door in ("walker", "form", "keep", "run", "play", "design", "take"):
-        answer = doors.ask(
-            door, {"document": PAPER | {kind: name}, "what": "stl", "wish": "fastest"}
-        )
+        answer = doors.ask(door, {"document": PAPER | {kind: name}, "what": "stl", "wish": "fastest"})
         assert (answer.status, faults(answer)) == (422, [])
 
 
@@ -169,35 +198,70 @@ def test_a_thousand_hostile_messages_are_answered_or_refused(doors, tmp_path, do
     assert all(name.startswith("out/app/") for name in files(tmp_path))
 
 
-@pytest.mark.parametrize("asked", [
-    {"what": []}, {"what": {}}, {"what": None}, {"what": "exe"}, {"copies": 0}, {"copies": True},
-    {"copies": 1.5}, {"copies": 10**9}, {"copies": "4"}, {"copies": None},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"what": []},
+        {"what": {}},
+        {"what": None},
+        {"what": "exe"},
+        {"copies": 0},
+        {"copies": True},
+        {"copies": 1.5},
+        {"copies": 10**9},
+        {"copies": "4"},
+        {"copies": None},
+    ],
+)
 def test_files_are_asked_for_by_name_and_number(doors, asked):
     answer = doors.ask("take", {"document": PAPER, "what": "plate"} | asked)
     assert (answer.status, faults(answer)) == (422, [])
     assert next(iter(asked)) in answer.refused
 
 
-@pytest.mark.parametrize("asked", [
-    {"wish": "cheap"}, {"wish": []}, {"value": None}, {"value": True}, {"value": "60"},
-    {"value": 1e300}, {"value": 10**400},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"wish": "cheap"},
+        {"wish": []},
+        {"value": None},
+        {"value": True},
+        {"value": "60"},
+        {"value": 1e300},
+        {"value": 10**400},
+    ],
+)
 def test_a_wish_is_one_of_the_commands(doors, asked):
     answer = doors.ask("design", {"document": PAPER, "wish": "speed", "value": 60} | asked)
     assert faults(answer) == []
     assert answer.status == 422 or answer.events[-1]["refused"]
 
 
-@pytest.mark.parametrize(("key", "value"), [
-    ("scene.run.seconds", 2e7), ("scene.run.runs", 100_001), ("scene.run.step_us", 1e-3),
-    ("scene.run.runs", 10**30), ("scene.run.seed", -1),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("scene.run.seconds", 2e7),
+        ("scene.run.runs", 100_001),
+        ("scene.run.step_us", 1e-3),
+        ("scene.run.runs", 10**30),
+        ("scene.run.seed", -1),
+    ],
+)
 def test_a_page_starts_what_the_command_line_starts_and_no_more(doors, key, value):
     answer = doors.ask("run", {"document": PAPER | {"values": {key: value}}})
     (line,) = answer.events[-1]["refused"]
-    words = [sys.executable, "-m", "walkergen", "simulate", "koumakis2016", "--scene", "plane-90hz",
-             "--set", f"{key}={value}", "--json"]  # fmt: skip
+    words = [
+        sys.executable,
+        "-m",
+        "walkergen",
+        "simulate",
+        "koumakis2016",
+        "--scene",
+        "plane-90hz",
+        "--set",
+        f"{key}={value}",
+        "--json",
+    ]
     done = subprocess.run(words, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (2, f"error: {line}\n")
 

@@ -105,8 +105,11 @@ def test_whatever_was_kept_a_page_opens(doors, data):
 
 @pytest.mark.parametrize("call", ["open", "write", "fsync", "replace", "mkdir"])
 def test_a_full_disk_refuses_in_words_and_leaves_no_half_file(doors, tmp_path, call):
-    asked = {"upload": hostile.SOLIDS["b.stl"], "keep": {"document": PAPER},
-             "take": {"document": PAPER, "what": "toml"}}  # fmt: skip
+    asked = {
+        "upload": hostile.SOLIDS["b.stl"],
+        "keep": {"document": PAPER},
+        "take": {"document": PAPER, "what": "toml"},
+    }
     for door, message in asked.items():
         before = files(tmp_path)
         fault = system.broken(errno.ENOSPC)
@@ -133,8 +136,11 @@ def test_a_folder_that_cannot_be_written_refuses_in_words(doors, tmp_path):
 
 def test_a_file_where_the_folder_should_be_refuses_in_words(doors, tmp_path):
     (tmp_path / "out").write_text("mine")
-    for door, message in (("keep", {"document": PAPER}), ("upload", b"x"),
-                          ("take", {"document": PAPER, "what": "stl"})):  # fmt: skip
+    for door, message in (
+        ("keep", {"document": PAPER}),
+        ("upload", b"x"),
+        ("take", {"document": PAPER, "what": "stl"}),
+    ):
         answer = doors.ask(door, message, query="kind=stl")
         assert (answer.status, faults(answer)) == (422, [])
         assert "cannot be written" in answer.refused

@@ -48,10 +48,7 @@ def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
 
 
 def test_keys_that_say_nothing_of_a_shape_have_no_control():
-    plain, disc = (
-        controls(document()),
-        controls(document(**form.shapes(document())["disc"]["values"])),
-    )
+    plain, disc = (controls(document()), controls(document(**form.shapes(document())["disc"]["values"])))
     assert "body.depth_mm" in plain
     assert {"body.outline", "body.mesh", "body.up"}.isdisjoint(plain)
     assert "body.outline" in disc

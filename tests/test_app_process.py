@@ -104,9 +104,8 @@ def test_a_server_ends_quietly(process):
 def refusal_of(*words):
     """Line with which `walkergen app` refuses to start."""
     done = subprocess.run(
-        [sys.executable, "-m", "walkergen", "app", "--no-browser", *words],
-        capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
+        [sys.executable, "-m", "walkergen", "app", "--no-browser", *words], capture_output=True, text=True, timeout=60
+    )
     assert done.returncode == 2
     assert done.stdout == ""
     assert "Traceback" not in done.stderr

@@ -41,11 +41,18 @@ def test_key_and_value_are_told_apart(text, pair):
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("12", 12), ("-1.5e3", -1500.0), ("true", True), ("braced", "braced"), ('"12"', "12"),
-        ("[1, 2]", [1, 2]), ("{a = 1}", {"a": 1}), ("07", "07"), ("1\nother = 2", "1\nother = 2"),
+        ("12", 12),
+        ("-1.5e3", -1500.0),
+        ("true", True),
+        ("braced", "braced"),
+        ('"12"', "12"),
+        ("[1, 2]", [1, 2]),
+        ("{a = 1}", {"a": 1}),
+        ("07", "07"),
+        ("1\nother = 2", "1\nother = 2"),
         ("1\n[table]", "1\n[table]"),
     ],
-)  # fmt: skip
+)
 def test_a_value_is_tomls_or_the_text(text, value):
     found = assignments.value_of(text)
     assert found == value
@@ -169,9 +176,7 @@ def test_nothing_else_of_the_scene_moves():
 
 
 def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
-    design, scene = request.changed(
-        PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12}
-    )
+    design, scene = request.changed(PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12})
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
     with pytest.raises(InputError, match=r"^--set: scene\.contact\.friction = -1: must be"):
         request.changed(PAPER, LANE, {"scene.contact.friction": -1})

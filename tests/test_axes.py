@@ -87,9 +87,7 @@ def test_a_key_is_given_once():
     axes.check([Axis("a", (1,)), Axis("b", (1,))])
 
 
-@given(
-    st.integers(-300, 300), st.integers(0, 200), st.sampled_from([1, 2, 5]), st.integers(-8, 8)
-)  # fmt: skip
+@given(st.integers(-300, 300), st.integers(0, 200), st.sampled_from([1, 2, 5]), st.integers(-8, 8))
 @settings(max_examples=200, deadline=None)
 def test_a_range_is_the_decimal_numbers_that_a_person_counts(first, count, step, power):
     """Rival: whole numbers, written with an exponent, so that no sum is rounded."""

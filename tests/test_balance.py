@@ -102,8 +102,7 @@ def test_mirror_image_runs_backwards_exactly(law):
     for count in (2, 4):
         every = random_feet(count, 7, drop=1.0)
         image = [
-            foot._replace(H=foot.H._replace(xy=-foot.H.xy), lever=(-foot.lever[0], foot.lever[1]))
-            for foot in every
+            foot._replace(H=foot.H._replace(xy=-foot.H.xy), lever=(-foot.lever[0], foot.lever[1])) for foot in every
         ]
         one, other = balanced(every, law=law), balanced(image, law=law)
         assert other.factor == -one.factor
@@ -139,9 +138,7 @@ def net_at_rest(pair):
     hits = [struck(foot, 0.0) for foot in pair]
     turn = [f.lever[0] * h.F_y - f.lever[1] * h.F_x for f, h in zip(pair, hits, strict=True)]
     s_back, s_front = turn[1], -turn[0]
-    return (s_back * hits[0].F_x + s_front * hits[1].F_x) / (
-        s_back * hits[0].F_y + s_front * hits[1].F_y
-    )
+    return (s_back * hits[0].F_x + s_front * hits[1].F_x) / (s_back * hits[0].F_y + s_front * hits[1].F_y)
 
 
 def test_unequal_lengths_act_in_second_order_of_friction():
@@ -314,11 +311,7 @@ def test_arrays_equal_one_by_one():
         ([stiff(-4.0, -9.0, -0.1), stiff(5.0, -9.0)], "coulomb", "friction"),
         ([stiff(-4.0, -9.0, 0.1, 1.2), stiff(5.0, -9.0)], "coulomb", "restitution"),
         ([stiff(-4.0, -9.0), stiff(5.0, -9.0)._replace(lever=(np.nan, 0.0))], "coulomb", "finite"),
-        (
-            [stiff(-4.0, -9.0), stiff(5.0, -9.0)._replace(H=InverseMass(1.0, 2.0, 1.0))],
-            "coulomb",
-            "positive definite",
-        ),
+        ([stiff(-4.0, -9.0), stiff(5.0, -9.0)._replace(H=InverseMass(1.0, 2.0, 1.0))], "coulomb", "positive definite"),
         (
             # Lines of action at 22 deg that cross behind O.
             [

@@ -43,8 +43,7 @@ def root_by_elements(fine=8, block=6, stub=3, poisson=0.36):
     for i, j in cells:
         for corner in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
             number.setdefault(corner, len(number))
-    nodes = np.array([[number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]]
-                      for i, j in cells])  # fmt: skip
+    nodes = np.array([[number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]] for i, j in cells])
     free = np.stack([2 * nodes, 2 * nodes + 1], axis=2).reshape(len(nodes), 8)
     rows, columns = np.repeat(free, 8, axis=1).ravel(), np.tile(free, 8).ravel()
     stiff = sparse.csr_matrix((np.tile(own.ravel(), len(nodes)), (rows, columns)))
@@ -71,8 +70,7 @@ def clamp_by_plate(wide, poisson, along=14, across=5):
     x, wx = (x + 1) / 2, wx / 2
     y, wy = leggauss(2 * across + 4)
     wy = wy * wide / 2
-    basis = [Legendre.basis(i, domain=[0, 1]).convert(kind=Polynomial) * Polynomial([0, 0, 1])
-             for i in range(along)]  # fmt: skip
+    basis = [Legendre.basis(i, domain=[0, 1]).convert(kind=Polynomial) * Polynomial([0, 0, 1]) for i in range(along)]
     sides = [Legendre.basis(2 * j) for j in range(across)]
     f0, f1, f2 = (np.array([one.deriv(k)(x) for one in basis]) for k in range(3))
     g0, g1, g2 = (np.array([one.deriv(k)(y) * (2 / wide) ** k for one in sides]) for k in range(3))
@@ -118,9 +116,7 @@ def test_small_bends_sink_as_the_weight_and_large_ones_less():
     strip = Strip(0.4, 5.0, 50.0)
     stiff = beams.stiffness(3e9, strip)
     assert stiff == pytest.approx(3e9 * 5.0 * 0.4**3 / 12.0)
-    assert beams.sunk(1e-6, 50.0, stiff) == pytest.approx(
-        1e-6 * 9806.65 * 50.0**3 / (3.0 * stiff), rel=1e-9
-    )
+    assert beams.sunk(1e-6, 50.0, stiff) == pytest.approx(1e-6 * 9806.65 * 50.0**3 / (3.0 * stiff), rel=1e-9)
     assert beams.sunk(2.0, 50.0, stiff) < 2.0 * beams.sunk(1.0, 50.0, stiff)
 
 

@@ -40,8 +40,7 @@ def flat(height=10.0, **choices):
 
 
 @pytest.mark.parametrize(
-    ("tilt", "colleague", "ours"),
-    [(10.0, (0.46, 0.63, 0.83), (0.466, 0.640, 0.831)), (15.0, (0.15, 0.26, 0.38), None)],
+    ("tilt", "colleague", "ours"), [(10.0, (0.46, 0.63, 0.83), (0.466, 0.640, 0.831)), (15.0, (0.15, 0.26, 0.38), None)]
 )
 def test_a_flat_drop_shows_what_an_independent_prototype_found(tilt, colleague, ours):
     found = [flat(1.0, tilt=tilt, restitution=e) for e in (0.3, 0.5, 0.8)]
@@ -105,9 +104,9 @@ def test_one_corner_first_halves_the_rebound():
 def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
     pitches = (0.0, 0.02, -0.02)
     one, other = (
-        [drops.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio
-         for pitch in pitches] for side in (1.0, -1.0)
-    )  # fmt: skip
+        [drops.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio for pitch in pitches]
+        for side in (1.0, -1.0)
+    )
     assert max(one[1:]) < one[0] - 3 * STEP_SCATTER
     assert one == pytest.approx(other, abs=STEP_SCATTER)
 
@@ -132,8 +131,7 @@ def rocked(walker, label, height, roll, dt=4e-6):
 
 
 @pytest.mark.parametrize(
-    ("label", "height", "roll"),
-    [(0.8, 3.0, 0.003), (0.8, 10.0, 0.03), (0.5, 3.0, 0.06), (0.5, 10.0, 0.01)],
+    ("label", "height", "roll"), [(0.8, 3.0, 0.003), (0.8, 10.0, 0.03), (0.5, 3.0, 0.06), (0.5, 10.0, 0.01)]
 )
 def test_a_rolled_block_rebounds_by_one_impact_after_the_other(label, height, roll):
     feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
@@ -150,10 +148,7 @@ def test_what_counts_is_the_time_between_corners():
     # A roll of r makes corners land D r / v apart: ten times the height allows sqrt(10) the roll
     plan = plan_of(restitution=0.8)
     for roll in (2e-4, 1e-3):
-        low, high = (
-            drops.rebound(plan, Let(height, roll=roll * math.sqrt(height))).ratio
-            for height in (1.0, 10.0)
-        )
+        low, high = (drops.rebound(plan, Let(height, roll=roll * math.sqrt(height))).ratio for height in (1.0, 10.0))
         assert low == pytest.approx(high, abs=0.06)  # gravity acts on the low drop a little more
 
 
@@ -238,9 +233,14 @@ RESOLVED = 0.5 * slide.LAST_STEP
 
 @pytest.mark.parametrize(
     ("tilt", "kind", "heading"),
-    [(10.0, "flexible", 0.0), (10.0, "flexible", 90.0), (25.0, "flexible", 0.0),
-     (10.0, "braced", 0.0), (10.0, "braced", 180.0)],
-)  # fmt: skip
+    [
+        (10.0, "flexible", 0.0),
+        (10.0, "flexible", 90.0),
+        (25.0, "flexible", 0.0),
+        (10.0, "braced", 0.0),
+        (10.0, "braced", 180.0),
+    ],
+)
 def test_a_walker_slides_at_the_angle_of_friction(tilt, kind, heading):
     for friction in (0.1, 0.25):
         slid = slide.friction_angle(plan_of(tilt, kind, friction=friction), heading)
@@ -291,9 +291,7 @@ def test_the_first_mode_is_that_of_a_beam_in_finite_elements():
     K, M = np.zeros((2, 2 * count + 2, 2 * count + 2))
     by_length = np.outer(both := np.array([1.0, h, 1.0, h]), both)
     stiff = by_length * [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
-    heavy = by_length * [
-        [156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]
-    ]  # fmt: skip
+    heavy = by_length * [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
     for i in range(count):
         part = slice(2 * i, 2 * i + 4)
         K[part, part] += bending / h**3 * stiff

@@ -138,9 +138,7 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
         rows = list(csv.DictReader(stream))
     assert [float(row["speed_mm_s"]) for row in rows] == pytest.approx(SPEEDS, rel=1e-3)
     assert (folder / "walkers.pdf").is_file()
-    table = (
-        CliRunner().invoke(command_line, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
-    )
+    table = CliRunner().invoke(command_line, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
     assert "Student" in table
     assert re.search(r"^ *1 +20 +6[45][.][0-9]+ ±", table, re.MULTILINE)
 
@@ -150,7 +148,5 @@ def test_a_walker_whose_error_is_unknown_still_has_its_speed():
     for one, speed in zip(motion.analyse(film).walkers, SPEEDS, strict=True):
         assert one.estimates["speed"].value is None
         assert one.of("speed").se is None
-        assert one.of("speed").value == pytest.approx(
-            speed, abs=9.0
-        )  # three errors of 10 sqrt(2 x 0.2 / 6)
+        assert one.of("speed").value == pytest.approx(speed, abs=9.0)  # three errors of 10 sqrt(2 x 0.2 / 6)
         assert "film for longer" in one.of("speed").reason

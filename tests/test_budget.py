@@ -31,9 +31,7 @@ def rated(survey, cpu_per_s=0.06):
     return survey
 
 
-@pytest.mark.parametrize(
-    ("budget", "slowness"), [(15.0, 1.0), (60.0, 1.0), (40.0, 2.5), (120.0, 2.5)]
-)
+@pytest.mark.parametrize(("budget", "slowness"), [(15.0, 1.0), (60.0, 1.0), (40.0, 2.5), (120.0, 2.5)])
 def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slowness):
     """Made-up runs that take `slowness` times what their CPU time says; only the clock is false."""
     survey = rated(survey_of(budget))
@@ -141,9 +139,7 @@ def test_the_least_budget_is_named_and_taken():
     fewer = make._share_out(alone, ("statistics",), silent)
     assert fewer is not None
     assert fewer < 0.7 * least
-    assert survey.least(survey.own) == pytest.approx(
-        math.ceil(4 / survey.cores) * 1.5 * survey.rate(survey.own)
-    )
+    assert survey.least(survey.own) == pytest.approx(math.ceil(4 / survey.cores) * 1.5 * survey.rate(survey.own))
     assert make._share_out(rated(survey_of(3.0), 1.0), ("shape",), silent) is None
 
 
@@ -167,10 +163,7 @@ def test_parts_of_eight_runs_still_give_a_rung(monkeypatch):
     def made(setting, runs, progress):
         assert runs == Runs(8, 1.0)
         blocks = np.random.default_rng(1).normal(10.0, 2.0, (8, 20))
-        return [
-            RunResult(k, None, 1.0, b.mean(), 0.05, b, None, 0.0, None, 0.0)
-            for k, b in enumerate(blocks)
-        ], 0.1
+        return [RunResult(k, None, 1.0, b.mean(), 0.05, b, None, 0.0, None, 0.0) for k, b in enumerate(blocks)], 0.1
 
     monkeypatch.setattr(survey, "ensemble", made)
     (rung,) = statistics.ladder(survey, silent).rungs

@@ -105,16 +105,14 @@ SPOILT = {
     "emptied": lambda path: path.write_bytes(b""),
     "cut short": lambda path: path.write_bytes(path.read_bytes()[: -caches.TAIL - 1]),
     "half": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
-    "a bit": lambda path: path.write_bytes(
-        bytes(byte ^ (at == 40) for at, byte in enumerate(path.read_bytes()))
-    ),
+    "a bit": lambda path: path.write_bytes(bytes(byte ^ (at == 40) for at, byte in enumerate(path.read_bytes()))),
     "text": lambda path: path.write_text("no pickle"),
     "of others": lambda path: path.write_bytes(b"\x80\x04cnosuchmodule\nx\n."),
     "a folder": lambda path: (path.unlink(), path.mkdir(), (path / "x").touch()),
     "gone": Path.unlink,
     "a pipe": lambda path: (path.unlink(), os.mkfifo(path)),
     "a loop": lambda path: (path.unlink(), path.symlink_to(path)),
-}  # fmt: skip
+}
 
 
 @POSIX
@@ -138,9 +136,7 @@ def test_a_sound_entry_of_a_kernel_is_read_also_one_without_a_sum(kernels, tmp_p
 
 
 @POSIX
-def test_compiling_is_said_once_with_the_time_it_takes_and_not_when_quiet(
-    tmp_path, capsys, monkeypatch
-):
+def test_compiling_is_said_once_with_the_time_it_takes_and_not_when_quiet(tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(caches.COMPILING_S, "another", 17)
     place = tmp_path / "another_0123"  # numba's name of a folder of the package
     with caches.unannounced():

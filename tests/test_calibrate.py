@@ -135,8 +135,10 @@ def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
     assert np.mean([one.sd / one.modulus for one in fits]) < 0.05  # it tells 5 %
     assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
     assert sum(one.agrees for one in fits) >= 13
-    by = [modulus.fit(specimens.only(specimens.read(crowd[0])[0], method), Density(1.22, 0.02))
-          for method in (BENDS, RINGS)]  # fmt: skip
+    by = [
+        modulus.fit(specimens.only(specimens.read(crowd[0])[0], method), Density(1.22, 0.02))
+        for method in (BENDS, RINGS)
+    ]
     assert all(abs(1e9 * one.modulus - MODULUS) < 3e9 * one.sd for one in by)
 
 
@@ -145,12 +147,9 @@ def test_any_plastic_is_found_and_all_scales(crowd, times):
     # Weights times k: a modulus times k; swings as fast as its root
     readings = {part: dict(own) for part, own in crowd[0].items() if part.startswith("strip")}
     for own in readings.values():
-        own["deflection_mm"] = [
-            one._replace(weight_g=times * one.weight_g) for one in own["deflection_mm"]
-        ]
+        own["deflection_mm"] = [one._replace(weight_g=times * one.weight_g) for one in own["deflection_mm"]]
         own["swings_20_s"] = [
-            one._replace(value=one.value / times**0.5, error=one.error / times**0.5)
-            for one in own["swings_20_s"]
+            one._replace(value=one.value / times**0.5, error=one.error / times**0.5) for one in own["swings_20_s"]
         ]
     strips, density = specimens.read(readings)[0], Density(1.22, 0.02)
     first = modulus.fit(specimens.read(crowd[0])[0], density)
@@ -191,8 +190,7 @@ def test_creep_and_ridges_are_named(tmp_path):
 def test_scatter_beyond_the_stated_error_counts(tmp_path):
     path = tmp_path / "m.csv"
     angles = (10.0, 18.0, 12.0, 16.0)
-    path.write_text(csv_text(form.HEADER, [("block", "slides_deg", a, 0.5, "", "", "")
-                                           for a in angles]))  # fmt: skip
+    path.write_text(csv_text(form.HEADER, [("block", "slides_deg", a, 0.5, "", "", "") for a in angles]))
     found = contact.friction(form.read(path))
     assert found.value == pytest.approx(math.tan(math.radians(14.0)))
     expected = np.radians(np.std(angles, ddof=1) / 2.0) * (1.0 + found.value**2)
@@ -203,15 +201,11 @@ def test_a_rebound_is_that_of_a_ball_in_free_flight(tmp_path):
     # h = 10 mm, e = 0.5: the flight between landings lasts 2 e sqrt(2 h / g)
     flight = 2.0 * 0.5 * math.sqrt(2.0 * 10.0 / 9806.65)
     path = tmp_path / "m.csv"
-    path.write_text(
-        csv_text(form.HEADER, [("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4)
-    )
+    path.write_text(csv_text(form.HEADER, [("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4))
     seen = contact.rebound(form.read(path))
     assert seen.measured.value == pytest.approx(0.5)
     assert seen.measured.tries == 4
-    assert seen.measured.sd == pytest.approx(
-        0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0)
-    )
+    assert seen.measured.sd == pytest.approx(0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0))
     path.write_text(csv_text(form.HEADER, [("walker", "flight_s", 0.2, 0.001, "", "", 10.0)]))
     with pytest.raises(InputError, match="slow motion"):
         contact.rebound(form.read(path))
@@ -221,8 +215,9 @@ def test_a_rebound_is_that_of_a_ball_in_free_flight(tmp_path):
 def test_drops_that_scatter_have_the_error_of_their_scatter(tmp_path, heights):
     ratios = 0.4 + 0.066 * np.array([-1.2, 1.0, -0.7, 1.3, 0.4, -0.8])
     flights = 2.0 * ratios * np.sqrt(2.0 * np.array(heights) / 9806.65)
-    rows = [("walker", "flight_s", flight, 0.002, "", "", height)
-            for flight, height in zip(flights, heights, strict=True)]  # fmt: skip
+    rows = [
+        ("walker", "flight_s", flight, 0.002, "", "", height) for flight, height in zip(flights, heights, strict=True)
+    ]
     path = tmp_path / "m.csv"
     path.write_text(csv_text(form.HEADER, rows))
     seen = contact.rebound(form.read(path))
@@ -266,10 +261,13 @@ def test_units_and_clocks_that_differ_are_refused_and_named(tmp_path, told, slip
 def test_slow_motion_of_a_ring_alone_is_a_note_since_rubber_is_as_soft(tmp_path):
     person = Person(3)
     person.measures_strips()
-    person.rows = [(part, name, 8.0 * reading, 8.0 * error, *beside)
-                   if name == "swings_20_s" else (part, name, reading, error, *beside)
-                   for part, name, reading, error, *beside in person.rows
-                   if name != "deflection_mm"]  # fmt: skip
+    person.rows = [
+        (part, name, 8.0 * reading, 8.0 * error, *beside)
+        if name == "swings_20_s"
+        else (part, name, reading, error, *beside)
+        for part, name, reading, error, *beside in person.rows
+        if name != "deflection_mm"
+    ]
     result = calibrated(person.writes(tmp_path), tmp_path / "o", "--json", "--no-pictures")
     assert any("1/8^2" in note for note in json.loads(result.stdout)["notes"])
 
@@ -331,8 +329,16 @@ def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
     assert elastic.heights == [10.0]
     assert design.name == "koumakis2016-measurements"
     names = {one.name for one in folder.iterdir()}
-    assert names == {"calibration.csv", "calibration.md", "strips.csv", "strips.png", "strips.pdf",
-                     "design.toml", "scene.toml", "manifest.json"}  # fmt: skip
+    assert names == {
+        "calibration.csv",
+        "calibration.md",
+        "strips.csv",
+        "strips.png",
+        "strips.pdf",
+        "design.toml",
+        "scene.toml",
+        "manifest.json",
+    }
     again = calibrated(path, tmp_path / "b", "--tilt", "10", "--quiet", "--no-pictures")
     assert again.exit_code == 0
     for name in names - {"strips.png", "strips.pdf", "manifest.json"}:
@@ -343,15 +349,19 @@ def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
 def test_what_is_missing_stays_and_is_said(tmp_path):
     path = tmp_path / "m.csv"
     rows = [("block", "slides_deg", 14.0, 1.0, "", "", "")] * 3
-    rows += [("strip_2", "thickness_mm", 0.8, 0.02, "", "", ""),
-             ("strip_2", "ring_hz", 40.0, 1.0, "", "", "")]  # fmt: skip
+    rows += [("strip_2", "thickness_mm", 0.8, 0.02, "", "", ""), ("strip_2", "ring_hz", 40.0, 1.0, "", "", "")]
     path.write_text(csv_text(form.HEADER, rows))
     result = calibrated(path, tmp_path / "o", "--json", "--no-pictures")
     found = json.loads(result.stdout)
     assert found["settings"].keys() == {"scene.contact.friction", "scene.contact.friction_sd"}
     told = " / ".join(found["notes"])
-    for what in ("strip_2: no width_mm and no free_length_mm", "no Young's modulus", "no density",
-                 "no damping", "no restitution"):  # fmt: skip
+    for what in (
+        "strip_2: no width_mm and no free_length_mm",
+        "no Young's modulus",
+        "no density",
+        "no damping",
+        "no restitution",
+    ):
         assert what in told
     design = templates.load(tmp_path / "o" / "calibrate" / "design.toml", "walkers", Design)
     assert design.material == PAPER.material
@@ -408,9 +418,7 @@ LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
 def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
     path = tmp_path / "m.csv"
     path.write_text(f"{','.join(form.HEADER)}\n{rows}\n")
-    result = CliRunner().invoke(
-        command_line, ["calibrate", str(path), "--out", str(tmp_path / "o")]
-    )
+    result = CliRunner().invoke(command_line, ["calibrate", str(path), "--out", str(tmp_path / "o")])
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)
     assert len(str(result.exception).splitlines()) == 1

@@ -36,9 +36,10 @@ def test_strips_are_whole_lines_that_both_methods_can_measure(printer):
     thicknesses = [one.strip.thickness for one in drawn]
     assert len(set(thicknesses)) == 4
     assert PAPER.limbs[0].thickness in thicknesses
-    lines = [(one - walls.line_rounding(printer)) /
-             (printer.line_width_mm - walls.line_rounding(printer))
-             for one in thicknesses]  # fmt: skip
+    lines = [
+        (one - walls.line_rounding(printer)) / (printer.line_width_mm - walls.line_rounding(printer))
+        for one in thicknesses
+    ]
     assert lines == pytest.approx([1, 2, 3, 4], abs=0.15)
     for one in drawn:
         strip = one.strip
@@ -62,14 +63,10 @@ def test_meshes_are_closed_and_as_large_as_drawn():
         whole = (long * deep + strip.length * strip.thickness) * strip.width
         volume = mass.weigh(mesh, 1.0).mass
         assert 0.97 * whole < volume < whole  # less the number on it
-        assert np.ptp(mesh.vertices, axis=0) == pytest.approx(
-            (long + strip.length, deep, strip.width)
-        )
+        assert np.ptp(mesh.vertices, axis=0) == pytest.approx((long + strip.length, deep, strip.width))
     block = parts.block_mesh(printer)
     assert solids.bodies(block) == 1
-    assert mass.weigh(block, 1.0).mass == pytest.approx(
-        parts.block_volume(*parts.block_size(printer)), rel=1e-9
-    )
+    assert mass.weigh(block, 1.0).mass == pytest.approx(parts.block_volume(*parts.block_size(printer)), rel=1e-9)
 
 
 def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):

@@ -58,11 +58,7 @@ def test_codes_are_those_of_opencv():
 
 def test_a_mirrored_marker_is_none_or_itself():
     """What is read in the mirror is a fault of film or print, never another walker."""
-    codes = {
-        np.rot90(caps.white(number), turn).tobytes(): number
-        for number in range(100)
-        for turn in range(4)
-    }
+    codes = {np.rot90(caps.white(number), turn).tobytes(): number for number in range(100) for turn in range(4)}
     read = {number: codes.get(caps.white(number)[:, ::-1].tobytes()) for number in range(100)}
     same = {number for number, seen in read.items() if seen is not None}
     assert all(read[number] == number for number in same)
@@ -95,10 +91,7 @@ def test_the_mass_of_a_tile_is_that_of_its_cells():
     for number in (0, 10, 42):
         cell = Cap().cell
         black = float((~caps.white(number)).sum())
-        for kind, cells in (
-            ("engraved", 63.75 * 1.0 - 0.4 * black),
-            ("raised", 63.75 * 1.0 + 0.4 * black),
-        ):
+        for kind, cells in (("engraved", 63.75 * 1.0 - 0.4 * black), ("raised", 63.75 * 1.0 + 0.4 * black)):
             volume = mass.weigh(caps.mesh(Cap(kind=kind, number=number)), 1.0).mass
             # cells of the code overlap others by 2 % of a side: at most 16 of 0.08 cells each
             assert volume == pytest.approx(cells * cell**2, abs=0.4 * 16 * 0.08 * cell**2)
@@ -158,8 +151,12 @@ def test_plates_come_with_their_caps(run, tmp_path):
     assert done.exit_code == 0, done.output
     folder = tmp_path / "out" / "koumakis2016" / "caps"
     assert sorted(path.name for path in folder.iterdir()) == [
-        "caps.csv", "caps.json", "caps.pdf", "caps_1.png", "caps_prusa-mk3s_1.3mf",
-    ]  # fmt: skip
+        "caps.csv",
+        "caps.json",
+        "caps.pdf",
+        "caps_1.png",
+        "caps_prusa-mk3s_1.3mf",
+    ]
     rows = [line.split(",") for line in (folder / "caps.csv").read_text().splitlines()]
     assert [row[0] for row in rows[1:]] == ["0", "1", "2", "3", "4"]
     assert rows[3][1] == "walker_t10.0_flexible_s0.40-1"
@@ -189,9 +186,11 @@ def test_caps_of_numbered_copies_bear_their_numbers(run, tmp_path):
 def test_exported_walkers_come_with_their_caps(run, tmp_path):
     assert run("export", "--caps", "aruco", "--tilt", "5,10", "--out", "e").exit_code == 0
     assert sorted(path.name for path in (tmp_path / "e" / "stl").iterdir()) == [
-        "walker_t05.0_flexible_s0.40.stl", "walker_t05.0_flexible_s0.40_cap00.stl",
-        "walker_t10.0_flexible_s0.40.stl", "walker_t10.0_flexible_s0.40_cap01.stl",
-    ]  # fmt: skip
+        "walker_t05.0_flexible_s0.40.stl",
+        "walker_t05.0_flexible_s0.40_cap00.stl",
+        "walker_t10.0_flexible_s0.40.stl",
+        "walker_t10.0_flexible_s0.40_cap01.stl",
+    ]
     assert (tmp_path / "e" / "caps" / "caps.pdf").is_file()
 
 

@@ -27,7 +27,9 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 CARD = Card(
-    name="printed", mass_g=0.9, inertia_g_mm2=60.0,
+    name="printed",
+    mass_g=0.9,
+    inertia_g_mm2=60.0,
     outline_mm=[[[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]],
     speed_mm_s=Known(value=60.0, se=0.2, runs=16),
     velocity_relaxation_s=Known(value=0.07, se=0.003, runs=16),
@@ -35,7 +37,7 @@ CARD = Card(
     turning_relaxation_s=Known(value=0.04, se=0.002, runs=16),
     rotational_diffusion_rad2_s=Known(value=0.2, se=0.02, runs=16),
     translational_diffusion_mm2_s=Known(value=3.0, se=0.3, runs=16),
-)  # fmt: skip
+)
 
 
 def design(name="koumakis2016"):
@@ -130,9 +132,11 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
     assert 55.0 < card.speed_mm_s.value < 66.0
     # As ten ensembles of 16 x 10 s of other seeds had them
     for key, expected in (
-        ("velocity_relaxation_s", 0.065), ("turning_relaxation_s", 0.044),
-        ("translational_diffusion_mm2_s", 2.85), ("rotational_diffusion_rad2_s", 0.0154),
-    ):  # fmt: skip
+        ("velocity_relaxation_s", 0.065),
+        ("turning_relaxation_s", 0.044),
+        ("translational_diffusion_mm2_s", 2.85),
+        ("rotational_diffusion_rad2_s", 0.0154),
+    ):
         known = getattr(card, key)
         assert abs(known.value - expected) < 4.0 * known.se, (key, known)
         assert known.runs == 8
@@ -154,11 +158,13 @@ def test_filmed_walkers_have_a_card(run, tmp_path):
     card = Card.model_validate(json.loads(result.stdout)["card"])
     assert card.name == "polar-disc"
     for key, truth in (
-        ("velocity_relaxation_s", one.relaxation), ("delay_s", one.relaxation),
-        ("turning_relaxation_s", one.turn_relaxation), ("turning_rad_s", 0.0),
+        ("velocity_relaxation_s", one.relaxation),
+        ("delay_s", one.relaxation),
+        ("turning_relaxation_s", one.turn_relaxation),
+        ("turning_rad_s", 0.0),
         ("translational_diffusion_mm2_s", one.diffusion),
         ("rotational_diffusion_rad2_s", one.rotation),
-    ):  # fmt: skip
+    ):
         known = getattr(card, key)
         assert abs(known.value - truth) < 3.5 * known.se, (key, known)
 
@@ -206,11 +212,14 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
     one = Inertial(turn=turn, relaxation=0.2, rotation=1.0, turn_relaxation=0.002)
     own = tracks(3, one, seconds=20.0, interval=0.02)
     speed = motion.analyse(own).estimates["speed"]
-    card = CARD.model_copy(update={
-        "speed_mm_s": Known(value=speed.value), "turning_rad_s": Known(value=turn),
-        "velocity_relaxation_s": Known(value=one.relaxation),
-        "rotational_diffusion_rad2_s": Known(value=one.rotation),
-    })  # fmt: skip
+    card = CARD.model_copy(
+        update={
+            "speed_mm_s": Known(value=speed.value),
+            "turning_rad_s": Known(value=turn),
+            "velocity_relaxation_s": Known(value=one.relaxation),
+            "rotational_diffusion_rad2_s": Known(value=one.rotation),
+        }
+    )
     raised = card.propulsion_mm_s / speed.value
     assert raised > 1.15
     assert abs(card.propulsion_mm_s - one.speed) < 3.5 * raised * speed.se + 0.01 * one.speed
@@ -252,26 +261,30 @@ def test_pymunk_gives_the_walker_of_the_card(tmp_path):
     velocity, diffusion = relaxation.velocity(own, exact=True)
     turning = relaxation.turning(own, True, moved["rotational_diffusion"])
     for estimate, known in (
-        (moved["speed"], CARD.speed_mm_s), (velocity.time, CARD.velocity_relaxation_s),
+        (moved["speed"], CARD.speed_mm_s),
+        (velocity.time, CARD.velocity_relaxation_s),
         (diffusion, CARD.translational_diffusion_mm2_s),
         (moved["turning_bias"], CARD.turning_rad_s),
         (moved["rotational_diffusion"], CARD.rotational_diffusion_rad2_s),
         (turning.time, CARD.turning_relaxation_s),
-    ):  # fmt: skip
-        assert abs(estimate.value - known.value) < 3.5 * estimate.se + 0.01 * known.value, (
-            estimate, known
-        )  # fmt: skip
+    ):
+        assert abs(estimate.value - known.value) < 3.5 * estimate.se + 0.01 * known.value, (estimate, known)
     assert moved["speed"].se < 0.02 * CARD.speed_mm_s.value
 
 
 def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
     """Two walkers without propulsion and friction, head on."""
-    card = CARD.model_copy(update={
-        "speed_mm_s": Known(value=0.0), "velocity_relaxation_s": Known(value=1e6),
-        "turning_relaxation_s": Known(value=1e6), "turning_rad_s": Known(value=0.0),
-        "translational_diffusion_mm2_s": Known(value=0.0), "restitution": 0.6,
-        "rotational_diffusion_rad2_s": Known(value=0.0),
-    })  # fmt: skip
+    card = CARD.model_copy(
+        update={
+            "speed_mm_s": Known(value=0.0),
+            "velocity_relaxation_s": Known(value=1e6),
+            "turning_relaxation_s": Known(value=1e6),
+            "turning_rad_s": Known(value=0.0),
+            "translational_diffusion_mm2_s": Known(value=0.0),
+            "restitution": 0.6,
+            "rotational_diffusion_rad2_s": Known(value=0.0),
+        }
+    )
     script, draws, space = scripts(tmp_path, card), random.Random(1), pymunk.Space()
     assert script["MASS"] == card.mass_g
     left, right = (script["walker"](space, (x, 0.0), 0.0, draws) for x in (-20.0, 20.0))
@@ -290,15 +303,14 @@ def test_scripts_of_others_name_every_number_and_are_python(tmp_path):
         for number, value in inputs.numbers_of(CARD).items():
             assert f"{number} = {value!r}" in text
     values = {
-        words[1]: float(words[3]) for line in made["card.lammps"].decode().splitlines()
+        words[1]: float(words[3])
+        for line in made["card.lammps"].decode().splitlines()
         if (words := line.split())[0] == "variable"
-    }  # fmt: skip
+    }
     assert values["thrust"] == pytest.approx(values["drag"] * CARD.propulsion_mm_s)
     relaxed = CARD.mass_g / values["drag"]
     assert relaxed == pytest.approx(CARD.velocity_relaxation_s.value)
-    assert values["velocity_sd"] ** 2 * relaxed == pytest.approx(
-        CARD.translational_diffusion_mm2_s.value
-    )
+    assert values["velocity_sd"] ** 2 * relaxed == pytest.approx(CARD.translational_diffusion_mm2_s.value)
     assert math.isfinite(sum(values.values()))
 
 
@@ -331,8 +343,6 @@ def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
     film = ("tracks.csv", "--design", "rotator", "--arena", "disc:120")
     assert "--arena disc:120: a film tells nothing of walls" in refused(run, *film)
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
-    small = scene.model_copy(update={
-        "crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})
-    })  # fmt: skip
+    small = scene.model_copy(update={"crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})})
     with pytest.raises(InputError, match="too small"):
         walled.simulated(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)

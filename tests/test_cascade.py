@@ -39,11 +39,7 @@ def any_tensor(rng, decades):
     """A positive definite tensor with a condition of up to so many decades."""
     angle, scale = rng.uniform(0.0, math.pi), 10 ** rng.uniform(-decades, decades)
     ratio, c, s = 10 ** rng.uniform(-decades, 0.0), math.cos(angle), math.sin(angle)
-    return Tensor(
-        scale * (c * c + ratio * s * s),
-        scale * c * s * (1.0 - ratio),
-        scale * (s * s + ratio * c * c),
-    )
+    return Tensor(scale * (c * c + ratio * s * s), scale * c * s * (1.0 - ratio), scale * (s * s + ratio * c * c))
 
 
 def any_landing(rng):
@@ -59,17 +55,13 @@ def distance(found, expected, v_x):
     """Relative difference of two landings, of impulses or of velocities."""
     impulse = math.hypot(*expected[:2])
     speed = max(abs(v_x), 1.0, abs(expected[2]), abs(expected[3]))
-    return max(
-        math.dist(found[:2], expected[:2]) / impulse, math.dist(found[2:4], expected[2:4]) / speed
-    )
+    return max(math.dist(found[:2], expected[:2]) / impulse, math.dist(found[2:4], expected[2:4]) / speed)
 
 
 def rounding_of(own, rigid, v_x, contact, expected):
     """How far the last digit of the foot's tensor moves the sum of the impacts."""
     moved = (
-        impacts_one_by_one(
-            own._replace(xx=own.xx * (1.0 + k * ULP)), rigid, v_x, -1.0, contact, 20_000
-        )
+        impacts_one_by_one(own._replace(xx=own.xx * (1.0 + k * ULP)), rigid, v_x, -1.0, contact, 20_000)
         for k in (-3, -2, -1, 1, 2, 3)
     )
     return max(distance(other, expected, v_x) for other in moved)
@@ -147,6 +139,5 @@ def test_exact_arithmetic_determines_a_chaotic_landing_no_better():
     # lawful all the same: in the cone, leaving, and consistent with the body's inertia
     assert abs(landing.F_x) <= contact.friction * landing.F_y
     assert landing.v_y > 0.0
-    v = [v_x + rigid.xx * landing.F_x + rigid.xy * landing.F_y,
-         -1.0 + rigid.xy * landing.F_x + rigid.yy * landing.F_y]  # fmt: skip
+    v = [v_x + rigid.xx * landing.F_x + rigid.xy * landing.F_y, -1.0 + rigid.xy * landing.F_x + rigid.yy * landing.F_y]
     np.testing.assert_allclose(v, [landing.v_x, landing.v_y], atol=1e-9 * abs(v_x))

@@ -57,9 +57,8 @@ def test_shipped_walkers_print_on_shipped_printers(walker, printer):
 
 @pytest.mark.parametrize(
     ("lines", "level"),
-    [(0.74, "error"), (0.76, None), (1.44, None), (1.46, "warning"), (1.74, "warning"),
-     (1.76, None), (1.94, None)],
-)  # fmt: skip
+    [(0.74, "error"), (0.76, None), (1.44, None), (1.46, "warning"), (1.74, "warning"), (1.76, None), (1.94, None)],
+)
 def test_legs_in_printed_lines(lines, level):
     legs = design_of(flexible_thickness_mm=lines * MK3S.line_width_mm)
     seen = {one.level for one in found(legs) if "leg" in one.what and one.level != "advice"}
@@ -95,8 +94,7 @@ def test_legs_of_a_line_and_less_vanish_unless_thin_walls_are_detected(thickness
     thin=st.booleans(),
 )
 def test_what_a_finding_recommends_is_good(thickness, line, layer, generator, thin):
-    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator,
-               "thin_walls": thin}  # fmt: skip
+    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator, "thin_walls": thin}
     printer = MK3S.model_copy(update=changes)
     finding = checks._wall("leg", thickness, printer, 0.02)
     if finding is None or " mm would do" not in finding.change:
@@ -108,12 +106,14 @@ def test_what_a_finding_recommends_is_good(thickness, line, layer, generator, th
 
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(
-    thickness=st.floats(0.01, 4.0), line=st.floats(0.3, 0.8), layer=st.floats(0.05, 0.3),
-    generator=st.sampled_from(["classic", "arachne"]), thin=st.booleans(),
-)  # fmt: skip
+    thickness=st.floats(0.01, 4.0),
+    line=st.floats(0.3, 0.8),
+    layer=st.floats(0.05, 0.3),
+    generator=st.sampled_from(["classic", "arachne"]),
+    thin=st.booleans(),
+)
 def test_plastic_is_none_or_near_the_wall(thickness, line, layer, generator, thin):
-    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator,
-               "thin_walls": thin}  # fmt: skip
+    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator, "thin_walls": thin}
     printed = walls.printed_thickness(thickness, MK3S.model_copy(update=changes))
     assert printed == 0.0 or abs(printed - thickness) <= line
 
@@ -159,18 +159,20 @@ def test_window_and_clearance_are_those_of_the_solid():
 
 @pytest.mark.parametrize(
     ("changes", "level"),
-    [({"layer_height_mm": 0.32}, None), ({"layer_height_mm": 0.33}, "warning"),
-     ({"layer_height_mm": 0.41}, "error"), ({"line_width_mm": 0.2}, "error"),
-     ({"line_width_mm": 0.3}, None)],
-)  # fmt: skip
+    [
+        ({"layer_height_mm": 0.32}, None),
+        ({"layer_height_mm": 0.33}, "warning"),
+        ({"layer_height_mm": 0.41}, "error"),
+        ({"line_width_mm": 0.2}, "error"),
+        ({"line_width_mm": 0.3}, None),
+    ],
+)
 def test_layers_against_nozzle_and_line(changes, level):
     seen = levels(checks.of_printer(MK3S.model_copy(update=changes)))
     assert seen == ({level} if level else set())
 
 
-@pytest.mark.parametrize(
-    ("depth", "level"), [(8.0, None), (7.8, None), (8.1, "warning"), (0.1, "error"), (0.2, None)]
-)
+@pytest.mark.parametrize(("depth", "level"), [(8.0, None), (7.8, None), (8.1, "warning"), (0.1, "error"), (0.2, None)])
 def test_the_depth_is_a_whole_number_of_layers(depth, level):
     seen = {one.level for one in found(design_of(depth_mm=depth)) if "depth" in one.what}
     assert seen == ({level} if level else set())
@@ -181,9 +183,7 @@ def test_a_brim_is_advised_for_what_stands_badly_and_no_more_once_there_is_one()
         return [one.what for one in found(design, printer) if "brim" in one.change]
 
     assert advised(design_of()) == []
-    assert advised(design_of(depth_mm=12.0)) == [
-        "the leg prints high and thin: height over thickness"
-    ]
+    assert advised(design_of(depth_mm=12.0)) == ["the leg prints high and thin: height over thickness"]
     small = Design.model_validate({"body": {"length_mm": 17.0, "thickness_mm": 1.0}})
     assert advised(small) == ["little of it holds on to the bed"]
     (seen,) = [one.seen for one in found(small) if "bed" in one.what]
@@ -239,9 +239,7 @@ def test_parts_brims_and_skirts_off_the_bed_are_errors():
 def test_parts_too_close_or_overlapping():
     assert on_plate() == []
     assert on_plate((10.0, 10.0), (33.0, 10.0)) == []
-    assert on_plate((10.0, 10.0), (32.9, 10.0)) == [
-        ("warning", "p: box-1", "is closer than the gap to box-2")
-    ]
+    assert on_plate((10.0, 10.0), (32.9, 10.0)) == [("warning", "p: box-1", "is closer than the gap to box-2")]
     assert on_plate((10.0, 10.0), (29.9, 19.9))[0][0] == "error"
     assert on_plate((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.0)[0][0] == "warning"
     assert on_plate((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.6)[0][0] == "error"
@@ -249,9 +247,7 @@ def test_parts_too_close_or_overlapping():
 
 def test_one_filament_prints_a_batch():
     """Settings that are loaded alone hold one density: that of the first part."""
-    pla, petg = (
-        Design.model_validate({"material": {"density_g_cm3": rho}}) for rho in (1.24, 1.27)
-    )
+    pla, petg = (Design.model_validate({"material": {"density_g_cm3": rho}}) for rho in (1.24, 1.27))
     meshes = [solids.as_printed(pla, solids.build(pla).walker)] * 3
     parts = [Part.of(name, mesh, 1) for name, mesh in zip("abc", meshes, strict=True)]
     assert not checks.of_batch([pla] * 3, meshes, parts, [], MK3S)
@@ -264,14 +260,10 @@ def test_equal_findings_are_told_once_and_errors_first():
     one = checks.Finding("warning", "a", "x", 1.0, 2.0, "mm", "y")
     every = [one, one._replace(where="b"), one._replace(level="error", where="c")]
     merged = checks.grouped(every)
-    assert [(finding.level, finding.where) for finding in merged] == [
-        ("error", "c"), ("warning", "a and 1 more"),
-    ]  # fmt: skip
+    assert [(finding.level, finding.where) for finding in merged] == [("error", "c"), ("warning", "a and 1 more")]
     with pytest.raises(PrintabilityError) as caught:
         checks.refuse(every, strict=True)
-    assert str(caught.value).splitlines() == [
-        "c: x: 1 mm, limit 2 mm: y", "a and 1 more: x: 1 mm, limit 2 mm: y",
-    ]  # fmt: skip
+    assert str(caught.value).splitlines() == ["c: x: 1 mm, limit 2 mm: y", "a and 1 more: x: 1 mm, limit 2 mm: y"]
 
 
 # The command line
@@ -298,9 +290,11 @@ def test_check_in_json(run):
     result = run("check", "--printer", "ender3", "--tilt", "10", "--legs", "flexible", "--json")
     data = json.loads(result.stdout)
     assert data["walls"][0] == {
-        "wall": "leg", "thickness_mm": 0.4, "lines": 1.0,
+        "wall": "leg",
+        "thickness_mm": 0.4,
+        "lines": 1.0,
         "plastic_percent": pytest.approx(-10.73, abs=0.01),
-    }  # fmt: skip
+    }
     assert [one["level"] for one in data["findings"]] == ["warning"]
     assert (data["parts"], data["plates"]) == (1, 1)
 
@@ -322,8 +316,7 @@ def test_with_several_printers_a_warning_names_its_own(run):
 
 @pytest.mark.parametrize("command", ["plate", "family"])
 def test_warnings_are_printed_and_kept_on_the_sheet(run, tmp_path, command):
-    words = (command, "--tilt", "10", "--legs", "flexible", "--printer", "ender3",
-             "--no-pictures")  # fmt: skip
+    words = (command, "--tilt", "10", "--legs", "flexible", "--printer", "ender3", "--no-pictures")
     quiet = run(*words, "--quiet")
     assert (quiet.exit_code, quiet.output) == (0, "")
     result = run(*words)

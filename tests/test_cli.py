@@ -20,11 +20,28 @@ from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 
 COLUMNS = [
-    "tilt_deg", "legs", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s",
+    "tilt_deg",
+    "legs",
+    "total_g",
+    "M_g",
+    "J_g_mm2",
+    "m_g",
+    "j_g_mm2",
+    "speed_mm_s",
     "speed_sd_mm_s",
-    "speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s",
-    "speed_by", "theory_mm_s", "factor_back", "factor_front", "factor_mean", "mode", "law", "note",
-]  # fmt: skip
+    "speed_low_68_mm_s",
+    "speed_high_68_mm_s",
+    "speed_low_95_mm_s",
+    "speed_high_95_mm_s",
+    "speed_by",
+    "theory_mm_s",
+    "factor_back",
+    "factor_front",
+    "factor_mean",
+    "mode",
+    "law",
+    "note",
+]
 
 
 @pytest.fixture
@@ -45,8 +62,7 @@ def refused(run, *words):
 
 
 def test_predict_json_has_the_named_columns(run):
-    result = run("predict", "koumakis2016", "--tilt", "10", "--restitution", "0.8",
-                 "--friction", "0.25", "--json")  # fmt: skip
+    result = run("predict", "koumakis2016", "--tilt", "10", "--restitution", "0.8", "--friction", "0.25", "--json")
     (row,) = json.loads(result.stdout)["rows"]
     assert list(row) == COLUMNS
     assert row["tilt_deg"] == 10.0
@@ -67,8 +83,7 @@ def test_laws_differ(run):
     """The impact kernel gives no horizontal impulse at a law's speed under that law alone."""
     tensors = feet(solids.mass_of(Design().variant(tilt_deg=20.0)))
     for name in ("poisson", "newton", "stronge"):
-        result = run("predict", "--tilt", "20", "--restitution", "0.8", "--friction", "0.25",
-                     "--law", name, "--json")  # fmt: skip
+        result = run("predict", "--tilt", "20", "--restitution", "0.8", "--friction", "0.25", "--law", name, "--json")
         (row,) = json.loads(result.stdout)["rows"]
         assert row["law"] == name
         for H, factor in zip(tensors, (row["factor_back"], row["factor_front"]), strict=True):
@@ -101,8 +116,7 @@ def test_export_writes_both_formats(run, tmp_path):
 
 
 def test_plate_places_every_copy(run, tmp_path):
-    result = run("plate", "koumakis2016", "--tilt", "5,10,15", "--copies", "8",
-                 "--printer", "prusa-mk3s", "--json")  # fmt: skip
+    result = run("plate", "koumakis2016", "--tilt", "5,10,15", "--copies", "8", "--printer", "prusa-mk3s", "--json")
     found = json.loads(result.stdout)
     assert len(found["rows"]) == 24
     assert len({row["name"] for row in found["rows"]}) == 3
@@ -120,10 +134,15 @@ def test_a_plate_that_does_not_fit_says_how_many_would(run, tmp_path):
 def test_templates_are_listed_shown_and_copied(run, tmp_path):
     listed = json.loads(run("templates", "--json").stdout)["rows"]
     assert {(row["kind"], row["name"]) for row in listed} >= {
-        ("walkers", "koumakis2016"), ("walkers", "maker-large"), ("scenes", "lane-90hz"),
-        ("scenes", "lane-90hz-fitted"), ("printers", "replicator2x"), ("printers", "prusa-mk3s"),
-        ("printers", "bambu-x1"), ("printers", "ender3"),
-    }  # fmt: skip
+        ("walkers", "koumakis2016"),
+        ("walkers", "maker-large"),
+        ("scenes", "lane-90hz"),
+        ("scenes", "lane-90hz-fitted"),
+        ("printers", "replicator2x"),
+        ("printers", "prusa-mk3s"),
+        ("printers", "bambu-x1"),
+        ("printers", "ender3"),
+    }
     assert "[legs]" in run("templates", "show", "koumakis2016").stdout
     run("templates", "copy", "maker-large")
     assert (tmp_path / "maker-large.toml").read_text().startswith("#")
@@ -257,10 +276,23 @@ def test_a_prediction_imports_few_modules_and_no_other_command():
 
 
 SOME_NEED = (
-    "scipy.stats", "scipy.optimize", "sklearn", "emcee", "networkx", "trimesh", "ezdxf",
-    "matplotlib", "pandas", "shapely", "lib3mf", "rich", "joblib", "walkergen.numerics.emulator",
-    "walkergen.simulation.relaxed.model", "walkergen.simulation.compliant.model",
-)  # fmt: skip
+    "scipy.stats",
+    "scipy.optimize",
+    "sklearn",
+    "emcee",
+    "networkx",
+    "trimesh",
+    "ezdxf",
+    "matplotlib",
+    "pandas",
+    "shapely",
+    "lib3mf",
+    "rich",
+    "joblib",
+    "walkergen.numerics.emulator",
+    "walkergen.simulation.relaxed.model",
+    "walkergen.simulation.compliant.model",
+)
 
 
 @pytest.mark.parametrize(

@@ -15,17 +15,26 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.points import worker_pool
 
-POINTS = ["sweep", "koumakis2016", "--set", "legs.tilt_deg=1:40:1",
-          "--set", "scene.contact.friction=0.1:0.34:0.01", "--no-pictures",
-          "--quiet"]  # fmt: skip
+POINTS = [
+    "sweep",
+    "koumakis2016",
+    "--set",
+    "legs.tilt_deg=1:40:1",
+    "--set",
+    "scene.contact.friction=0.1:0.34:0.01",
+    "--no-pictures",
+    "--quiet",
+]
 
 
 def started(module, *arguments, cwd=None, **environment):
     """Program of dask's in a process of its own."""
     return subprocess.Popen(
         [sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
-        stderr=subprocess.DEVNULL, cwd=cwd, env=os.environ | environment,
-    )  # fmt: skip
+        stderr=subprocess.DEVNULL,
+        cwd=cwd,
+        env=os.environ | environment,
+    )
 
 
 def worker(folder, name, **others):
@@ -87,10 +96,7 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
     try:
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(3, timeout=60)
-        with (
-            pytest.raises(InputError, match=r"worker tcp.* has .*none here"),
-            worker_pool.dask(address),
-        ):
+        with pytest.raises(InputError, match=r"worker tcp.* has .*none here"), worker_pool.dask(address):
             pass
     finally:
         third.kill()
@@ -99,10 +105,7 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
 
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
     monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
-    with (
-        pytest.raises(InputError, match="no scheduler answers there"),
-        worker_pool.dask("tcp://[::1]:9"),
-    ):
+    with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask("tcp://[::1]:9"):
         pass
 
 
@@ -112,10 +115,7 @@ def test_what_is_no_scheduler_ends_in_time(monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         started = time.monotonic()
-        with (
-            pytest.raises(InputError, match="no scheduler answers there"),
-            worker_pool.dask(address),
-        ):
+        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask(address):
             pass
         assert time.monotonic() - started < 5.0
 

@@ -10,14 +10,7 @@ from worlds import SHAKEN, hinged_state, hinged_walker, shaken, world_of
 from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.simulation import record
 from walkergen.simulation.compliant import steps
-from walkergen.simulation.compliant.chain import (
-    LOOSE,
-    chain_of,
-    energy,
-    free_acceleration,
-    gaps,
-    mobility_of,
-)
+from walkergen.simulation.compliant.chain import LOOSE, chain_of, energy, free_acceleration, gaps, mobility_of
 from walkergen.simulation.compliant.state import walker_of
 from walkergen.simulation.world import (
     ANGLE_BACK,
@@ -70,9 +63,7 @@ def test_inverse_mass_at_the_feet_is_that_of_three_bodies_on_hinges():
         ]
     )
     # 1e-11: rounding of the rival's 13 x 13 system
-    np.testing.assert_allclose(
-        chain, Rival(world_of(walker)).mobility(state), rtol=0, atol=1e-11 * W.bb_xx
-    )
+    np.testing.assert_allclose(chain, Rival(world_of(walker)).mobility(state), rtol=0, atol=1e-11 * W.bb_xx)
 
 
 def test_free_acceleration_is_that_of_three_bodies_on_hinges():
@@ -135,12 +126,7 @@ LANDINGS = {
         Contact(0.0, 10.0, 0),
         [
             ("open", 0.0, lambda F, gap, u: gap, None),
-            (
-                "stick",
-                10.0,
-                lambda F, gap, u: 10.0 * F[1] - abs(F[0]),
-                lambda *now: _impulse(*now, 0.0, 10.0),
-            ),
+            ("stick", 10.0, lambda F, gap, u: 10.0 * F[1] - abs(F[0]), lambda *now: _impulse(*now, 0.0, 10.0)),
             ("forward", 10.0, lambda F, gap, u: F[1], None),
             ("open", 0.0, None, None),
         ],
@@ -180,15 +166,12 @@ def test_single_landing_is_that_of_an_independent_integration(name):
     found = state[[X, Y, PITCH]]
     # 1e-9 mm and rad; rates carry the legs' frequency of 1e4 rad/s
     np.testing.assert_allclose(found, p[:3], rtol=0, atol=1e-9)
-    np.testing.assert_allclose(
-        state[[ANGLE_BACK, ANGLE_FRONT]], p[[5, 8]] - p[2], rtol=0, atol=1e-9
-    )
+    np.testing.assert_allclose(state[[ANGLE_BACK, ANGLE_FRONT]], p[[5, 8]] - p[2], rtol=0, atol=1e-9)
     np.testing.assert_allclose(state[[V_X, V_Y, SPIN]], v[:3], rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize(
-    ("tilt", "contact"),
-    [(10, Contact(0.3, 0.25, Law.POISSON.value)), (20, Contact(0.0, 0.25, Law.STRONGE.value))],
+    ("tilt", "contact"), [(10, Contact(0.3, 0.25, Law.POISSON.value)), (20, Contact(0.0, 0.25, Law.STRONGE.value))]
 )
 def test_energy_balance_closes(tilt, contact):
     walker = hinged_walker(tilt)
@@ -209,10 +192,7 @@ def test_energy_balance_closes(tilt, contact):
 def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(friction, law):
     walker = hinged_walker(10)
     state = hinged_state(walker, 0.05, 0.002, 1.0)
-    status, tally = run(
-        walker, Contact(0.5, friction, law), state, 0.06,
-        sample_interval=5e-4, event_room=4000,
-    )  # fmt: skip
+    status, tally = run(walker, Contact(0.5, friction, law), state, 0.06, sample_interval=5e-4, event_room=4000)
     assert status == OK
     depth = 0.0
     for row in tally.samples.rows[: tally.samples.cursor[0]]:

@@ -26,9 +26,17 @@ EMPTY = record.new(4)
 def result(number, seconds, speeds):
     """Run with such block speeds, of which only these matter."""
     return RunResult(
-        number, Outcome.OK, seconds, float(speeds.mean()), seconds / len(speeds), speeds,
-        0.0, EMPTY, 0.0, np.zeros((0, 3)),
-    )  # fmt: skip
+        number,
+        Outcome.OK,
+        seconds,
+        float(speeds.mean()),
+        seconds / len(speeds),
+        speeds,
+        0.0,
+        EMPTY,
+        0.0,
+        np.zeros((0, 3)),
+    )
 
 
 def judge(ensembles, truth, shrink=1.0):
@@ -78,9 +86,7 @@ PROCESSES = {
     "turns twice a second": lambda *size: turning(*size, 0.5) + 0.5 * wandering(*size, 0.1),
     "turns every two seconds": lambda *size: turning(*size, 2.0) + 0.5 * wandering(*size, 0.1),
     "turns every five seconds": lambda *size: turning(*size, 5.0) + 0.5 * wandering(*size, 0.1),
-    "each print is another": lambda rng, runs, blocks: (
-        wandering(rng, runs, blocks, 0.1) + rng.normal(size=(runs, 1))
-    ),
+    "each print is another": lambda rng, runs, blocks: wandering(rng, runs, blocks, 0.1) + rng.normal(size=(runs, 1)),
 }
 
 
@@ -112,9 +118,7 @@ def pool(tilt, restitution, count, seconds, step_us=None):
     scene = templates.load("lane-90hz", "scenes", Scene)
     scene = scene.model_copy(
         update={
-            "run": scene.run.model_copy(
-                update={"seconds": seconds, "runs": count, "step_us": step_us}
-            ),
+            "run": scene.run.model_copy(update={"seconds": seconds, "runs": count, "step_us": step_us}),
             "contact": scene.contact.model_copy(update={"restitution": restitution}),
             "legs": scene.legs.model_copy(update={"model": "compliant"}),
         }
@@ -158,8 +162,7 @@ def test_intervals_of_a_running_walker_hold_their_share():
 @pytest.mark.nightly
 @pytest.mark.parametrize(("runs", "seconds"), SIZES)
 @pytest.mark.parametrize(
-    ("tilt", "restitution"),
-    [(0.0, 0.3), (0.0, 0.8), (5.0, 0.8), (10.0, 0.3), (10.0, 0.8), (20.0, 0.3), (20.0, 0.8)],
+    ("tilt", "restitution"), [(0.0, 0.3), (0.0, 0.8), (5.0, 0.8), (10.0, 0.3), (10.0, 0.8), (20.0, 0.3), (20.0, 0.8)]
 )
 def test_intervals_hold_their_share_at_every_tilt_and_restitution(tilt, restitution, runs, seconds):
     assert_honest(walkers(tilt, restitution, runs, seconds, 600))

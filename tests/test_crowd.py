@@ -28,9 +28,11 @@ TICKS = 0.02
 def head_on(restitution, friction=0.0, offset=0.0):
     """Two walkers nose to nose, half a millimetre apart, at 40 mm/s each, `offset` mm aside."""
     return Pair(
-        [(-14.25, 0.0, 0.0), (14.25, offset, math.pi)], [(40.0, 0.0), (-40.0, 0.0)],
-        restitution=restitution, friction=friction,
-    )  # fmt: skip
+        [(-14.25, 0.0, 0.0), (14.25, offset, math.pi)],
+        [(40.0, 0.0), (-40.0, 0.0)],
+        restitution=restitution,
+        friction=friction,
+    )
 
 
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 1.0])
@@ -59,8 +61,9 @@ def test_a_corner_against_a_face_turns_both_as_a_rigid_impact_does(restitution):
     seen = np.column_stack([h_c * x + h_s * z, h_c * z - h_s * x])
     corner = seen[np.argmax(seen[:, 1])]
     middle = np.array([along, -5.0]) - corner
-    pair = Pair([(0.0, 0.0, 0.0), (*middle, heading)], [(0.0, -60.0), (0.0, 0.0)],
-                restitution=restitution, friction=0.0)  # fmt: skip
+    pair = Pair(
+        [(0.0, 0.0, 0.0), (*middle, heading)], [(0.0, -60.0), (0.0, 0.0)], restitution=restitution, friction=0.0
+    )
     before, energy = pair.momentum(), pair.energy()
     book = pair.advance(0.03)
     assert book[bodies.TOUCHES] == 1
@@ -81,9 +84,11 @@ def test_friction_of_a_glancing_blow_is_at_most_its_coefficient():
     """
     for friction in (0.05, 0.1):
         pair = Pair(
-            [(-14.25, 0.0, 0.0), (14.25, 0.0, math.pi)], [(30.0, 0.0), (-30.0, 200.0)],
-            restitution=0.5, friction=friction,
-        )  # fmt: skip
+            [(-14.25, 0.0, 0.0), (14.25, 0.0, math.pi)],
+            [(30.0, 0.0), (-30.0, 200.0)],
+            restitution=0.5,
+            friction=friction,
+        )
         pair.advance(0.012)
         (_, one), _ = pair.walkers
         gained = one[V_X] - 30.0, one[V_Z]
@@ -93,13 +98,11 @@ def test_friction_of_a_glancing_blow_is_at_most_its_coefficient():
 def test_rough_noses_stop_sliding():
     """Friction without limit: what slips along the faces stops, up to the ticks."""
     pair = Pair(
-        [(-14.25, 0.0, 0.0), (14.25, 0.0, math.pi)], [(30.0, 0.0), (-30.0, 4.0)],
-        restitution=0.5, friction=10.0,
-    )  # fmt: skip
+        [(-14.25, 0.0, 0.0), (14.25, 0.0, math.pi)], [(30.0, 0.0), (-30.0, 4.0)], restitution=0.5, friction=10.0
+    )
     pair.advance(0.012)
     (_, one), (_, two) = pair.walkers
-    along = [state[V_Z] + s * 14.0 * state[W_X + 1] for (_, state), s in
-             zip(pair.walkers, (-1.0, 1.0), strict=True)]  # fmt: skip
+    along = [state[V_Z] + s * 14.0 * state[W_X + 1] for (_, state), s in zip(pair.walkers, (-1.0, 1.0), strict=True)]
     assert abs(along[0] - along[1]) < 0.4
     assert one[V_X] < 0.0 < two[V_X]
 
@@ -174,7 +177,6 @@ def _inside(dish, row):
 def test_a_crowd_on_a_still_plate_comes_to_rest():
     data = {"drive": STILL, "run": {"seconds": 0.5, "discard_seconds": 0.2}}
     scene = Scene.model_validate(data | {"crowd": {"arena_mm": "disc:100"}})
-    plan = run.prepare(scene, [walkers("koumakis2016")], [0] * 4,
-                       lattice(4, 34.0, np.random.default_rng(1)))  # fmt: skip
+    plan = run.prepare(scene, [walkers("koumakis2016")], [0] * 4, lattice(4, 34.0, np.random.default_rng(1)))
     poses = run.simulate(plan, 0, 20.0).poses
     assert np.abs(poses[-1] - poses[-2]).max() < 1e-4

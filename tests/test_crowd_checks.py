@@ -87,9 +87,7 @@ def test_without_lammps_nothing_is_simulated(monkeypatch):
     monkeypatch.setattr(engine, "locate", absent)
     result = CliRunner().invoke(command_line, ["validate", "--crowds"])
     assert "needs LAMMPS" in str(result.exception)
-    assert "--only" in str(
-        CliRunner().invoke(command_line, ["validate", "--crowds", "--only", "paper"]).exception
-    )
+    assert "--only" in str(CliRunner().invoke(command_line, ["validate", "--crowds", "--only", "paper"]).exception)
 
 
 @with_lammps

@@ -26,12 +26,20 @@ BAR = [[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]
 
 
 def card_of(name="bar", **keys):
-    return Card.model_validate({
-        "name": name, "mass_g": 0.9, "inertia_g_mm2": 70.0, "outline_mm": [BAR],
-        "speed_mm_s": {"value": 30.0, "se": 1.0}, "velocity_relaxation_s": {"value": 0.05},
-        "turning_rad_s": {"value": 0.1}, "rotational_diffusion_rad2_s": {"value": 0.2},
-        "translational_diffusion_mm2_s": {"value": 3.0}, **keys,
-    })  # fmt: skip
+    return Card.model_validate(
+        {
+            "name": name,
+            "mass_g": 0.9,
+            "inertia_g_mm2": 70.0,
+            "outline_mm": [BAR],
+            "speed_mm_s": {"value": 30.0, "se": 1.0},
+            "velocity_relaxation_s": {"value": 0.05},
+            "turning_rad_s": {"value": 0.1},
+            "rotational_diffusion_rad2_s": {"value": 0.2},
+            "translational_diffusion_mm2_s": {"value": 3.0},
+            **keys,
+        }
+    )
 
 
 @pytest.fixture
@@ -103,12 +111,14 @@ def test_input_alone_needs_no_lammps_and_is_the_same_for_the_same_seed(run, monk
     for folder in ("a", "b"):
         assert run(*words, "--out", folder).exit_code == 0
         files = sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file())
-        written.append({str(path.relative_to(tmp_path / folder)): path.read_bytes()
-                        for path in files})  # fmt: skip
+        written.append({str(path.relative_to(tmp_path / folder)): path.read_bytes() for path in files})
     assert written[0] == written[1]
     assert {"run-0/crowd.in", "run-1/crowd.in", "manifest.json"} <= set(written[0])
-    assert any(written[0][name] != written[0][name.replace("run-0", "run-1")]
-               for name in written[0] if name.startswith("run-0"))  # fmt: skip
+    assert any(
+        written[0][name] != written[0][name.replace("run-0", "run-1")]
+        for name in written[0]
+        if name.startswith("run-0")
+    )
 
 
 def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_path):

@@ -38,10 +38,18 @@ def walk(plan, number, rate_hz, stopped=lambda: False, progress=lambda seconds: 
     outcome = "stopped" if stopped() else "ok"
     progress(run.seconds)
     return CrowdRun(
-        number, (outcome,) * n, tuple(plan.names[kind] for kind in plan.kinds),
-        np.arange(frames) / rate_hz, poses, 10 * n, 0.004, 1e-4, 1e-3,
-        {"normal": 1.0, "friction": 2.0}, 0.0,
-    )  # fmt: skip
+        number,
+        (outcome,) * n,
+        tuple(plan.names[kind] for kind in plan.kinds),
+        np.arange(frames) / rate_hz,
+        poses,
+        10 * n,
+        0.004,
+        1e-4,
+        1e-3,
+        {"normal": 1.0, "friction": 2.0},
+        0.0,
+    )
 
 
 @pytest.fixture
@@ -63,9 +71,7 @@ SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
 
 
 def job_of(names, counts, **keys):
-    scene = templates.load("plane-90hz", "scenes", Scene).variant(
-        **{"run.seconds": 1.0, "run.runs": 3, **keys}
-    )
+    scene = templates.load("plane-90hz", "scenes", Scene).variant(**{"run.seconds": 1.0, "run.runs": 3, **keys})
     designs = [templates.load(name, "walkers", Design) for name in names]
     return crowd_space.asked(scene, designs, counts, 10.0)
 
@@ -94,10 +100,10 @@ def job_of(names, counts, **keys):
         (("--count", "2", "--seconds", "0.1"), "--rate 25 of 0.1 s"),
         (("--count", "2", "--rate", "nan"), "'--rate'"),
         (("--count", "2", "--movie", "dish.mpeg"), ".mp4, .gif, .png"),
-        (("--count", "2", "--set", "body.text=\"i\"", "--set", "body.length_mm=3"), "length_mm"),
+        (("--count", "2", "--set", 'body.text="i"', "--set", "body.length_mm=3"), "length_mm"),
         (("--count", "2", "--set", "printer.nozzle_mm=1"), "takes no printer"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, tmp_path, words, named):
     result = run(*words)
     error = result.exception
@@ -118,11 +124,8 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
         'M5 30 A25 25 0 1 1 55 30 A25 25 0 1 1 5 30 Z"/></svg>'
     )
     (tmp_path / "ring.svg").write_text(ring)
-    legs = [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-20.0, 20.0)
-            for z in (-18.0, 18.0)]  # fmt: skip
-    holed = Design.model_validate({
-        "name": "holed", "legs": legs, "body": {"outline": str(tmp_path / "ring.svg")}
-    })  # fmt: skip
+    legs = [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-20.0, 20.0) for z in (-18.0, 18.0)]
+    holed = Design.model_validate({"name": "holed", "legs": legs, "body": {"outline": str(tmp_path / "ring.svg")}})
     small = templates.load("polar-disc", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
     scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
@@ -133,9 +136,7 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
 
 def test_counts_are_numbers_or_designs_with_theirs():
     assert members.parse(" 30 ") == 30
-    assert members.parse("polar-disc:20, my/rotator.toml:10") == [
-        ("polar-disc", 20), ("my/rotator.toml", 10)
-    ]  # fmt: skip
+    assert members.parse("polar-disc:20, my/rotator.toml:10") == [("polar-disc", 20), ("my/rotator.toml", 10)]
     assert members.parse("C:\\walkers\\mine.toml:3,b:2")[0] == ("C:\\walkers\\mine.toml", 3)
 
 

@@ -127,9 +127,7 @@ def test_edge_on_edge_two_edges_press_at_once(boxes, shift, label):
     law = Law(SPRING, label, 0.0)
     expected = flush(boxes, motions, points, AHEAD, law)
     found, _, _ = collide(boxes, motions, law, 8e-4, STEP)
-    np.testing.assert_allclose(
-        velocities(found), velocities(expected), rtol=0, atol=2e-3 * SPEED
-    )  # fmt: skip
+    np.testing.assert_allclose(velocities(found), velocities(expected), rtol=0, atol=2e-3 * SPEED)
 
 
 def test_pushed_box_bears_its_share_of_the_push(boxes):
@@ -156,8 +154,10 @@ def simulated(motions, seconds, push=None, **keys):
     """
     pair = Pair(
         [(m.place[0], m.place[2], math.atan2(m.turn[0, 2], m.turn[0, 0])) for m in motions],
-        [(m.velocity[0], m.velocity[2]) for m in motions], touch_ms=0.2, **keys,
-    )  # fmt: skip
+        [(m.velocity[0], m.velocity[2]) for m in motions],
+        touch_ms=0.2,
+        **keys,
+    )
     if push is not None:
         (world, state), second = pair.walkers
         world = world._replace(acting=world.acting._replace(gravity=Gravity(push, 1e-9, push)))
@@ -181,9 +181,8 @@ def own():
     half = np.array([0.5 * (high - low) + pair.shape.radius, 1.5, 0.5 * DEPTH])
     walker, shape = pair.walker, pair.shape
     box = Box(
-        float(walker.mass), np.array(walker.inertia), half, 0.5 * (low + high), shape.radius,
-        (shape.bottom, shape.top),
-    )  # fmt: skip
+        float(walker.mass), np.array(walker.inertia), half, 0.5 * (low + high), shape.radius, (shape.bottom, shape.top)
+    )
     return box, box
 
 
@@ -191,9 +190,7 @@ def onto_edge(box, across, slide):
     """The kernel's walkers as those of `meeting`: C of neither is in the middle of its body."""
     ahead, core = box.ahead, box.half - box.radius
     turned = still(0.0, 0.0, TO_EDGE)
-    edges = [
-        turned.turn @ (ahead + a * core[0], 0.0, b * core[2]) for a in (-1, 1) for b in (-1, 1)
-    ]
+    edges = [turned.turn @ (ahead + a * core[0], 0.0, b * core[2]) for a in (-1, 1) for b in (-1, 1)]
     tip = min(edges, key=lambda edge: edge[0])
     first = still(-box.half[0] - ahead - GAP, -slide / SPEED * GAP, 0.0, (SPEED, slide))
     return first, still(box.radius - tip[0], across - tip[2], TO_EDGE)

@@ -55,9 +55,7 @@ def test_chance_is_no_order_no_circulation_and_no_agreement():
     for number in (numbers.order, lambda run: numbers.agreement(run, 1e9)):
         values = np.array([number(run) for run in found])
         assert abs(values.mean()) < 4.0 * values.std(ddof=1) / math.sqrt(len(values))
-    squares = np.array(
-        [math.copysign(value**2, value) for value in map(numbers.circulation, found)]
-    )
+    squares = np.array([math.copysign(value**2, value) for value in map(numbers.circulation, found)])
     assert abs(squares.mean()) < 4.0 * squares.std(ddof=1) / math.sqrt(len(squares))
 
 

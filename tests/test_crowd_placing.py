@@ -23,11 +23,15 @@ def polygons_of(outlines, places):
         translate(
             rotate(
                 shapely.union_all([shapely.Polygon(ring) for ring in outline]),
-                heading, origin=(0.0, 0.0), use_radians=True,
-            ), x, y,
+                heading,
+                origin=(0.0, 0.0),
+                use_radians=True,
+            ),
+            x,
+            y,
         )
         for outline, (x, y, heading) in zip(outlines, places, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def ground_of(ground):
@@ -61,8 +65,11 @@ def test_no_two_walkers_and_no_wall_are_nearer_than_the_clearance(words):
         assert np.abs(places[:, :2]).max() < 0.5 * side + 15.0
         bodies += [
             translate(body, across * side, up * side)
-            for body in bodies for across in (-1, 0, 1) for up in (-1, 0, 1) if across or up
-        ]  # fmt: skip
+            for body in bodies
+            for across in (-1, 0, 1)
+            for up in (-1, 0, 1)
+            if across or up
+        ]
     else:
         inside = ground_of(ground).buffer(-0.49 * CLEARANCE)
         assert all(inside.contains(body) for body in bodies)
@@ -90,9 +97,7 @@ def test_the_same_seed_gives_the_same_places_and_another_one_others():
 
 
 def test_one_disc_is_anywhere_within_its_dish_with_equal_probability():
-    squares = [
-        float((placed([ROUND], "disc:50", seed)[1][0, :2] ** 2).sum()) for seed in range(400)
-    ]
+    squares = [float((placed([ROUND], "disc:50", seed)[1][0, :2] ** 2).sum()) for seed in range(400)]
     room = 25.0 - 10.0 - 0.5 * CLEARANCE
     # Uniform in a disc: r^2 is uniform up to room^2
     assert np.mean(squares) == pytest.approx(0.5 * room**2, abs=4.0 * room**2 / math.sqrt(4800.0))

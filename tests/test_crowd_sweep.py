@@ -120,15 +120,26 @@ def test_a_sweep_that_is_stopped_goes_on_at_the_crowd_that_it_was_in(calls, stor
 
 def test_the_folder_has_a_table_and_a_picture_of_each_statistic(calls, store, tmp_path):
     folder = tmp_path / "map"
-    report = swept(store, PACKINGS, "legs.tilt_deg=0,10", *SHORT, design="koumakis2016",
-                   keep=["polar_order", "wall_density"], folder=folder, pictures=True)  # fmt: skip
+    report = swept(
+        store,
+        PACKINGS,
+        "legs.tilt_deg=0,10",
+        *SHORT,
+        design="koumakis2016",
+        keep=["polar_order", "wall_density"],
+        folder=folder,
+        pictures=True,
+    )
     names = {path.name for path in folder.iterdir()}
     assert {"table.csv", "polar_order.png", "wall_density.pdf", "manifest.json"} <= names
     assert "sweep.png" not in names
     rows = rows_of(folder / "table.csv")
     assert [(row["scene.crowd.packing"], row["legs.tilt_deg"]) for row in rows] == [
-        ("0.1", "0"), ("0.1", "10"), ("0.2", "0"), ("0.2", "10")
-    ]  # fmt: skip
+        ("0.1", "0"),
+        ("0.1", "10"),
+        ("0.2", "0"),
+        ("0.2", "10"),
+    ]
     assert float(rows[0]["polar_order"]) == report.table["polar_order"][0]
     assert json.loads((folder / "manifest.json").read_text())["model"] == "crowd"
 
@@ -153,8 +164,9 @@ def test_a_crowd_without_room_is_a_row_that_says_so(calls, store):
 def test_crowds_have_four_runs_unless_the_runs_are_set(calls, store):
     report = swept(store, "scene.crowd.count=3", "scene.run.seconds=2")
     assert report.table["runs"][0] == 4
-    other = swept(store, "legs.tilt_deg=5,10", "scene.run.seconds=2", "scene.run.runs=2",
-                  model="crowd", design="koumakis2016")  # fmt: skip
+    other = swept(
+        store, "legs.tilt_deg=5,10", "scene.run.seconds=2", "scene.run.runs=2", model="crowd", design="koumakis2016"
+    )
     assert list(other.table["runs"]) == [2, 2]
     assert list(other.table["walkers"]) == [10, 10]
 
@@ -197,9 +209,7 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
         (["--set", "scene.crowd.arena_mm=disc:90,square:3"], "square:3"),
     ],
 )
-def test_what_is_of_one_walker_and_what_of_crowds_is_refused_by_name(
-    tmp_path, monkeypatch, words, named
-):
+def test_what_is_of_one_walker_and_what_of_crowds_is_refused_by_name(tmp_path, monkeypatch, words, named):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     error = CliRunner().invoke(command_line, ["sweep", *words]).exception
@@ -219,14 +229,38 @@ def test_a_wish_for_one_walker_varies_no_key_of_crowds(tmp_path, monkeypatch):
 def test_two_packings_on_two_workers_are_what_the_command_crowd_finds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run = ("--set", "scene.run.discard_seconds=0.1")
-    words = ("--set", "scene.crowd.packing=0.1,0.15", "--set", "scene.run.seconds=0.3", *run,
-             "--set", "scene.run.runs=2", "--set", 'scene.crowd.arena_mm="disc:90"',
-             "--keep", "polar_order,speed,wall_density", "--workers", "2")  # fmt: skip
+    words = (
+        "--set",
+        "scene.crowd.packing=0.1,0.15",
+        "--set",
+        "scene.run.seconds=0.3",
+        *run,
+        "--set",
+        "scene.run.runs=2",
+        "--set",
+        'scene.crowd.arena_mm="disc:90"',
+        "--keep",
+        "polar_order,speed,wall_density",
+        "--workers",
+        "2",
+    )
     result = CliRunner().invoke(command_line, ["sweep", "polar-disc", *words, "--out", "map"])
     assert result.exit_code == 0, result.output
     for row in rows_of(tmp_path / "map" / "table.csv"):
-        words = ("--packing", row["scene.crowd.packing"], "--seconds", "0.3", "--runs", "2",
-                 "--arena", "disc:90", *run, "--no-pictures", "--out", "dish")  # fmt: skip
+        words = (
+            "--packing",
+            row["scene.crowd.packing"],
+            "--seconds",
+            "0.3",
+            "--runs",
+            "2",
+            "--arena",
+            "disc:90",
+            *run,
+            "--no-pictures",
+            "--out",
+            "dish",
+        )
         result = CliRunner().invoke(command_line, ["crowd", "polar-disc", *words])
         assert result.exit_code == 0, result.output
         numbers = {line["quantity"]: line for line in rows_of(tmp_path / "dish" / "crowd.csv")}

@@ -7,16 +7,7 @@ from crowd_films import BOX, DISHES, gas, of
 
 from walkergen import dish as dishes
 from walkergen.analysis import crowds
-from walkergen.analysis.crowds import (
-    boxes,
-    clusters,
-    fluctuations,
-    ground,
-    order,
-    packing,
-    pairs,
-    walls,
-)
+from walkergen.analysis.crowds import boxes, clusters, fluctuations, ground, order, packing, pairs, walls
 from walkergen.errors import InputError
 
 
@@ -69,9 +60,7 @@ def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
     dish = dishes.parse(words)
     for depth in np.linspace(0.0, ground.deepest(dish), 7):
         shrunk = polygon_of(dish).buffer(-depth, quad_segs=500, join_style="mitre").area
-        assert ground.area_beyond(np.array(depth), dish) == pytest.approx(
-            shrunk, abs=1e-3 * dish.area
-        )
+        assert ground.area_beyond(np.array(depth), dish) == pytest.approx(shrunk, abs=1e-3 * dish.area)
 
 
 @pytest.mark.parametrize("words", DISHES)
@@ -81,10 +70,7 @@ def test_boxes_are_those_that_lie_inside_the_dish(words, parts):
     grid, ground_ = boxes.whole(dish, parts), polygon_of(dish)
     assert grid.used.any() or (words, parts) == ("ring:160,60", 3)
     for (column, row), used in np.ndenumerate(grid.used):
-        x, y = (
-            grid.side * (at - 0.5 * number)
-            for at, number in zip((column, row), grid.used.shape, strict=True)
-        )
+        x, y = (grid.side * (at - 0.5 * number) for at, number in zip((column, row), grid.used.shape, strict=True))
         box = shapely.box(x, y, x + grid.side, y + grid.side)
         assert used == (box.difference(ground_).area < 1e-3)
     cut = boxes.cut(dish, parts)
@@ -143,7 +129,7 @@ def test_the_order_of_chance_falls_as_the_root_of_the_number(walkers):
         (order.polar(film), order.by_chance(walkers)),
         (order.nematic(film), order.by_chance(walkers)),
         (np.abs(order.circulation(film)), order.circulation_by_chance(walkers)),
-    ):  # fmt: skip
+    ):
         error = values.std() / np.sqrt(len(values))
         assert abs(values.mean() - chance) < 4.0 * error + 0.01 * chance
 

@@ -31,11 +31,7 @@ def test_defaults_are_the_paper_template():
 
 def test_toml_round_trip(tmp_path):
     design = Design.model_validate(
-        {
-            "name": "a-b_1",
-            "legs": {"tilt_deg": 12.25, "foot": "round"},
-            "weighed": {"body_mass_g": 0.8},
-        }
+        {"name": "a-b_1", "legs": {"tilt_deg": 12.25, "foot": "round"}, "weighed": {"body_mass_g": 0.8}}
     )
     assert config.read(written(tmp_path, templates.dump(design, "mine")), Design) == design
 
@@ -91,9 +87,7 @@ def test_all_mistakes_at_once_with_line_key_value_and_range(tmp_path):
         assert any(start in line and hint in line for line in lines), (start, lines)
 
 
-@pytest.mark.parametrize(
-    "value", ["true", '"1"', "[]", "{}", "nan", "inf", "-inf", "0", "-1", "1e300"]
-)
+@pytest.mark.parametrize("value", ["true", '"1"', "[]", "{}", "nan", "inf", "-inf", "0", "-1", "1e300"])
 def test_numbers_are_strict(tmp_path, value):
     (line,) = mistakes(tmp_path, f"[body]\nlength_mm = {value}\n")
     assert "mine.toml:2: body.length_mm" in line
@@ -102,12 +96,14 @@ def test_numbers_are_strict(tmp_path, value):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("", "sets nothing"), ("# only a comment\n", "sets nothing"),
-        ("body = 3", "must be a table"), ("[body\n", "not valid TOML"),
+        ("", "sets nothing"),
+        ("# only a comment\n", "sets nothing"),
+        ("body = 3", "must be a table"),
+        ("[body\n", "not valid TOML"),
         ("a = " + "[" * 20000, "not valid TOML"),
         ("[legs]\ntilt_deg = 1\ntilt_deg = 2\n", "not valid TOML"),
     ],
-)  # fmt: skip
+)
 def test_unusable_files(tmp_path, text, word):
     lines = mistakes(tmp_path, text)
     assert len(lines) == 1
@@ -121,10 +117,13 @@ def test_files_that_are_not_text(tmp_path):
     with huge.open("wb") as stream:
         stream.truncate(100_000_000)
     for path, word in [
-        (binary, "UTF-8"), (huge, "bytes"), (tmp_path, "folder"),
+        (binary, "UTF-8"),
+        (huge, "bytes"),
+        (tmp_path, "folder"),
         (tmp_path / "none.toml", "no such"),
-        (tmp_path / ("x" * 300 + ".toml"), "too long"), (tmp_path / "a\0b.toml", "control"),
-    ]:  # fmt: skip
+        (tmp_path / ("x" * 300 + ".toml"), "too long"),
+        (tmp_path / "a\0b.toml", "control"),
+    ]:
         with pytest.raises(InputError, match=word):
             config.read(path, Design)
 
@@ -163,8 +162,11 @@ def test_a_family_is_checked_before_any_member_is_made():
     assert len(lines) == 3  # braced at 65 and 70, flexible at 70
     members = Design().members([0.0, 10.0])
     assert [(m.legs.kind, m.legs.tilt_deg) for m in members] == [
-        ("flexible", 0.0), ("flexible", 10.0), ("braced", 0.0), ("braced", 10.0)
-    ]  # fmt: skip
+        ("flexible", 0.0),
+        ("flexible", 10.0),
+        ("braced", 0.0),
+        ("braced", 10.0),
+    ]
 
 
 def test_a_weighed_leg_belongs_to_one_kind():

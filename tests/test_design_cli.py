@@ -37,13 +37,11 @@ def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     assert "yes" in told.output
     folder = tmp_path / "out" / "design-speed40"
     design, scene = str(folder / "design-1.toml"), str(folder / "scene-1.toml")
-    row = json.loads(
-        CliRunner().invoke(command_line, ["predict", design, "--scene", scene, "--json"]).output
-    )["rows"][0]
+    row = json.loads(CliRunner().invoke(command_line, ["predict", design, "--scene", scene, "--json"]).output)["rows"][
+        0
+    ]
     assert row["speed_mm_s"] == pytest.approx(40.0, abs=2.0)
-    made = CliRunner().invoke(
-        command_line, ["plate", design, "--printer", "ender3", "--out", "plate"]
-    )
+    made = CliRunner().invoke(command_line, ["plate", design, "--printer", "ender3", "--out", "plate"])
     assert made.exit_code == 0, made.output
     assert list((tmp_path / "plate").rglob("*.3mf"))
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
@@ -73,9 +71,20 @@ def test_a_wish_that_none_meets_ends_with_one_line_and_the_nearest(run, tmp_path
 
 
 def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
-    told = run("--speed", "40", "--model", "prediction", "--set", "legs.tilt_deg=10",
-               "--set", "scene.contact.friction=0.3", "--vary", "scene.drive.gamma=1.2:3",
-               "--json", "--no-pictures")  # fmt: skip
+    told = run(
+        "--speed",
+        "40",
+        "--model",
+        "prediction",
+        "--set",
+        "legs.tilt_deg=10",
+        "--set",
+        "scene.contact.friction=0.3",
+        "--vary",
+        "scene.drive.gamma=1.2:3",
+        "--json",
+        "--no-pictures",
+    )
     found = json.loads(told.output)
     assert found["met"] >= 1
     assert 1.2 <= found["rows"][0]["scene.drive.gamma"] <= 3.0
@@ -83,25 +92,28 @@ def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
     assert "friction = 0.3\n" in scene
 
 
-@pytest.mark.parametrize(("words", "told"), [
-    (("--speed", "nan"), "--speed nan"),
-    ((), "no wish"),
-    (("--speed", "40", "--fastest"), "one wish at a time"),
-    (("--speed", "40", "--error", "5"), "--error '5'"),
-    (("--speed", "40", "--model", "magic"), "--model 'magic'"),
-    (("--speed", "40", "--vary", "legs.tilt=2:40"), "did you mean legs.tilt_deg"),
-    (("--speed", "40", "--vary", "name=1:2"), "no property"),
-    (("--speed", "40", "--set", "legs.tilt=2"), "did you mean legs.tilt_deg"),
-    (("--speed", "40", "--set", "legs.tilt_deg=2", "--set", "legs.tilt_deg=3"), "sets it too"),
-    (("--speed", "40", "--set", "legs.tilt_deg=2", "--vary", "legs.tilt_deg=3:9"), "varies it"),
-    (("--speed", "40", "--from", "nowhere"), "no such template"),
-    (("--speed", "40", "--workers", "0"), "--workers 0"),
-    (("--persistence", "100"), "--model space --scene plane-90hz"),
-    (("--turning-radius", "50", "--model", "compliant"), "--model space --scene plane-90hz"),
-    (("--least-sensitive", "--set", "scene.contact.friction=0"), "friction is 0"),
-    (("--speed", "40", "--from", "rotator", "--model", "compliant"), "space"),
-    (("--speed", "40", *QUICK[:3], "legs.tilt_deg=75:85"), "cannot be built"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--speed", "nan"), "--speed nan"),
+        ((), "no wish"),
+        (("--speed", "40", "--fastest"), "one wish at a time"),
+        (("--speed", "40", "--error", "5"), "--error '5'"),
+        (("--speed", "40", "--model", "magic"), "--model 'magic'"),
+        (("--speed", "40", "--vary", "legs.tilt=2:40"), "did you mean legs.tilt_deg"),
+        (("--speed", "40", "--vary", "name=1:2"), "no property"),
+        (("--speed", "40", "--set", "legs.tilt=2"), "did you mean legs.tilt_deg"),
+        (("--speed", "40", "--set", "legs.tilt_deg=2", "--set", "legs.tilt_deg=3"), "sets it too"),
+        (("--speed", "40", "--set", "legs.tilt_deg=2", "--vary", "legs.tilt_deg=3:9"), "varies it"),
+        (("--speed", "40", "--from", "nowhere"), "no such template"),
+        (("--speed", "40", "--workers", "0"), "--workers 0"),
+        (("--persistence", "100"), "--model space --scene plane-90hz"),
+        (("--turning-radius", "50", "--model", "compliant"), "--model space --scene plane-90hz"),
+        (("--least-sensitive", "--set", "scene.contact.friction=0"), "friction is 0"),
+        (("--speed", "40", "--from", "rotator", "--model", "compliant"), "space"),
+        (("--speed", "40", *QUICK[:3], "legs.tilt_deg=75:85"), "cannot be built"),
+    ],
+)
 def test_bad_input_is_one_line(run, tmp_path, words, told):
     result = run(*words)
     assert isinstance(result.exception, InputError)
@@ -113,16 +125,32 @@ def test_bad_input_is_one_line(run, tmp_path, words, told):
 @pytest.mark.slow
 def test_ctrl_c_leaves_nothing_half_written(tmp_path):
     # What a shell runs behind it ignores Ctrl-C, and so would its children.
-    program = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-               "from walkergen.cli import main; main()")  # fmt: skip
-    words = [sys.executable, "-c", program, "design", "--speed", "40", "--model", "prediction",
-             "--vary", "legs.tilt_deg=2:40", "--vary", "legs.length_mm=5:10",
-             "--vary", "body.depth_mm=6:10", "--out", "mine"]  # fmt: skip
+    program = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from walkergen.cli import main; main()"
+    )
+    words = [
+        sys.executable,
+        "-c",
+        program,
+        "design",
+        "--speed",
+        "40",
+        "--model",
+        "prediction",
+        "--vary",
+        "legs.tilt_deg=2:40",
+        "--vary",
+        "legs.length_mm=5:10",
+        "--vary",
+        "body.depth_mm=6:10",
+        "--out",
+        "mine",
+    ]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(tmp_path / "c")}
     with subprocess.Popen(
-        words, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True,
-    ) as process:  # fmt: skip
+        words, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         points = tmp_path / "c" / "walkergen" / "points" / "points.sqlite"
         until = time.monotonic() + 60.0
         while not points.exists() and time.monotonic() < until:

@@ -43,9 +43,12 @@ def job_of(wished=None, model="prediction", spans=(TILT, LENGTH), printer="ender
     return Job(
         wished or Wish("speed", 40.0, False, SHARE),
         lab.changed(base, templates.load("lane-90hz", "scenes", Scene), design)[0],
-        templates.load("lane-90hz", "scenes", Scene), Box(spans),
-        templates.load(printer, "printers", Printer), model, 1,
-    )  # fmt: skip
+        templates.load("lane-90hz", "scenes", Scene),
+        Box(spans),
+        templates.load(printer, "printers", Printer),
+        model,
+        1,
+    )
 
 
 def predicted(job, values):
@@ -59,8 +62,7 @@ def hidden(count, seed):
     rng = np.random.default_rng(seed)
     for _ in range(count):
         tilt, length, thickness = rng.uniform((4.0, 5.5, 0.36), (36.0, 9.5, 0.5))
-        yield {"legs.tilt_deg": tilt, "legs.length_mm": length,
-               "legs.flexible_thickness_mm": thickness}  # fmt: skip
+        yield {"legs.tilt_deg": tilt, "legs.length_mm": length, "legs.flexible_thickness_mm": thickness}
 
 
 @pytest.mark.slow
@@ -80,8 +82,11 @@ def test_wishes_made_from_known_designs_are_met(bench):
 def test_the_fastest_is_that_of_a_dense_grid(bench):
     job = job_of(Wish("speed", None, False, SHARE))
     found = search.search(job, bench, search.survey(job, bench))
-    grid = [predicted(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
-            for tilt in np.linspace(2, 40, 39) for length in range(5, 11)]  # fmt: skip
+    grid = [
+        predicted(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
+        for tilt in np.linspace(2, 40, 39)
+        for length in range(5, 11)
+    ]
     # 1 %: the search has a tolerance, and a lower bound of a length at which the speed still rises
     assert found.chosen[0].seen.value >= 0.99 * max(grid)
 
@@ -164,10 +169,13 @@ def test_a_drawing_is_found_from_the_new_folder(bench, tmp_path):
     assert evaluate(Point(found, job.scene))["speed_mm_s"] == pytest.approx(40.0, abs=2.0)
 
 
-@pytest.mark.parametrize(("speed", "side", "bound"), [
-    (1e6, "largest", "lower bound of --vary legs.length_mm"),
-    (-10.0, "smallest", "upper bound of --vary legs.tilt_deg"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("speed", "side", "bound"),
+    [
+        (1e6, "largest", "lower bound of --vary legs.length_mm"),
+        (-10.0, "smallest", "upper bound of --vary legs.tilt_deg"),
+    ],
+)
 def test_an_impossible_speed_names_the_limit(bench, tmp_path, speed, side, bound):
     job = job_of(Wish("speed", speed, False, SHARE))
     result = make.make(job, bench, tmp_path, pictures=False)
@@ -181,9 +189,7 @@ def test_an_impossible_speed_names_the_limit(bench, tmp_path, speed, side, bound
 
 def test_what_cannot_be_built_says_which_limit_stopped_it(bench, tmp_path):
     job = job_of(spans=(Span("legs.tilt_deg", 70.0, 85.0),), **{"legs.length_mm": 20.0})
-    with pytest.raises(
-        InputError, match=r"none of 256 designs can be made on ender3 .256 cannot be built"
-    ):
+    with pytest.raises(InputError, match=r"none of 256 designs can be made on ender3 .256 cannot be built"):
         make.make(job, bench, tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
@@ -242,18 +248,21 @@ def test_rounding_stays_within_the_bounds():
     assert odd.values([0.5, 0.5]) == {"legs.tilt_deg": 21.0, "legs.length_mm": 5.005}
 
 
-@pytest.mark.parametrize(("texts", "told"), [
-    (["legs.tilt=2:40"], "did you mean legs.tilt_deg"),
-    (["legs.tilt_deg"], "write KEY=VALUE"),
-    (["legs.tilt_deg=10"], "write a range, legs.tilt_deg=LOW:HIGH"),
-    (["legs.tilt_deg=2:40:2"], "write a range"),
-    (["legs.tilt_deg=40:2"], "must lie below the second"),
-    (["legs.tilt_deg=5:5"], "must lie below the second"),
-    (["legs.tilt_deg=2:inf"], "write finite numbers"),
-    (["legs.tilt_deg=nan:40"], "write finite numbers"),
-    (["legs.tilt_deg=2:40", "legs.tilt_deg=3:4"], "given 2 times"),
-    (["scene.drive.gama=1:2"], "did you mean scene.drive.gamma"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("texts", "told"),
+    [
+        (["legs.tilt=2:40"], "did you mean legs.tilt_deg"),
+        (["legs.tilt_deg"], "write KEY=VALUE"),
+        (["legs.tilt_deg=10"], "write a range, legs.tilt_deg=LOW:HIGH"),
+        (["legs.tilt_deg=2:40:2"], "write a range"),
+        (["legs.tilt_deg=40:2"], "must lie below the second"),
+        (["legs.tilt_deg=5:5"], "must lie below the second"),
+        (["legs.tilt_deg=2:inf"], "write finite numbers"),
+        (["legs.tilt_deg=nan:40"], "write finite numbers"),
+        (["legs.tilt_deg=2:40", "legs.tilt_deg=3:4"], "given 2 times"),
+        (["scene.drive.gama=1:2"], "did you mean scene.drive.gamma"),
+    ],
+)
 def test_ranges_that_are_none_are_refused(texts, told):
     with pytest.raises(InputError, match=r"^--vary") as caught:
         box.of_options(texts, templates.load("koumakis2016", "walkers", Design))
@@ -261,16 +270,19 @@ def test_ranges_that_are_none_are_refused(texts, told):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("given", "told"), [
-    ({}, "no wish"),
-    ({"speed": math.nan}, "must be a number of mm/s"),
-    ({"speed": math.inf}, "must be a number of mm/s"),
-    ({"speed": 0.0}, "--error 1mm/s"),
-    ({"speed": 40.0, "fastest": True}, "one wish at a time"),
-    ({"speed": 40.0, "radius": 3.0}, "one wish at a time"),
-    ({"fastest": True, "calm": True}, "one wish at a time"),
-    ({"persistence": -3.0}, "above 0"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({}, "no wish"),
+        ({"speed": math.nan}, "must be a number of mm/s"),
+        ({"speed": math.inf}, "must be a number of mm/s"),
+        ({"speed": 0.0}, "--error 1mm/s"),
+        ({"speed": 40.0, "fastest": True}, "one wish at a time"),
+        ({"speed": 40.0, "radius": 3.0}, "one wish at a time"),
+        ({"fastest": True, "calm": True}, "one wish at a time"),
+        ({"persistence": -3.0}, "above 0"),
+    ],
+)
 def test_wishes_that_cannot_be_are_refused(given, told):
     usual = {"speed": None, "persistence": None, "radius": None, "fastest": False, "calm": False}
     with pytest.raises(InputError) as caught:
@@ -279,8 +291,15 @@ def test_wishes_that_cannot_be_are_refused(given, told):
 
 
 def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
-    record = {"status": "ok", "model": "space", "runs": 8, "speed_mm_s": -30.0, "se_mm_s": 0.9,
-              "turning_bias_rad_s": 0.6, "turning_bias_se_rad_s": 0.024}  # fmt: skip
+    record = {
+        "status": "ok",
+        "model": "space",
+        "runs": 8,
+        "speed_mm_s": -30.0,
+        "se_mm_s": 0.9,
+        "turning_bias_rad_s": 0.6,
+        "turning_bias_se_rad_s": 0.024,
+    }
     found = wish.seen(record, "turning radius")
     assert found.value == pytest.approx(50.0)
     assert found.se == pytest.approx(50.0 * math.hypot(0.03, 0.04))
@@ -320,9 +339,9 @@ def simulated_wishes(folder, count):
     """Number of wishes met: speeds of known designs by the compliant model, told by own runs."""
     store, met = Store(folder / "points.sqlite"), 0
     for number, values in enumerate(hidden(count, 14)):
-        job = job_of(model="compliant", **{
-            "legs.flexible_thickness_mm": round(values.pop("legs.flexible_thickness_mm"), 2)
-        })  # fmt: skip
+        job = job_of(
+            model="compliant", **{"legs.flexible_thickness_mm": round(values.pop("legs.flexible_thickness_mm"), 2)}
+        )
         design, scene = lab.built(job, values)
         (point,) = lab.points(job, design, scene, lab.Effort(32, 4.0), None, 77)
         speed = evaluate(point)["speed_mm_s"]

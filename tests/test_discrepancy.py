@@ -82,8 +82,13 @@ def test_what_is_covered_is_told_apart_from_what_is_not():
 
 def test_places_of_draws_are_those_of_walkers_so_built():
     """Thickness, modulus and masses of a draw against the design that has them."""
-    values = {"legs.thickness_mm": 0.46, "material.youngs_modulus_gpa": 3.4, "body mass": 1.03,
-              "leg mass": 0.97, "contact.friction": 0.2}  # fmt: skip
+    values = {
+        "legs.thickness_mm": 0.46,
+        "material.youngs_modulus_gpa": 3.4,
+        "body mass": 1.03,
+        "leg mass": 0.97,
+        "contact.friction": 0.2,
+    }
     sloping = SCENE.variant(**{"plate.slope_deg": 1.0})
     scene, design, _ = uncertain.applied(sloping, DESIGN, values)
     mass = scaled(MASS, 1.03, 0.97 * 0.46 / DESIGN.limbs[0].thickness)
@@ -91,10 +96,14 @@ def test_places_of_draws_are_those_of_walkers_so_built():
     nominal = discrepancy.place_of(sloping, DESIGN, MASS)
     ratio = np.array([0.46 / DESIGN.limbs[0].thickness])
     drawn = nominal.drawn(
-        restitution=np.array([scene.contact.restitution]), friction=np.array([0.2]),
-        thickness=ratio, modulus=np.array([3.4 / 3.0]), body_mass=np.array([1.03]),
-        leg_mass=0.97 * ratio, unevenness=np.zeros(1),
-    )  # fmt: skip
+        restitution=np.array([scene.contact.restitution]),
+        friction=np.array([0.2]),
+        thickness=ratio,
+        modulus=np.array([3.4 / 3.0]),
+        body_mass=np.array([1.03]),
+        leg_mass=0.97 * ratio,
+        unevenness=np.zeros(1),
+    )
     for name, left, right in zip(Place._fields, drawn, built, strict=True):
         # A thinner leg's mass has another lever, and the braced body's gyration another radius.
         assert np.ravel(left)[0] == pytest.approx(right, abs=3e-3), name

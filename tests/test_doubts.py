@@ -22,18 +22,14 @@ KINDS = {
 @pytest.mark.parametrize("walkers", [1, 8])
 def test_sound_tracks_raise_no_doubt(kind, walkers):
     heard = [
-        doubt
-        for seed in range(6)
-        for doubt in motion.analyse(film(seed, walkers, 20.0, KINDS[kind], 1 / 30)).doubts
+        doubt for seed in range(6) for doubt in motion.analyse(film(seed, walkers, 20.0, KINDS[kind], 1 / 30)).doubts
     ]
     # A misfit, or a scatter, of one in a hundred may come by chance.
     assert len(heard) <= 1, heard
     assert not any("theta" in doubt or "jump" in doubt or "tracks," in doubt for doubt in heard)
 
 
-@pytest.mark.parametrize(
-    ("turned", "words"), [(90, "at -90 deg"), (-90, "at 90 deg"), (180, "back")]
-)
+@pytest.mark.parametrize(("turned", "words"), [(90, "at -90 deg"), (-90, "at 90 deg"), (180, "back")])
 def test_headings_turned_against_the_tracks_are_noticed(turned, words):
     one = film(1, 8, 10.0)
     changed = tuple(t._replace(heading=t.heading + np.radians(turned)) for t in one.tracks)
@@ -64,8 +60,7 @@ def test_walkers_taken_for_one_another_are_noticed():
 
 def test_fragments_are_not_taken_for_walkers_without_a_word():
     one = film(3, 8, 20.0, interval=1 / 30)
-    parts = [Track(8 + n, t.position[200:], t.heading[200:], None, 200)
-             for n, t in enumerate(one.tracks[:6])]  # fmt: skip
+    parts = [Track(8 + n, t.position[200:], t.heading[200:], None, 200) for n, t in enumerate(one.tracks[:6])]
     first = [t._replace(position=t.position[:190], heading=t.heading[:190]) for t in one.tracks[:6]]
     broken = one._replace(tracks=(*first, *one.tracks[6:], *parts))
     (doubt,) = motion.analyse(broken).doubts

@@ -24,11 +24,7 @@ IN_SPACE = {
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 @pytest.mark.parametrize(
     ("model", "effects"),
-    [
-        ("space", IN_SPACE | HARMONIC | AIR),
-        ("relaxed", HARMONIC | SLOPE),
-        ("compliant", HARMONIC | SLOPE | AIR),
-    ],
+    [("space", IN_SPACE | HARMONIC | AIR), ("relaxed", HARMONIC | SLOPE), ("compliant", HARMONIC | SLOPE | AIR)],
 )
 def test_switching_effects_compiles_nothing(model, effects):
     kernels = set()

@@ -79,9 +79,12 @@ def test_stiff_legs_slide_like_rigid_ones():
     def slid(model, modulus):
         design = Design.model_validate({"material": {"youngs_modulus_gpa": modulus}})
         plan = plan_of(
-            model, design=design, drive={"frequency_hz": 90.0, "gamma": 0.5},
-            plate={"slope_deg": 30.0}, legs={"damping_ratio": 1.0},
-        )  # fmt: skip
+            model,
+            design=design,
+            drive={"frequency_hz": 90.0, "gamma": 0.5},
+            plate={"slope_deg": 30.0},
+            legs={"damping_ratio": 1.0},
+        )
         state, tally = flown(plan, 0.02, pitch=0.0, phase=0.5 * math.pi, clearance=0.0)
         moved = state[0] - plan.start(0.0, 0.0, 0.5 * math.pi)[0]
         return moved, tally
@@ -97,9 +100,11 @@ def test_descent_helps_and_ascent_hinders():
     speeds = {}
     for slope in (-20.0, 0.0, 20.0):
         plan = plan_of(
-            "rigid", design=Design().variant(kind="braced"), plate={"slope_deg": slope},
+            "rigid",
+            design=Design().variant(kind="braced"),
+            plate={"slope_deg": slope},
             run={"seconds": 2.0, "discard_seconds": 0.2},
-        )  # fmt: skip
+        )
         speeds[slope] = simulate(plan, 0).speed
     assert speeds[-20.0] < speeds[0.0] < speeds[20.0]
 
@@ -130,12 +135,7 @@ def test_the_scene_decides_which_effects_are_simulated():
     assert not verdicts(plan)["air drag"]
     braced = plan_of(design=Design().variant(kind="braced"))
     assert braced.resolved.model == "space"
-    for accepted, model in (
-        (0.49, "space"),
-        (0.5, "compliant"),
-        (0.99, "compliant"),
-        (1.0, "relaxed"),
-    ):
+    for accepted, model in ((0.49, "space"), (0.5, "compliant"), (0.99, "compliant"), (1.0, "relaxed")):
         assert plan_of(run={"accepted_error": accepted}).resolved.model == model
     on_a_plane = plan_of(run={"accepted_error": 1.0}, arena={"kind": "plane"})
     assert on_a_plane.resolved.model == "space"
@@ -164,10 +164,7 @@ def test_an_effect_that_does_not_exist_is_no_verdict():
 @pytest.mark.parametrize(
     ("choices", "word"),
     [
-        (
-            {"model": "compliant", "design": Design().variant(kind="braced")},
-            "braced legs are rigid",
-        ),
+        ({"model": "compliant", "design": Design().variant(kind="braced")}, "braced legs are rigid"),
         ({"model": "relaxed", "effects": {"air_drag": True}}, "without drag"),
         ({"model": "rigid", "effects": {"air_drag": True}}, "air_drag = true: .*'space'"),
     ],

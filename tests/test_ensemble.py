@@ -24,14 +24,17 @@ def scene_of(**run):
 def fake_plan(advance, scene=None):
     """A plan whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
     model = Model(
-        start=lambda world, clearance, pitch, phase, roll: np.array(
-            [0.0, 0.0, 0.0, clearance + phase]
-        ),
+        start=lambda world, clearance, pitch, phase, roll: np.array([0.0, 0.0, 0.0, clearance + phase]),
         advance=lambda world, state, duration, tally: advance(state, duration, tally),
-        energy=lambda world, state: 0.0, feet=None, momentum=None,
-        pose=lambda state: (float(state[0]), 0.0, 0.0), coarser=None, resting=None,
-        columns=("x_mm", "y_mm", "pitch_rad", "seed"), drawn=same,
-    )  # fmt: skip
+        energy=lambda world, state: 0.0,
+        feet=None,
+        momentum=None,
+        pose=lambda state: (float(state[0]), 0.0, 0.0),
+        coarser=None,
+        resting=None,
+        columns=("x_mm", "y_mm", "pitch_rad", "seed"),
+        drawn=same,
+    )
     world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD), None, None, None)
     case = Case(scene or scene_of(), None, SimpleNamespace(total=1.0), "rigid")
     return Plan(case, None, model, world)
@@ -103,9 +106,7 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
 def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
     scene = scene_of(runs=runs, seconds=seconds)
     summary, results = ensemble.measure(fake_plan(steady, scene), silent)
-    bounds = [
-        getattr(summary, f"speed_{end}_mm_s") for end in ("low_95", "low_68", "high_68", "high_95")
-    ]
+    bounds = [getattr(summary, f"speed_{end}_mm_s") for end in ("low_95", "low_68", "high_68", "high_95")]
     assert summary.speed_mm_s == pytest.approx(np.mean([one.speed for one in results]))
     if runs < 4:
         assert summary.speed_se_mm_s is None

@@ -133,9 +133,7 @@ def test_a_share_of_no_speed_counts_of_the_plates():
     assert allowed(tolerance.parse("3 mm/s"), 500.0, LANE.drive) == 3.0
 
 
-@pytest.mark.parametrize(
-    "text", ["5", "-5%", "0%", "nan%", "inf mm/s", "101%", "5 %%", "1e999%", ""]
-)
+@pytest.mark.parametrize("text", ["5", "-5%", "0%", "nan%", "inf mm/s", "101%", "5 %%", "1e999%", ""])
 def test_a_wrong_error_is_refused(text):
     with pytest.raises(InputError, match=r"^--error "):
         tolerance.parse(text)
@@ -144,8 +142,7 @@ def test_a_wrong_error_is_refused(text):
 def test_what_is_not_asked_is_not_there():
     assert set(evaluate(point_at())) == {"status", "speed_mm_s", "theory_mm_s", "model"}
     kept = evaluate(point_at(keep=("speed", "masses")))
-    assert set(kept) == {"status", "speed_mm_s", "theory_mm_s", "model", "total_g", "M_g",
-                         "J_g_mm2", "m_g", "j_g_mm2"}  # fmt: skip
+    assert set(kept) == {"status", "speed_mm_s", "theory_mm_s", "model", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"}
     assert "impacts_per_s" not in evaluate(point_at("compliant"))
 
 

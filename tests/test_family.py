@@ -45,13 +45,12 @@ def files_of(folder):
 def test_the_folder_holds_what_the_readme_says(tmp_path):
     family.make(job_of(pictures=True), tmp_path, silent, unheard)
     assert files_of(tmp_path) == sorted(
-        [f"stl/walker_t{t}_{kind}.stl" for t in ("00.0", "10.0", "35.0")
-         for kind in ("flexible_s0.40", "braced_s1.00")]
+        [f"stl/walker_t{t}_{kind}.stl" for t in ("00.0", "10.0", "35.0") for kind in ("flexible_s0.40", "braced_s1.00")]
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
         + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_print.ini", "_orca.json")]
         + ["family.csv", "family.md", "weights.csv", "manifest.json"]
         + ["speed.csv", "speed.png", "speed.pdf", "preview.png"]
-    )  # fmt: skip
+    )
     for png in ("speed.png", "preview.png"):
         assert (tmp_path / png).read_bytes().startswith(b"\x89PNG")
 
@@ -74,12 +73,28 @@ def test_csv_rows_are_the_predictions(tmp_path):
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == [
-        "tilt_deg", "legs", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s",
+        "tilt_deg",
+        "legs",
+        "total_g",
+        "M_g",
+        "J_g_mm2",
+        "m_g",
+        "j_g_mm2",
+        "speed_mm_s",
         "speed_sd_mm_s",
-        "speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s",
-        "speed_by", "theory_mm_s", "factor_back", "factor_front", "factor_mean", "mode", "law",
+        "speed_low_68_mm_s",
+        "speed_high_68_mm_s",
+        "speed_low_95_mm_s",
+        "speed_high_95_mm_s",
+        "speed_by",
+        "theory_mm_s",
+        "factor_back",
+        "factor_front",
+        "factor_mean",
+        "mode",
+        "law",
         "note",
-    ]  # fmt: skip
+    ]
     for row, member in zip(rows, made, strict=True):
         assert float(row["speed_mm_s"]) == member.row.speed_mm_s
         assert (row["m_g"] == "") == (member.row.m_g is None)

@@ -99,8 +99,7 @@ def test_every_system_call_that_fails_is_a_line_and_a_rerun_completes(job, call,
         assert whole(out, reference)
         work()
         assert settled(out) == reference
-        written(out, "manifest.json" if "manifest.json" in reference else "",
-                FILES | {"a.csv": b"of before"})  # fmt: skip
+        written(out, "manifest.json" if "manifest.json" in reference else "", FILES | {"a.csv": b"of before"})
     assert call == "unlink" or count > 1
 
 
@@ -158,8 +157,7 @@ def test_a_full_disk_at_any_size_loses_nothing(job):
         assert whole(out, reference)
         work()
         assert settled(out) == reference
-        written(out, "manifest.json" if "manifest.json" in reference else "",
-                FILES | {"a.csv": b"of before"})  # fmt: skip
+        written(out, "manifest.json" if "manifest.json" in reference else "", FILES | {"a.csv": b"of before"})
     assert seen == {0, 1}
 
 
@@ -178,7 +176,11 @@ def test_what_is_not_ours_is_left_alone_and_all_else_is_written(tmp_path):
     lines = str(caught.value).splitlines()
     assert all("not as walkergen wrote it: left alone" in line for line in lines)
     assert [line.split("'")[1].removeprefix(f"{tmp_path}/") for line in lines] == [
-        "a.csv", "deep/c.md", "folder/x", "pipe"]  # fmt: skip
+        "a.csv",
+        "deep/c.md",
+        "folder/x",
+        "pipe",
+    ]
     assert (tmp_path / "a.csv").read_bytes() == b"with my notes"
     assert (tmp_path / "deep" / "b.stl").read_bytes() == FILES["deep/b.stl"] + b"!"
     assert (tmp_path / "new").read_bytes() == b"4"
@@ -191,9 +193,18 @@ def test_what_is_not_ours_is_left_alone_and_all_else_is_written(tmp_path):
 
 @pytest.mark.parametrize(
     "content",
-    [b"{}", b"[1]", b"", b"{", b"[" * 10_000, b'{"a":' * 10_000, b"\xff\xfe", b'{"files": 3}',
-     b'{"files": {"a.csv": 1}}'],
-)  # fmt: skip
+    [
+        b"{}",
+        b"[1]",
+        b"",
+        b"{",
+        b"[" * 10_000,
+        b'{"a":' * 10_000,
+        b"\xff\xfe",
+        b'{"files": 3}',
+        b'{"files": {"a.csv": 1}}',
+    ],
+)
 def test_a_manifest_that_is_not_ours_stops_everything_before_it_begins(tmp_path, content):
     from walkergen.files import ledger
 
@@ -276,10 +287,8 @@ def test_output_that_nobody_can_read_is_a_line_and_a_failure(words):
 
         return prepare
 
-    assert forked(command(*words), full(1))[::2] == (
-        1, "error: 'standard output': No space left on device\n")  # fmt: skip
-    assert forked(command(*words), closed=(1,))[::2] == (
-        1, "error: 'standard output': Bad file descriptor\n")  # fmt: skip
+    assert forked(command(*words), full(1))[::2] == (1, "error: 'standard output': No space left on device\n")
+    assert forked(command(*words), closed=(1,))[::2] == (1, "error: 'standard output': Bad file descriptor\n")
     assert forked(command(*words), full(1, 2)) == (1, "", "")
     assert forked(command(*words), closed=(0, 1, 2)) == (1, "", "")
 
@@ -335,16 +344,22 @@ def environment(**more):
 @pytest.mark.parametrize(
     "surroundings",
     [
-        {"HOME": "/nowhere", "TMPDIR": "/nowhere", "XDG_CACHE_HOME": "/dev/null", "LC_ALL": "C",
-         "MPLBACKEND": "nonsense", "SOURCE_DATE_EPOCH": "abc", "PYTHONUTF8": "0",
-         "PYTHONCOERCECLOCALE": "0"},
+        {
+            "HOME": "/nowhere",
+            "TMPDIR": "/nowhere",
+            "XDG_CACHE_HOME": "/dev/null",
+            "LC_ALL": "C",
+            "MPLBACKEND": "nonsense",
+            "SOURCE_DATE_EPOCH": "abc",
+            "PYTHONUTF8": "0",
+            "PYTHONCOERCECLOCALE": "0",
+        },
         pytest.param({"PYTHONIOENCODING": "ascii"}, marks=pytest.mark.nightly),
         pytest.param({"HOME": "/proc"}, marks=pytest.mark.nightly),
     ],
-)  # fmt: skip
+)
 def test_surroundings_do_not_matter(tmp_path, surroundings):
-    words = [sys.executable, "-m", "walkergen", "family", "--tilt", "10", "--legs", "braced",
-             "--out", str(tmp_path)]  # fmt: skip
+    words = [sys.executable, "-m", "walkergen", "family", "--tilt", "10", "--legs", "braced", "--out", str(tmp_path)]
     done = subprocess.run(words, env=environment(**surroundings), capture_output=True, cwd="/")
     told = done.stderr.decode()
     assert done.returncode == 0, told
@@ -395,9 +410,8 @@ LONG = {
     "bench": ("bench", "slide", "--measured", "14", "--measured-sd", "1"),
     "accuracy": ("accuracy", "--only", "models", "--budget", "1s"),
     "validate": ("validate", "--only", "closed", "--quick"),
-    "reproduce": ("reproduce", "--tilt", "5,10,20", "--gamma", "1.8,2.4",
-                  "--seconds", "0.2", "--runs", "8"),
-}  # fmt: skip
+    "reproduce": ("reproduce", "--tilt", "5,10,20", "--gamma", "1.8,2.4", "--seconds", "0.2", "--runs", "8"),
+}
 """Commands that write, with what is asked of them."""
 
 TIMED = ("accuracy", "validate", "reproduce")
@@ -417,10 +431,13 @@ def started(name, folder):
         words.append("--trajectory" if name == "trajectory" else "--out")
     words = [sys.executable, "-m", "walkergen", *words, where]
     return subprocess.Popen(
-        words, cwd=folder.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        words,
+        cwd=folder.parent,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         env=environment(HOME=os.environ["HOME"], XDG_CACHE_HOME=str(FOLDERS["CACHE"])),
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
+    )
 
 
 FOLDERS = {}

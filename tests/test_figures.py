@@ -48,12 +48,14 @@ def curve(speed):
 ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]
 SIMULATED = [Simulated(42.0, 2.0, 38.0, 46.0, "space", "step", "8 ok", "agree")] * 4
 MEASURED = Speeds(
-    np.array([10.0, 10.0]), ["flexible", "braced"], np.array([58.0, 1.0]), np.array([4.0, 0.0]),
-    np.array([31.0, 31.0]), "",
-)  # fmt: skip
-SHOWN = chart_data.ChartData(
-    {"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED, (10.0, 60.0)
+    np.array([10.0, 10.0]),
+    ["flexible", "braced"],
+    np.array([58.0, 1.0]),
+    np.array([4.0, 0.0]),
+    np.array([31.0, 31.0]),
+    "",
 )
+SHOWN = chart_data.ChartData({"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED, (10.0, 60.0))
 
 
 def speed_figure(rows=ROWS, shown=SHOWN, simulated=SIMULATED, named=False):
@@ -65,15 +67,14 @@ def speed_of_one():
 
 
 def rungs(series, *points):
-    return [
-        Rung(series, f"{series} {step}", error, 0.01, cpu, {"step_us": step})
-        for step, error, cpu in points
-    ]
+    return [Rung(series, f"{series} {step}", error, 0.01, cpu, {"step_us": step}) for step, error, cpu in points]
 
 
 def ladder(along):
-    settings = [*rungs("space, step", (1.2, 0.01, 4.2), (2.3, 0.03, 5.1), (4.6, 0.05, 2.7)),
-                *rungs("compliant, step", (1.2, 0.02, 3.2), (2.3, 0.06, 3.1))]  # fmt: skip
+    settings = [
+        *rungs("space, step", (1.2, 0.01, 4.2), (2.3, 0.03, 5.1), (4.6, 0.05, 2.7)),
+        *rungs("compliant, step", (1.2, 0.02, 3.2), (2.3, 0.06, 3.1)),
+    ]
     title = "Bias of the long-run mean speed against the step"
     return Ladder("x", title, "bias of the mean speed", "CPU time, s", "", settings, (), along)
 
@@ -88,14 +89,13 @@ def choices():
 
     survey = SimpleNamespace(
         unit=lambda reference: Unit(100.0, "share of the mean speed", True, 1.0),
-        bias=bias, bound=lambda *pair: bias(*pair).bound, complete="space",
-    )  # fmt: skip
+        bias=bias,
+        bound=lambda *pair: bias(*pair).bound,
+        complete="space",
+    )
     steps = [Setting("space", step) for step in BIASES]
     others = [Setting("rigid", None), Setting("compliant", None)]
-    found = [
-        Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), None, "")
-        for one in (*steps, *others)
-    ]
+    found = [Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), None, "") for one in (*steps, *others)]
     formulas = [Rung("paper's eq. 15", "", 0.39, None, 3.6e-4, {})]
     return choice_figure(survey, found, found[0], formulas, TITLE)
 
@@ -191,9 +191,7 @@ def test_the_front_is_the_least_error_of_the_complete_model_for_a_time(drawn):
 
 def test_what_a_budget_did_not_resolve_ends_in_an_open_mark(drawn):
     axes = drawn["choice"].axes[0]
-    marks = [
-        line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())
-    ]
+    marks = [line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())]
     assert len(marks) == 2  # steps of 1.2 and 2.3 us
     assert {line.get_markerfacecolor() for line in marks} == {"white"}
     ends = sorted(float(line.get_ydata()[0]) for line in marks)
@@ -210,19 +208,20 @@ def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():
             figures.logarithmic(axes.xaxis)
             figure.draw_without_rendering()
             labels = [tick for tick in axes.get_xticklabels() if tick.get_text()]
-            boxes = [one.get_window_extent() for one in labels
-                     if low <= one.get_position()[0] <= high]  # fmt: skip
+            boxes = [one.get_window_extent() for one in labels if low <= one.get_position()[0] <= high]
         assert len(boxes) >= 2, (low, high)
         assert all(a.x1 < b.x0 for a, b in pairwise(boxes)), (low, high)
     assert [figures._power(value) for value in (0.02, 1000.0, 1e-5, 2e6)] == [
-        "0.02", "1000", "$10^{-5}$", r"$2 \times 10^{6}$",
-    ]  # fmt: skip
+        "0.02",
+        "1000",
+        "$10^{-5}$",
+        r"$2 \times 10^{6}$",
+    ]
 
 
 def test_walkers_that_do_not_turn_have_neither_correlation_nor_tracks_from_above():
     turning, straight = film(1, 3, 5.0), film(1, 3, 5.0)
-    line = [Track(one.particle, one.position[:, :1] * [1.0, 1e-3], 1e-3 * one.heading)
-            for one in straight.tracks]  # fmt: skip
+    line = [Track(one.particle, one.position[:, :1] * [1.0, 1e-3], 1e-3 * one.heading) for one in straight.tracks]
     straight = straight._replace(tracks=tuple(line))
     for tracks, names in ((turning, {"correlation"}), (straight, set())):
         found = figures_of(tracks, "title")

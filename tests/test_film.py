@@ -33,9 +33,7 @@ LIGHTS = {
     "spot": Filmed(light=lambda x, y: 0.25 + np.exp(-((x - 0.3) ** 2 + (y - 0.6) ** 2) / 0.06)),
     "table": Filmed(light=lambda x, y: np.where(inside(x, y), 1.0, 0.15)),
     "light walkers": Filmed(ground=100, contrast=-100, light=sigmoid(0.35, 0.05)),
-    "white table": Filmed(
-        ground=22, contrast=-110, light=lambda x, y: np.where(inside(x, y), 1.0, 9.0)
-    ),
+    "white table": Filmed(ground=22, contrast=-110, light=lambda x, y: np.where(inside(x, y), 1.0, 9.0)),
     "screws": Filmed(screws=True, light=sigmoid(0.35, 0.05)),
     "noise": Filmed(contrast=30, noise=6),
     "more noise": Filmed(contrast=30, noise=9),
@@ -47,11 +45,13 @@ def ways(frames):
     """Places and headings of four walkers, one of them in the darker half."""
     return [
         [
-            (80 + 1.5 * n, 70 + 0.5 * n, 0.3 + 0.01 * n), (150 - 0.5 * n, 170 - 0.8 * n, 2.0),
-            (250 - 1.2 * n, 65 + 1.0 * n, 1.2), (240, 180 - 1.0 * n, -0.5 + 0.02 * n),
+            (80 + 1.5 * n, 70 + 0.5 * n, 0.3 + 0.01 * n),
+            (150 - 0.5 * n, 170 - 0.8 * n, 2.0),
+            (250 - 1.2 * n, 65 + 1.0 * n, 1.2),
+            (240, 180 - 1.0 * n, -0.5 + 0.02 * n),
         ]
         for n in range(frames)
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("name", LIGHTS)
@@ -66,9 +66,7 @@ def test_walkers_are_found_in_any_light(name):
     assert seen.threshold == pytest.approx(0.5 * seen.contrast)
     errors = []
     for one, frame in zip(truth[::3], frames[::3], strict=True):
-        places = [
-            (blob.x + 0.5, film.high - blob.y - 0.5) for blob in blobs.find(frame, seen, False)
-        ]
+        places = [(blob.x + 0.5, film.high - blob.y - 0.5) for blob in blobs.find(frame, seen, False)]
         assert len(places) == 4
         errors += [min(math.dist(place, at[:2]) for place in places) for at in one]
     # A third of a pixel where light is steep; a pixel at the edge errs by noise over contrast.
@@ -77,10 +75,7 @@ def test_walkers_are_found_in_any_light(name):
 
 TIMES = {
     "jitters": ("0.03*N+0.012*sin(N)", lambda n: 0.03 * n + 0.012 * np.sin(n)),
-    "slows down": (
-        "if(lt(N,30),0.02*N,0.6+0.05*(N-30))",
-        lambda n: np.where(n < 30, 0.02 * n, 0.6 + 0.05 * (n - 30)),
-    ),
+    "slows down": ("if(lt(N,30),0.02*N,0.6+0.05*(N-30))", lambda n: np.where(n < 30, 0.02 * n, 0.6 + 0.05 * (n - 30))),
 }
 
 
@@ -120,8 +115,7 @@ def test_places_between_frames_stop_at_gaps(tmp_path):
     """Against a walker that runs evenly: no place is made up where a frame is missing."""
     times = np.cumsum(np.where(np.arange(40) % 2, 0.021, 0.034))
     rows = [(n, 7, 10.0 * t, -5.0 * t, 3.0 * t) for n, t in enumerate(times) if n not in (20, 21)]
-    lines = [f"{n},{k},{t},{x},{y},{a}" for (n, k, x, y, a), t in
-             zip(rows, np.delete(times, [20, 21]), strict=True)]  # fmt: skip
+    lines = [f"{n},{k},{t},{x},{y},{a}" for (n, k, x, y, a), t in zip(rows, np.delete(times, [20, 21]), strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("frame,particle,t_s,x_mm,y_mm,theta_rad\n" + "\n".join(lines) + "\n")
     found = tracks.read(path, tracks.Units())
@@ -146,9 +140,7 @@ SHIFTS = np.random.default_rng(3).normal(0.0, 1.0, (50, 2))
 def tracked(folder, film, shifts=None):
     """What was tracked of two walkers on circles, and its errors, mm, with 1 mm a pixel."""
     shifts = np.zeros((50, 2)) if shifts is None else shifts
-    pictures = [
-        films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)
-    ]
+    pictures = [films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)]
     path = films.write(folder / "film.mp4", pictures)
     made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent).tracked
     errors = []
@@ -212,7 +204,7 @@ def test_a_shadow_is_measured(tmp_path, share):
         (Filmed(tilt=0.25), "larger in one place"),
     ],
     ids=["dark shadow", "broken tracks", "noise", "perspective"],
-)  # fmt: skip
+)
 def test_bad_light_and_a_tilted_camera_are_warned_of(tmp_path, film, word):
     made, errors = tracked(tmp_path, film)
     assert any(word in line for line in report.warnings(made))

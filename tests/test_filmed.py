@@ -24,12 +24,21 @@ def write(path, seed, particles, walker=Walker(speed=60.0), share=SHARE, seconds
     """Tracks as `track` writes them, of walkers numbered from 0 on."""
     filmed = film(seed, walker=walker, particles=particles, seconds=seconds, interval=0.02)
     rows = [
-        (frame, one.particle, *place, heading, frame * filmed.interval, *place, heading,
-         SCALE, SHARE * SCALE if share else "")
+        (
+            frame,
+            one.particle,
+            *place,
+            heading,
+            frame * filmed.interval,
+            *place,
+            heading,
+            SCALE,
+            SHARE * SCALE if share else "",
+        )
         for one in filmed.tracks
         for frame, (place, heading) in enumerate(zip(one.position, one.heading, strict=True))
         if not np.isnan(heading)
-    ]  # fmt: skip
+    ]
     path.write_text(csv_text(report.COLUMNS, rows))
     return path
 
@@ -49,9 +58,7 @@ def read(folder, text):
 
 def of_analyse(path):
     """Speeds and errors of each walker as the command `analyse` writes them."""
-    CliRunner().invoke(
-        command_line, ["analyse", str(path), "--no-pictures", "--out", str(path.parent / "a")]
-    )
+    CliRunner().invoke(command_line, ["analyse", str(path), "--no-pictures", "--out", str(path.parent / "a")])
     with (path.parent / "a" / "analysis" / "walkers.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     return np.array([(float(row["speed_mm_s"]), float(row["speed_se_mm_s"])) for row in rows]).T

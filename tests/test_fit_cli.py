@@ -117,9 +117,17 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     assert any("not learnt" in note and "thickness_mm" in note for note in found["notes"])
     folder = tmp_path / "out" / "speeds" / "fit"
     assert {path.name for path in folder.iterdir()} == {
-        "bands.csv", "design.toml", "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json",
-        "posterior.csv", "scene.toml", "speeds.csv",
-    }  # fmt: skip
+        "bands.csv",
+        "design.toml",
+        "fit.csv",
+        "fit.md",
+        "fit.pdf",
+        "fit.png",
+        "manifest.json",
+        "posterior.csv",
+        "scene.toml",
+        "speeds.csv",
+    }
     with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
         bands = {float(row["tilt_deg"]): row for row in csv.DictReader(stream)}
     assert [one["measured"] for one in bands.values()] == ["1", "1", "0", "1"]
@@ -137,8 +145,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
     toml = [str(folder / name) for name in ("design.toml", "scene.toml")]
-    family = run("family", toml[0], "--scene", toml[1], "--tilt", "15", "--legs", "flexible",
-                 "--json", "--no-pictures")  # fmt: skip
+    family = run("family", toml[0], "--scene", toml[1], "--tilt", "15", "--legs", "flexible", "--json", "--no-pictures")
     (row,) = json.loads(family.stdout)["rows"]
     assert row["tilt_deg"] == 15
     scene = templates.load(toml[1], "scenes", Scene)
@@ -151,9 +158,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
 
 @pytest.mark.slow
 def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short, tmp_path):
-    (tmp_path / "speeds.csv").write_text(
-        "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n15,42,1,flexible\n15,0.2,1,braced\n"
-    )
+    (tmp_path / "speeds.csv").write_text("tilt_deg,speed_mm_s,speed_se_mm_s,legs\n15,42,1,flexible\n15,0.2,1,braced\n")
     result = run("fit", "speeds.csv", "--model", "space", "--predict", "15", "--no-pictures")
     assert result.exception is None, result.exception
     told = " ".join(result.stdout.split())

@@ -41,8 +41,7 @@ def true_speeds(ground, settings, rng):
     for _ in range(REPETITIONS):
         values = hidden(ground, rng)
         for setting in settings:
-            run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1,
-                   "seed": int(rng.integers(2**62))}  # fmt: skip
+            run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
             scene = ground.scene.model_copy(
                 update={
                     "run": ground.scene.run.model_copy(update=run),
@@ -51,8 +50,7 @@ def true_speeds(ground, settings, rng):
             )
             asked.append(experiments.Experiment(*uncertain.applied(scene, setting.design, values)))
     with ThreadPoolExecutor(2) as pool:
-        found = [one.summary.speed_mm_s for one in experiments.each(asked, ["truth"] * len(asked),
-                                                               silent, pool)]  # fmt: skip
+        found = [one.summary.speed_mm_s for one in experiments.each(asked, ["truth"] * len(asked), silent, pool)]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 
 
@@ -63,15 +61,10 @@ def world():
     design = templates.load("koumakis2016", "walkers", Design)
     unknown = parameters.unknown(scene, design, "space", "flat", {})
     ground = emulated.Ground(scene, "space", unknown)
-    settings = [
-        emulated.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS
-    ]
+    settings = [emulated.Setting(design.variant(tilt_deg=tilt), scene.drive.peak_speed) for tilt in TILTS]
     x = emulated.spread(ground, 128)
     y = emulated.batches(ground, settings, x, silent, 0)
-    responses = [
-        emulated.response(x, speeds, setting, True)
-        for speeds, setting in zip(y, settings, strict=True)
-    ]
+    responses = [emulated.response(x, speeds, setting, True) for speeds, setting in zip(y, settings, strict=True)]
     truth = true_speeds(ground, settings, np.random.default_rng(7))
     return unknown, responses, truth
 

@@ -139,9 +139,7 @@ def test_speeds_that_no_parameters_explain_are_called_so():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    "measured", [pytest.param((0, 2, 4), id="three"), pytest.param((1, 3), id="two")]
-)
+@pytest.mark.parametrize("measured", [pytest.param((0, 2, 4), id="three"), pytest.param((1, 3), id="two")])
 def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(measured):
     known = responses(64, range(5))
     rng = np.random.default_rng(len(measured))
@@ -196,10 +194,7 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
 
 def test_prints_of_two_settings_are_independent_and_of_one_repeatable(ground):
     one, again = (emulated._prints(ground, setting(10.0), 8, 0) for _ in range(2))
-    other, later = (
-        emulated._prints(ground, setting(12.0), 8, 0),
-        emulated._prints(ground, setting(10.0), 8, 1),
-    )
+    other, later = (emulated._prints(ground, setting(12.0), 8, 0), emulated._prints(ground, setting(10.0), 8, 1))
     assert np.array_equal(one[0], again[0])
     assert one[1] == again[1]
     for different in (other, later):
@@ -223,8 +218,12 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     design = templates.load("koumakis2016", "walkers", Design)
     flat = parameters.unknown(scene, design, "space", "flat", {})
     assert [one.told for one in flat.parameters] == [
-        "flat, 0.02 to 1", "flat, 0.02 to 0.6", "0.4 ± 0.02", "3 ± 0.35", "0.05 ± 0.02",
-    ]  # fmt: skip
+        "flat, 0.02 to 1",
+        "flat, 0.02 to 0.6",
+        "0.4 ± 0.02",
+        "3 ± 0.35",
+        "0.05 ± 0.02",
+    ]
     assert flat.prints_differ
     told = parameters.unknown(scene, design, "space", "scene", {"friction": 0.25})
     assert [one.told for one in told.parameters][:2] == [

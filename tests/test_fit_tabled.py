@@ -48,8 +48,7 @@ def hidden(rng):
 def filmed(rng, truth):
     """Speeds of a print a tilt, each with the errors of model, print and film."""
     return [
-        speed(tilt, truth | {PRINT.name: rng.normal(), MODEL.name: rng.normal()})
-        + FILM_NOISE * rng.normal()
+        speed(tilt, truth | {PRINT.name: rng.normal(), MODEL.name: rng.normal()}) + FILM_NOISE * rng.normal()
         for tilt in TILTS
     ]
 
@@ -109,8 +108,10 @@ def test_the_response_is_the_spread_of_the_prediction():
     mean, shared, scatter = (float(one[0]) for one in response(x))
     assert mean == pytest.approx(speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0}))
     small = 1e-4
-    off = {name: speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0} | {name: small}) - mean
-           for name in (PRINT.name, MODEL.name)}  # fmt: skip
+    off = {
+        name: speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0} | {name: small}) - mean
+        for name in (PRINT.name, MODEL.name)
+    }
     both = np.hypot(off[PRINT.name], off[MODEL.name]) / small
     assert np.hypot(shared, scatter) == pytest.approx(both, rel=1e-3)
     level = x.copy()
@@ -118,8 +119,10 @@ def test_the_response_is_the_spread_of_the_prediction():
     assert response(level)[2] == pytest.approx(0.0, abs=1e-6)  # even feet: prints are alike
 
 
-THREE = [parameters.Parameter(name, uncertain.Input(name, 0.5, 0.3, 0.0, 1.0), flat)
-         for name, flat in (("a", True), ("b", True), ("c", False))]  # fmt: skip
+THREE = [
+    parameters.Parameter(name, uncertain.Input(name, 0.5, 0.3, 0.0, 1.0), flat)
+    for name, flat in (("a", True), ("b", True), ("c", False))
+]
 
 
 def bent(x):

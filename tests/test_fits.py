@@ -118,10 +118,12 @@ def test_speeds_at_several_plate_speeds_scale_with_them():
 def test_too_few_speeds_and_rigid_legs_are_refused():
     speeds = measured(np.random.default_rng(7))
     few = speeds._replace(
-        speed=speeds.speed[:3], se=speeds.se[:3], plate_speed=speeds.plate_speed[:3],
+        speed=speeds.speed[:3],
+        se=speeds.se[:3],
+        plate_speed=speeds.plate_speed[:3],
         back=fits.InverseMass(*(x[:3] for x in BACK)),
         front=fits.InverseMass(*(x[:3] for x in FRONT)),
-    )  # fmt: skip
+    )
     with pytest.raises(InputError, match="at least 4"):
         fits.fit_contact(few, {})
     with pytest.raises(InputError, match="nothing is left"):
@@ -142,9 +144,7 @@ def test_speeds_at_one_tilt_tell_only_a_factor():
     assert found.errors["impact_speed_factor"] is None
     np.testing.assert_allclose(found.predicted, exact, rtol=1e-6)
     told = fits.fit_contact(alike, {"restitution": 0.8, "friction": 0.1})
-    assert told.errors["impact_speed_factor"] == pytest.approx(
-        0.5 * 0.5 / np.sqrt((exact**2).sum()), rel=1e-6
-    )
+    assert told.errors["impact_speed_factor"] == pytest.approx(0.5 * 0.5 / np.sqrt((exact**2).sum()), rel=1e-6)
 
 
 def test_measured_speeds_of_another_plate_are_left_out_and_told(tmp_path):

@@ -33,17 +33,20 @@ def shells(run, side, edges):
 def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     """g at contact by Henderson's equation of state of hard discs: (1 - 7 phi/16)/(1 - phi)^2."""
     one = card(
-        outline_mm=[DISC], speed_mm_s=0.0, restitution=0.98, friction=0.0, inertia_g_mm2=7.2,
-        rotational_diffusion_rad2_s=0.0, translational_diffusion_mm2_s=50.0,
+        outline_mm=[DISC],
+        speed_mm_s=0.0,
+        restitution=0.98,
+        friction=0.0,
+        inertia_g_mm2=7.2,
+        rotational_diffusion_rad2_s=0.0,
+        translational_diffusion_mm2_s=50.0,
         velocity_relaxation_s=0.05,
-    )  # fmt: skip
+    )
     side = WIDTH * math.sqrt(0.25 * math.pi * NUMBER / packing)
     outlines = [(np.array(DISC),)] * NUMBER
     dish = Dish("periodic", (side,))
     places = place(outlines, dish, np.random.default_rng(1), 0.2)
-    run = crowd.simulate(
-        [one], [0] * NUMBER, dish, places, seconds=12.0, rate_hz=50.0, seed=1
-    )  # fmt: skip
+    run = crowd.simulate([one], [0] * NUMBER, dish, places, seconds=12.0, rate_hz=50.0, seed=1)
     # Soft discs are hard ones of the diameter of Barker and Henderson: the mean overlap less
     parts = deck.mechanics([one])
     soft = math.sqrt(0.5 * math.pi * parts.motions[0].heat / parts.contacts.pairs[0, 0].stiffness)
@@ -51,9 +54,7 @@ def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     filled = packing * (hard / WIDTH) ** 2
     edges = WIDTH * np.linspace(1.0, 1.15, 6)
     middles = 0.5 * (edges[1:] + edges[:-1])
-    contact = np.array([
-        np.polyval(np.polyfit(middles - hard, part, 2), 0.0) for part in shells(run, side, edges)
-    ])  # fmt: skip
+    contact = np.array([np.polyval(np.polyfit(middles - hard, part, 2), 0.0) for part in shells(run, side, edges)])
     error = contact.std(ddof=1) / math.sqrt(len(contact))
     expected = (1.0 - 7.0 * filled / 16.0) / (1.0 - filled) ** 2
     assert error < 0.04 * expected

@@ -34,9 +34,12 @@ posix = pytest.mark.skipif(os.name != "posix", reason="a script as a program")
 def simulate(places=PLACES, one=None, dish=None, **keys):
     """Run of two walkers."""
     return crowd.simulate(
-        [one or card()], [0] * len(places), dish or Dish("disc", (200.0,)), places,
+        [one or card()],
+        [0] * len(places),
+        dish or Dish("disc", (200.0,)),
+        places,
         **{"seconds": 0.02, "rate_hz": 100.0, "seed": 1, **keys},
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
@@ -84,13 +87,19 @@ def test_a_lammps_that_does_not_fit_is_refused_before_the_run(lammps, keys, name
     ("line", "error", "named"),
     [
         ("kill -9 $$", InputError, "SIGKILL"),
-        ("echo 'ERROR: Lost atoms: original 8 current 7 (src/thermo.cpp:1)'; exit 1",
-         InputError, "Lost atoms: original 8 current 7$"),
-        ("echo 'ERROR on proc 0: Error writing dump track: No space left on device'; exit 1",
-         OutputError, "No space left"),
+        (
+            "echo 'ERROR: Lost atoms: original 8 current 7 (src/thermo.cpp:1)'; exit 1",
+            InputError,
+            "Lost atoms: original 8 current 7$",
+        ),
+        (
+            "echo 'ERROR on proc 0: Error writing dump track: No space left on device'; exit 1",
+            OutputError,
+            "No space left",
+        ),
         ("echo 'something else'; exit 3", InputError, "something else"),
     ],
-)  # fmt: skip
+)
 def test_a_run_that_ends_badly_says_so_in_a_line(lammps, line, error, named):
     lammps("echo 0", line)
     with pytest.raises(error, match=named) as caught:
@@ -122,9 +131,7 @@ def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
 @posix
 @with_lammps
 def test_lammps_itself_says_when_the_disk_is_full(tmp_path):
-    crowd.write(
-        tmp_path, [card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1
-    )
+    crowd.write(tmp_path, [card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1)
     (tmp_path / deck.DUMP).symlink_to("/dev/full")
     with pytest.raises(OutputError, match="No space left"):
         engine.run(engine.locate(), tmp_path, deck.INPUT, 1, lambda *_: None)
@@ -143,8 +150,7 @@ def test_an_interrupt_stops_lammps_and_leaves_nothing(lammps, tmp_path):
     folder.mkdir()
     paths = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
     child = subprocess.Popen(
-        [sys.executable, "-c", script],
-        env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(folder)},
+        [sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": paths, "TMPDIR": str(folder)}
     )
     wait(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text().strip())
     assert list(folder.glob("walkergen-crowd-*"))

@@ -20,9 +20,7 @@ def run(one, side, spacing, seconds, rate_hz, seed=1, turn=0.0):
     places = np.column_stack((x.ravel(), y.ravel(), headings))
     kinds = np.zeros(side**2, int)
     dish = Dish("periodic", (side * spacing,))
-    return crowd.simulate(
-        [one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed
-    )  # fmt: skip
+    return crowd.simulate([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed)
 
 
 def test_without_noise_a_walker_runs_circles_at_the_speed_of_its_card_and_lags_by_tau():
@@ -69,9 +67,8 @@ def test_push_of_a_walker_whose_turning_forgets_at_once_is_the_closed_form_of_ca
 def test_speed_diffusion_and_relaxation_of_many_walkers_are_those_of_the_card():
     tau, tau_r = 0.05, 0.04
     one = card(
-        outline_mm=[DISC], velocity_relaxation_s=tau, turning_relaxation_s=tau_r,
-        turning_rad_s=0.7, inertia_g_mm2=8.0,
-    )  # fmt: skip
+        outline_mm=[DISC], velocity_relaxation_s=tau, turning_relaxation_s=tau_r, turning_rad_s=0.7, inertia_g_mm2=8.0
+    )
     gone = run(one, 20, 400.0, 4.0, 200.0, seed=5)
     poses = gone.poses[100:]  # the start is forgotten after 0.5 s, ten tau
     ahead = np.stack((np.cos(poses[:, :, 2]), np.sin(poses[:, :, 2])), axis=-1)

@@ -49,12 +49,7 @@ def runs():
 def test_names_are_sorted_lazy_and_typed():
     assert wg.__all__ == sorted(set(wg.__all__))
     tree = ast.parse((ROOT / "walkergen" / "__init__.pyi").read_text(encoding="utf-8"))
-    homes = {
-        alias.name: node.module
-        for node in tree.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
+    homes = {alias.name: node.module for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
     assert sorted([*homes, "__version__"]) == wg.__all__
     for name, home in homes.items():
         assert getattr(wg, name).__module__ == home
@@ -120,9 +115,7 @@ def test_a_variant_is_what_the_file_with_these_lines_would_be(tmp_path):
     written = wg.load(path, "walker")
     keys = {"legs.flexible_thickness_mm": np.float64(0.3), "legs.length_mm": np.int64(9)}
     assert PAPER.variant(**keys).legs == written.legs
-    assert PAPER.variant(tilt_deg=np.float32(12.0), **keys) == PAPER.variant(**keys).variant(
-        **{"legs.tilt_deg": 12.0}
-    )
+    assert PAPER.variant(tilt_deg=np.float32(12.0), **keys) == PAPER.variant(**keys).variant(**{"legs.tilt_deg": 12.0})
     assert PAPER.variant() == PAPER
     assert LANE.variant(**{"drive.gamma": 2}).drive.peak_gamma == pytest.approx(2.0)
     assert LANE.variant(**{"drive.gamma": 2}).drive.frequency == pytest.approx(90.0)
@@ -148,9 +141,7 @@ def test_a_prediction_is_the_commands(run):
 
 def test_a_simulation_is_the_commands(run, runs):
     files = ("--trajectory", "all.csv", "--rate", "50")
-    told = json.loads(
-        run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, *files, "--json")
-    )
+    told = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, *files, "--json"))
     assert runs.summary.impacts_per_s == pytest.approx(told["impacts_per_s"], rel=0.05)
     plain = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, "--json"))
     assert runs.speed.value == plain["speed_mm_s"]
@@ -211,9 +202,7 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
     for same in (frame, columns, rows):
         assert wg.analyse(same, **units).estimates == found.estimates
     told_files = sorted((tmp_path / "told" / "analysis").iterdir())
-    assert [path.name for path in told_files] == sorted(
-        path.name for path in (tmp_path / "found").iterdir()
-    )
+    assert [path.name for path in told_files] == sorted(path.name for path in (tmp_path / "found").iterdir())
     for path in told_files:
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
     assert found.plot("msd")._repr_png_().startswith(b"\x89PNG")
@@ -224,9 +213,7 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
 
 def test_plots_that_are_not_there_are_named():
     found = wg.analyse(film(), fps=100, mm_per_px=0.1)
-    with pytest.raises(
-        InputError, match="plot 'speed': must be one of 'trajectories', 'walkers', 'msd'"
-    ):
+    with pytest.raises(InputError, match="plot 'speed': must be one of 'trajectories', 'walkers', 'msd'"):
         found.plot("speed")
 
 
@@ -235,11 +222,13 @@ FORM = "".join(
     f"{row}\n"
     for row in (
         "part,measured,reading,error,unloaded_mm,weight_g,at_mm",
-        "strip_1,thickness_mm,0.8,0.02,,,", "strip_1,width_mm,5,0.05,,,",
-        "strip_1,free_length_mm,60,0.5,,,", "strip_1,swings_20_s,0.33,0.01,,,",
+        "strip_1,thickness_mm,0.8,0.02,,,",
+        "strip_1,width_mm,5,0.05,,,",
+        "strip_1,free_length_mm,60,0.5,,,",
+        "strip_1,swings_20_s,0.33,0.01,,,",
         "block,slides_deg,14,1,,,",
     )
-)  # fmt: skip
+)
 MEASURING = {
     "fit": (
         ("fit", "in.csv", "--fix", "friction=0.2", "--predict", "12"),
@@ -249,10 +238,7 @@ MEASURING = {
         ("fit", "in.csv", "--model", "theory", "--fix", "restitution=0.8"),
         lambda: wg.fit("in.csv", model="theory", fix={"restitution": 0.8}, pictures=False),
     ),
-    "calibrate": (
-        ("calibrate", "in.csv", "--by", "ring"),
-        lambda: wg.calibrate("in.csv", by="ring", pictures=False),
-    ),
+    "calibrate": (("calibrate", "in.csv", "--by", "ring"), lambda: wg.calibrate("in.csv", by="ring", pictures=False)),
     "slide": (
         ("bench", "slide", "koumakis2016", "--measured", "14", "--measured-sd", "1"),
         lambda: wg.bench("slide", PAPER, LANE, measured=14, measured_sd=1, pictures=False),
@@ -298,9 +284,7 @@ def test_a_drop_from_python_is_the_commands(run, tmp_path):
     measured = ("--measured", "0.4", "--measured-sd", "0.05")
     told = json.loads(run("bench", "drop", *words, *measured, "--no-pictures", "--json"))
     assert found.settings == told["settings"]
-    assert (tmp_path / "drop" / "drop.csv").read_bytes() == (
-        tmp_path / "told" / "drop.csv"
-    ).read_bytes()
+    assert (tmp_path / "drop" / "drop.csv").read_bytes() == (tmp_path / "told" / "drop.csv").read_bytes()
 
 
 def test_a_mesh_is_weighed_from_python(run):
@@ -337,13 +321,9 @@ def test_a_sweep_simulates():
 
 
 def test_a_family_and_a_file_are_the_commands(run, tmp_path):
-    run("family", "koumakis2016", "--tilt", "5,10", "--legs", "flexible", "--no-pictures",
-        "--out", "told", "--quiet")  # fmt: skip
+    run("family", "koumakis2016", "--tilt", "5,10", "--legs", "flexible", "--no-pictures", "--out", "told", "--quiet")
     found = wg.family(PAPER, tmp_path / "found", tilt=[5, 10], legs="flexible", pictures=False)
-    hashes = [
-        json.loads((tmp_path / name / "manifest.json").read_text())["files"]
-        for name in ("told", "found")
-    ]
+    hashes = [json.loads((tmp_path / name / "manifest.json").read_text())["files"] for name in ("told", "found")]
     assert hashes[0] == hashes[1]
     assert found.table["tilt_deg"].tolist() == [5.0, 10.0]
     assert "walker_t05.0_flexible_s0.40" in found._repr_html_()
@@ -352,11 +332,20 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
         (told,) = (tmp_path / "parts" / form).iterdir()
         path = wg.export(PAPER, tmp_path / f"walker.{form}")
         assert path.read_bytes() == told.read_bytes()
-    run("export", "koumakis2016", "--tilt", "12", "--scene", "plane-90hz", "--format", "mjcf",
-        "--out", "parts", "--quiet")  # fmt: skip
-    path = wg.export(
-        PAPER.variant(tilt_deg=12.0), tmp_path / "moving" / "it.xml", scene="plane-90hz"
+    run(
+        "export",
+        "koumakis2016",
+        "--tilt",
+        "12",
+        "--scene",
+        "plane-90hz",
+        "--format",
+        "mjcf",
+        "--out",
+        "parts",
+        "--quiet",
     )
+    path = wg.export(PAPER.variant(tilt_deg=12.0), tmp_path / "moving" / "it.xml", scene="plane-90hz")
     for file in (tmp_path / "parts" / "mjcf").iterdir():
         named = path if file.suffix == ".xml" else path.with_name(file.name)
         assert named.read_bytes() == file.read_bytes()
@@ -365,30 +354,41 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
         wg.export(PAPER, tmp_path / "walker.step")
 
 
-def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
-    run, tmp_path, monkeypatch
-):
-    for name in (
-        "files.figures.png",
-        "files.figures.pdf",
-        "jobs.make.family.preview.preview_figure",
-    ):
+def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(run, tmp_path, monkeypatch):
+    for name in ("files.figures.png", "files.figures.pdf", "jobs.make.family.preview.preview_figure"):
         monkeypatch.setattr(f"walkergen.{name}", lambda *_: b"undrawn")  # which takes long
     names = ["walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
-    Path("weights.csv").write_text(
-        f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n"
-    )
+    Path("weights.csv").write_text(f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n")
     Path("speeds.csv").write_text("tilt_deg,speed_mm_s\n10,58\n10,1e9\n")
-    run("family", "koumakis2016", "--copies", "5:2,10:3", "--legs", "flexible", "--weights",
-        "weights.csv", "--measured", "speeds.csv", "--out", "told", "--quiet",
-        "--max-parts", "4", "--prusaslicer")  # fmt: skip
-    found = wg.family(
-        PAPER, tmp_path / "found", copies={5: 2, np.float64(10): np.int64(3)}, legs="flexible",
-        weights="weights.csv", measured=Path("speeds.csv"), max_parts=4, prusaslicer=True,
-    )  # fmt: skip
-    told, made = (
-        json.loads((tmp_path / name / "manifest.json").read_text()) for name in ("told", "found")
+    run(
+        "family",
+        "koumakis2016",
+        "--copies",
+        "5:2,10:3",
+        "--legs",
+        "flexible",
+        "--weights",
+        "weights.csv",
+        "--measured",
+        "speeds.csv",
+        "--out",
+        "told",
+        "--quiet",
+        "--max-parts",
+        "4",
+        "--prusaslicer",
     )
+    found = wg.family(
+        PAPER,
+        tmp_path / "found",
+        copies={5: 2, np.float64(10): np.int64(3)},
+        legs="flexible",
+        weights="weights.csv",
+        measured=Path("speeds.csv"),
+        max_parts=4,
+        prusaslicer=True,
+    )
+    told, made = (json.loads((tmp_path / name / "manifest.json").read_text()) for name in ("told", "found"))
     assert told["files"] == made["files"]
     assert made["copies"] == [2, 3]
     assert "plates/family_prusa-mk3s_2.3mf" in made["files"]
@@ -402,14 +402,12 @@ def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
 @pytest.mark.parametrize("sample", ["sobol:8", "latin:5"])
 def test_a_sweep_of_samples_is_the_commands(run, tmp_path, sample):
     words = ("--set", "scene.drive.gamma=1.5,1.8", "--set", "legs.tilt_deg=2:40")
-    run("sweep", "koumakis2016", *words, "--sample", sample, "--seed", "7", "--no-pictures",
-        "--out", "told")  # fmt: skip
+    run("sweep", "koumakis2016", *words, "--sample", sample, "--seed", "7", "--no-pictures", "--out", "told")
     lines = (tmp_path / "told" / "table.csv").read_text().splitlines()
     told = [dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:]]
     found = wg.sweep(
-        PAPER, LANE, {"scene.drive.gamma": [1.5, 1.8]}, between={"legs.tilt_deg": (2, 40)},
-        sample=sample, seed=7,
-    )  # fmt: skip
+        PAPER, LANE, {"scene.drive.gamma": [1.5, 1.8]}, between={"legs.tilt_deg": (2, 40)}, sample=sample, seed=7
+    )
     assert len(found.table) == 2 * int(sample.partition(":")[2])
     for name in ("scene.drive.gamma", "legs.tilt_deg", "speed_mm_s"):
         assert found.table[name].tolist() == [float(row[name]) for row in told]
@@ -417,79 +415,108 @@ def test_a_sweep_of_samples_is_the_commands(run, tmp_path, sample):
 
 BETWEEN = {"legs.tilt_deg": (2, 40)}
 REFUSED = {
-    "variant": (lambda words: PAPER.variant(**words), [
-        ({"legs.flexible_thickness_mm": -0.5}, r"koumakis2016: .* = -0.5: must be a number"),
-        ({"legs.flexible_thicknes": 1}, r"did you mean legs.flexible_thickness_mm\?"),
-        ({"legs[1].tilt_deg": 1}, "legs is no list"),
-        ({"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
-        ({"": 1}, "must be a key of the TOML file"),
-        ({"tilt_deg": 5, "legs.tilt_deg": 5}, "legs.tilt_deg: given twice"),
-        ({"legs.tilt_deg": "steep"}, "legs.tilt_deg = 'steep': must be a number"),
-        ({"legs.contact_spacing_mm": 500.0}, "koumakis2016: .*a leg leaves the body"),
-    ]),
-    "variant of a scene": (lambda words: LANE.variant(**words), [
-        ({"drive.gamma": float("nan")}, "drive.gamma = nan: must be"),
-        ({"gamma": 2}, r"gamma: unknown key; did you mean drive.gamma\?"),
-    ]),
-    "predict": (lambda words: wg.predict(PAPER, **words), [
-        ({"mode": "old"}, "mode='old'"),
-        ({"legs": "wooden"}, "legs='wooden': must be one of 'flexible', 'braced'"),
-        ({"scene": PAPER}, "scene: Design seen: must be a Scene, the name of a template"),
-        ({"tilt": 200}, "legs.tilt_deg = 200.0: must be"),
-    ]),
-    "simulate": (lambda words: wg.simulate(PAPER, LANE, **{**SHORT, **words}), [
-        ({"runs": 0}, "run.runs = 0: must be"),
-        ({"model": "x"}, "legs.model = 'x'"),
-        ({"error": "5%"}, r"seconds=0\.2: error='5%' chooses it; leave one of them out"),
-    ]),
-    "analyse": (lambda tracks: wg.analyse(tracks, fps=100, mm_per_px=1), [
-        ({"frame": [0, 1], "x": [0.0, 1.0]}, "^tracks: no column 'y'"),
-        ({"frame": [0, 1], "x": [0.0]}, "^tracks: columns must be of one length, seen frame 2, x"),
-        (7, "^tracks: int seen: must be the path of a CSV file"),
-        ({"a": [1]}, "^tracks: neither trackpy's columns"),
-    ]),
-    "fit": (lambda words: wg.fit(**{"speeds": "in.csv", **words}), [
-        ({"speeds": "none.csv"}, "none.csv: no such file"),
-        ({"model": "best"}, "must be one of prediction, theory"),
-        ({"fix": {"mass": 1.0}}, "one of restitution, friction"),
-    ]),
-    "bench": (lambda words: wg.bench(words.pop("test"), PAPER, **words), [
-        ({"test": "throw"}, "must be one of 'drop', 'slide', 'pluck'"),
-        ({"test": "slide", "drops": 3}, "drops=3: test 'slide' has none"),
-        ({"test": "drop", "measured": 0.8}, "needs --measured-sd"),
-    ]),
+    "variant": (
+        lambda words: PAPER.variant(**words),
+        [
+            ({"legs.flexible_thickness_mm": -0.5}, r"koumakis2016: .* = -0.5: must be a number"),
+            ({"legs.flexible_thicknes": 1}, r"did you mean legs.flexible_thickness_mm\?"),
+            ({"legs[1].tilt_deg": 1}, "legs is no list"),
+            ({"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
+            ({"": 1}, "must be a key of the TOML file"),
+            ({"tilt_deg": 5, "legs.tilt_deg": 5}, "legs.tilt_deg: given twice"),
+            ({"legs.tilt_deg": "steep"}, "legs.tilt_deg = 'steep': must be a number"),
+            ({"legs.contact_spacing_mm": 500.0}, "koumakis2016: .*a leg leaves the body"),
+        ],
+    ),
+    "variant of a scene": (
+        lambda words: LANE.variant(**words),
+        [
+            ({"drive.gamma": float("nan")}, "drive.gamma = nan: must be"),
+            ({"gamma": 2}, r"gamma: unknown key; did you mean drive.gamma\?"),
+        ],
+    ),
+    "predict": (
+        lambda words: wg.predict(PAPER, **words),
+        [
+            ({"mode": "old"}, "mode='old'"),
+            ({"legs": "wooden"}, "legs='wooden': must be one of 'flexible', 'braced'"),
+            ({"scene": PAPER}, "scene: Design seen: must be a Scene, the name of a template"),
+            ({"tilt": 200}, "legs.tilt_deg = 200.0: must be"),
+        ],
+    ),
+    "simulate": (
+        lambda words: wg.simulate(PAPER, LANE, **{**SHORT, **words}),
+        [
+            ({"runs": 0}, "run.runs = 0: must be"),
+            ({"model": "x"}, "legs.model = 'x'"),
+            ({"error": "5%"}, r"seconds=0\.2: error='5%' chooses it; leave one of them out"),
+        ],
+    ),
+    "analyse": (
+        lambda tracks: wg.analyse(tracks, fps=100, mm_per_px=1),
+        [
+            ({"frame": [0, 1], "x": [0.0, 1.0]}, "^tracks: no column 'y'"),
+            ({"frame": [0, 1], "x": [0.0]}, "^tracks: columns must be of one length, seen frame 2, x"),
+            (7, "^tracks: int seen: must be the path of a CSV file"),
+            ({"a": [1]}, "^tracks: neither trackpy's columns"),
+        ],
+    ),
+    "fit": (
+        lambda words: wg.fit(**{"speeds": "in.csv", **words}),
+        [
+            ({"speeds": "none.csv"}, "none.csv: no such file"),
+            ({"model": "best"}, "must be one of prediction, theory"),
+            ({"fix": {"mass": 1.0}}, "one of restitution, friction"),
+        ],
+    ),
+    "bench": (
+        lambda words: wg.bench(words.pop("test"), PAPER, **words),
+        [
+            ({"test": "throw"}, "must be one of 'drop', 'slide', 'pluck'"),
+            ({"test": "slide", "drops": 3}, "drops=3: test 'slide' has none"),
+            ({"test": "drop", "measured": 0.8}, "needs --measured-sd"),
+        ],
+    ),
     "calibrate": (lambda by: wg.calibrate("in.csv", by=by), [("ear", "deflection, ring, both")]),
     "weigh": (lambda density: wg.weigh("in.csv", density), [(1e3, "--density 1000: must lie in")]),
-    "family": (lambda words: wg.family(PAPER, "out", pictures=False, **words), [
-        ({"copies": 0}, "copies=0: must be a whole number in 1..5000"),
-        ({"copies": True}, "copies=True: must be a whole number"),
-        ({"copies": 2.5}, "copies=2.5: must be a whole number"),
-        ({"copies": 10**9}, "copies=1000000000: must be a whole number in 1..5000"),
-        ({"copies": {}}, "copies: no tilt"),
-        ({"copies": {10: -1}}, r"copies\[10\]=-1: must be a whole number"),
-        ({"copies": {"10": 1}}, "copies: '10': must be a tilt in deg"),
-        ({"copies": {math.nan: 1}}, "tilt_deg = nan: must be"),
-        ({"copies": {10: 1}, "tilt": [5]}, "copies: names the tilts: leave tilt out"),
-        ({"max_parts": 0}, "max_parts=0: must be a whole number"),
-        ({"weights": "../nope.csv"}, r"\.\./nope.csv"),
-        ({"measured": "nope.csv"}, "nope.csv"),
-    ]),
-    "sweep": (lambda words: wg.sweep(PAPER, LANE, **words), [
-        ({"values": {"legs.nope": [1]}}, "legs.nope: unknown key"),
-        ({"values": {"legs[x]": [1]}}, r"'legs\[x\]': must be a key"),
-        ({"values": {"legs.tilt_deg": []}}, "legs.tilt_deg: no values"),
-        ({"between": BETWEEN}, "give sample='sobol:256' or 'latin:99' with it"),
-        ({"sample": "sobol:8"}, "sample='sobol:8': no key to sample"),
-        ({"between": {"legs.tilt_deg": (40, 2)}, "sample": "sobol:8"}, "must lie below the second"),
-        ({"between": {"legs.tilt_deg": (2, math.inf)}, "sample": "sobol:8"}, "inf is no end"),
-        ({"between": {"legs.tilt_deg": 7}, "sample": "sobol:8"}, "7: must be two numbers"),
-        ({"between": {"legs.nope": (1, 2)}, "sample": "sobol:8"}, "legs.nope: unknown key"),
-        ({"between": BETWEEN, "sample": "sobol:0"}, "write sobol:N or latin:N"),
-        ({"between": BETWEEN, "sample": "latin:4", "seed": -1}, "seed=-1: must"),
-        ({"between": BETWEEN, "sample": "latin:4", "values": {"legs.tilt_deg": [5]}},
-         "legs.tilt_deg: is in values too"),
-    ]),
-}  # fmt: skip
+    "family": (
+        lambda words: wg.family(PAPER, "out", pictures=False, **words),
+        [
+            ({"copies": 0}, "copies=0: must be a whole number in 1..5000"),
+            ({"copies": True}, "copies=True: must be a whole number"),
+            ({"copies": 2.5}, "copies=2.5: must be a whole number"),
+            ({"copies": 10**9}, "copies=1000000000: must be a whole number in 1..5000"),
+            ({"copies": {}}, "copies: no tilt"),
+            ({"copies": {10: -1}}, r"copies\[10\]=-1: must be a whole number"),
+            ({"copies": {"10": 1}}, "copies: '10': must be a tilt in deg"),
+            ({"copies": {math.nan: 1}}, "tilt_deg = nan: must be"),
+            ({"copies": {10: 1}, "tilt": [5]}, "copies: names the tilts: leave tilt out"),
+            ({"max_parts": 0}, "max_parts=0: must be a whole number"),
+            ({"weights": "../nope.csv"}, r"\.\./nope.csv"),
+            ({"measured": "nope.csv"}, "nope.csv"),
+        ],
+    ),
+    "sweep": (
+        lambda words: wg.sweep(PAPER, LANE, **words),
+        [
+            ({"values": {"legs.nope": [1]}}, "legs.nope: unknown key"),
+            ({"values": {"legs[x]": [1]}}, r"'legs\[x\]': must be a key"),
+            ({"values": {"legs.tilt_deg": []}}, "legs.tilt_deg: no values"),
+            ({"between": BETWEEN}, "give sample='sobol:256' or 'latin:99' with it"),
+            ({"sample": "sobol:8"}, "sample='sobol:8': no key to sample"),
+            ({"between": {"legs.tilt_deg": (40, 2)}, "sample": "sobol:8"}, "must lie below the second"),
+            ({"between": {"legs.tilt_deg": (2, math.inf)}, "sample": "sobol:8"}, "inf is no end"),
+            ({"between": {"legs.tilt_deg": 7}, "sample": "sobol:8"}, "7: must be two numbers"),
+            ({"between": {"legs.nope": (1, 2)}, "sample": "sobol:8"}, "legs.nope: unknown key"),
+            ({"between": BETWEEN, "sample": "sobol:0"}, "write sobol:N or latin:N"),
+            ({"between": BETWEEN, "sample": "latin:4", "seed": -1}, "seed=-1: must"),
+            (
+                {"between": BETWEEN, "sample": "latin:4", "values": {"legs.tilt_deg": [5]}},
+                "legs.tilt_deg: is in values too",
+            ),
+        ],
+    ),
+}
 """Every door of the API: what is given to it, and what names the mistake."""
 
 
@@ -501,9 +528,7 @@ REFUSED = {
         for number, row in enumerate(rows)
     ],
 )
-def test_what_means_nothing_is_one_line_and_writes_nothing(
-    tmp_path, monkeypatch, call, given, told
-):
+def test_what_means_nothing_is_one_line_and_writes_nothing(tmp_path, monkeypatch, call, given, told):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "in.csv").write_text(SPEEDS, encoding="utf-8")
     with pytest.raises(WalkergenError, match=told) as caught:
@@ -580,9 +605,7 @@ def test_types_reach_a_users_script(tmp_path):
     environment = {**os.environ, "MYPYPATH": str(ROOT)}
     flags = ("--strict", "--follow-imports=silent", "--no-error-summary")
     words = [sys.executable, "-m", "mypy", *flags, "good.py", "bad.py"]
-    found = subprocess.run(
-        words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
+    found = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     told = [line for line in found.stdout.splitlines() if ": error:" in line]
     assert {line.partition(": ")[0] for line in told} == {"bad.py:8"}
     assert 'Unexpected keyword argument "nope" for "predict"' in told[-1]

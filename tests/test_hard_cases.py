@@ -15,9 +15,8 @@ PLANAR = [case for module in MODULES for case in module.CASES]
 def each(cases):
     """Cases with each of their models, named."""
     return [
-        pytest.param(case, model, id=f"{case.section} {case.name}-{model}")
-        for case in cases for model in case.runs_on
-    ]  # fmt: skip
+        pytest.param(case, model, id=f"{case.section} {case.name}-{model}") for case in cases for model in case.runs_on
+    ]
 
 
 def check(case, model):

@@ -57,9 +57,7 @@ def test_every_command_has_two_examples_and_nothing_else_has():
     assert all(len(set(examples)) == 2 for examples in EXAMPLES.values())
 
 
-@pytest.mark.parametrize(
-    ("name", "example"), [(name, one) for name, both in EXAMPLES.items() for one in both]
-)
+@pytest.mark.parametrize(("name", "example"), [(name, one) for name, both in EXAMPLES.items() for one in both])
 def test_an_example_is_of_its_command_and_its_options_are_real(name, example):
     words = shlex.split(example)
     assert words[: len(name.split())] == name.split()
@@ -74,10 +72,14 @@ SHOWN = {
     for text in [page.read_text(encoding="utf-8").replace("\\\n", " ")]
     for command in [
         *re.findall(r"(?<=`)walkergen [^`]*(?=`)", text),
-        *(line for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
-          for line in block.splitlines() if line.startswith("walkergen ")),
+        *(
+            line
+            for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+            for line in block.splitlines()
+            if line.startswith("walkergen ")
+        ),
     ]
-}  # fmt: skip
+}
 """Commands in the blocks and sentences of all pages."""
 
 NAMES_OF_OTHERS = {"walkergen prusa-mk3s"}
@@ -131,15 +133,9 @@ def test_commands_stand_under_their_headings(monkeypatch):
 def complete(words, shell="bash"):
     """What the program answers to the shell's key for completion."""
     line = f"walkergen {words}"
-    own = {
-        "_WALKERGEN_COMPLETE": f"complete_{shell}",
-        "COMP_WORDS": line,
-        "COMP_CWORD": str(len(line.split(" ")) - 1),
-    }
+    own = {"_WALKERGEN_COMPLETE": f"complete_{shell}", "COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1)}
     code = "from walkergen.cli import command_line; command_line(prog_name='walkergen')"
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=own
-    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, env=own)
     return result.stdout.split()
 
 

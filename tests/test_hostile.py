@@ -86,8 +86,18 @@ def test_a_body_of_a_million_triangles_becomes_a_family_and_a_plate(tmp_path):
     assert len(mesh.faces) == 786_432
     data = mesh.export(file_type="stl")
     for number, name in enumerate(("family", "plate")):
-        words = (name, "--tilt", "10", "--legs", "flexible", "--set", 'body={mesh="b.stl"}',
-                 "--no-pictures", "--out", "out")  # fmt: skip
+        words = (
+            name,
+            "--tilt",
+            "10",
+            "--legs",
+            "flexible",
+            "--set",
+            'body={mesh="b.stl"}',
+            "--no-pictures",
+            "--out",
+            "out",
+        )
         place = tmp_path / str(number)
         place.mkdir()
         tried = hostile.Try(name, words, {"b.stl": data})

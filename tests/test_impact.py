@@ -139,8 +139,13 @@ def test_types_of_figure_3(v_x, friction, kind, sticks):
     out = resolve(H, (v_x, -1.0), 0.8, friction)
     assert (Kind(out.kind), out.sticks) == (kind, sticks)
     mirrored = resolve((H[0], -H[1], H[2]), (-v_x, -1.0), 0.8, friction)
-    expected = {Kind.I: Kind.IV, Kind.IV: Kind.I, Kind.II: Kind.II_MIRRORED,
-                Kind.III: Kind.III_MIRRORED, Kind.FROM_REST: Kind.FROM_REST}  # fmt: skip
+    expected = {
+        Kind.I: Kind.IV,
+        Kind.IV: Kind.I,
+        Kind.II: Kind.II_MIRRORED,
+        Kind.III: Kind.III_MIRRORED,
+        Kind.FROM_REST: Kind.FROM_REST,
+    }
     assert Kind(mirrored.kind) == expected[kind]
 
 

@@ -18,8 +18,7 @@ def kernel_names(tree):
     """Every name that the kernels of a module use."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef) and any(
-            isinstance(decorator, ast.Name) and decorator.id == "kernel"
-            for decorator in node.decorator_list
+            isinstance(decorator, ast.Name) and decorator.id == "kernel" for decorator in node.decorator_list
         ):
             yield from (inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name))
 

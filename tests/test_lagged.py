@@ -54,10 +54,16 @@ def test_mean_squared_displacement_equals_trackpys():
 
     filmed = film(4, 3, 3.0, Walker(lost=0.1))
     frames = [
-        pd.DataFrame({"frame": np.arange(len(one.position)), "particle": one.particle,
-                      "x": one.position[:, 0], "y": one.position[:, 1]}).dropna()
+        pd.DataFrame(
+            {
+                "frame": np.arange(len(one.position)),
+                "particle": one.particle,
+                "x": one.position[:, 0],
+                "y": one.position[:, 1],
+            }
+        ).dropna()
         for one in filmed.tracks
-    ]  # fmt: skip
+    ]
     lags = np.arange(1, 80)
     sums = [lagged.squares(one.position, lags) for one in filmed.tracks]
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates

@@ -29,9 +29,7 @@ def run(own, H, v_x, contact, v_y=-1.0):
 def test_stationary_speed_of_the_whole_landing(tilt, back, front):
     """Where the horizontal impulse of a whole landing vanishes (docs/physics.md section 5)."""
     for (own, H), expected in zip(tensors(tilt), (back, front), strict=True):
-        speed = brentq(
-            lambda v, own=own, H=H: run(own, H, v, Contact(0.9, 0.1, 0))[0].F_x, 1e-6, 20.0
-        )
+        speed = brentq(lambda v, own=own, H=H: run(own, H, v, Contact(0.9, 0.1, 0))[0].F_x, 1e-6, 20.0)
         assert speed == pytest.approx(expected, abs=0.005)  # published to two digits
 
 

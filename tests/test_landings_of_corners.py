@@ -14,13 +14,20 @@ def count(rows, duration=2.0):
 
 
 def test_corners_edges_and_feet_are_told_apart():
-    found = count([
-        (0, 0),
-        (1000, 0), (1030, 1),  # the back edge
-        (2000, 3), (2060, 2),  # too late for an edge
-        (3000, 1), (3020, 2),  # one corner of each foot
-        (4000, 2), (4010, 3), (4045, 0),
-    ])  # fmt: skip
+    found = count(
+        [
+            (0, 0),
+            (1000, 0),
+            (1030, 1),  # the back edge
+            (2000, 3),
+            (2060, 2),  # too late for an edge
+            (3000, 1),
+            (3020, 2),  # one corner of each foot
+            (4000, 2),
+            (4010, 3),
+            (4045, 0),
+        ]
+    )
     assert found.corners.tolist() == [3, 2, 3, 2]
     assert found.groups == 6
     assert found.alone == 3

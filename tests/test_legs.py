@@ -82,8 +82,7 @@ def test_legs_side_by_side_are_one_as_wide_in_the_plane():
 
 def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
     """Rival: weigh the union of the body and the braced leg, made without the other leg."""
-    braced = {"kind": "braced", "tilt_deg": 20.0, "along_mm": -6.5, "across_mm": -1.0,
-              "width_mm": 5.0}  # fmt: skip
+    braced = {"kind": "braced", "tilt_deg": 20.0, "along_mm": -6.5, "across_mm": -1.0, "width_mm": 5.0}
     design = listed(braced, {"tilt_deg": 20.0, "along_mm": 6.5})
     found, built = solids.mass_of(design), solids.build(design)
     back, front = design.limbs
@@ -113,8 +112,9 @@ def test_a_braced_leg_among_flexible_ones_belongs_to_the_body():
 
 FORTY = [
     {"tilt_deg": 0.0, "along_mm": -13.0 + 2.0 * k, "across_mm": z, "width_mm": 1.5}
-    for k in range(14) for z in (-3.0, 0.0, 3.0)
-][:40]  # fmt: skip
+    for k in range(14)
+    for z in (-3.0, 0.0, 3.0)
+][:40]
 
 
 def test_forty_legs_are_one_sound_solid():
@@ -126,25 +126,33 @@ LEG, TWO = "[[legs]]\nalong_mm = ", "[[legs]]\nalong_mm = -6\n[[legs]]\nalong_mm
 REFUSED = {
     "not level": (TWO + "length_mm = 7", ":5: legs[2].length_mm = 7: ", "7.5000 mm would reach"),
     "key not written": (TWO[:-2] + "6\ntilt_deg = 0", ":1: legs[1].length_mm = 7.5: ", "0.114 mm"),
-    "cross": (f"{LEG}-9\n{LEG}-1\ntilt_deg = 20\n{LEG}1\ntilt_deg = -20",
-              ":7: legs[3].along_mm = 1: ", "crosses leg 2"),
+    "cross": (
+        f"{LEG}-9\n{LEG}-1\ntilt_deg = 20\n{LEG}1\ntilt_deg = -20",
+        ":7: legs[3].along_mm = 1: ",
+        "crosses leg 2",
+    ),
     "same place": (TWO + LEG + "6", ":6: legs[3].along_mm = 6: ", "crosses leg 2"),
     "off the end": (f"{LEG}-6\n{LEG}14", ":4: legs[2].along_mm = 14: ", "reaches x = 15.505 mm"),
-    "off the side": (TWO + "width_mm = 2\nacross_mm = 3.5", ":4: legs[2].along_mm = 6: ",
-                     "reaches z = 4.500 mm, the body ends at 4.000 mm"),
-    "on a line": (f"{LEG}0\nwidth_mm = 2\nacross_mm = -3\n{LEG}0\nwidth_mm = 2\nacross_mm = 3",
-                  ":2: legs[1].along_mm = 0: ", "falls over"),
+    "off the side": (
+        TWO + "width_mm = 2\nacross_mm = 3.5",
+        ":4: legs[2].along_mm = 6: ",
+        "reaches z = 4.500 mm, the body ends at 4.000 mm",
+    ),
+    "on a line": (
+        f"{LEG}0\nwidth_mm = 2\nacross_mm = -3\n{LEG}0\nwidth_mm = 2\nacross_mm = 3",
+        ":2: legs[1].along_mm = 0: ",
+        "falls over",
+    ),
     "tilt": (TWO + "tilt_deg = 95", ":5: legs[2].tilt_deg = 95: ", "must be a number >= -85"),
     "spelling": (TWO + "tlt_deg = 9", ":5: legs[2].tlt_deg: ", "did you mean legs[2].tilt_deg?"),
-    "inline": ("legs = [{along_mm = 1},\n  {along_mm = 'x'}]", ":1: legs[2].along_mm = 'x': ",
-               "must be a number"),
+    "inline": ("legs = [{along_mm = 1},\n  {along_mm = 'x'}]", ":1: legs[2].along_mm = 'x': ", "must be a number"),
     "no place": (TWO + "[[legs]]", ":5: legs[3].along_mm is missing: ", "must be a number"),
     "too many": (TWO * 33, ":1: legs: ", "66 entries: must be at most 64"),
     "none": ("legs = []", ":1: legs: ", "0 entries: must be at least 1"),
     "no list": ("legs = 3", ":1: legs = 3: ", "must be a table [legs] of keys, or tables [[legs]]"),
     "a tag": ("[legs]\ntable = 3", ":2: legs.table: ", "unknown key"),
     "family's": ("leg_tilt_deg = 5\n[legs]", ":1: leg_tilt_deg: ", "is for a list [[legs]]"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -201,9 +209,7 @@ def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tens
     ball.apply_scale([1.4, 1.0, 1.0])
     ball.export(tmp_path / "ball.stl")
     legs = [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-5, 5) for z in (-3, 3)]
-    design = config.validate(
-        {"body": {"mesh": str(tmp_path / "ball.stl")}, "legs": legs}, Design, "test"
-    )
+    design = config.validate({"body": {"mesh": str(tmp_path / "ball.stl")}, "legs": legs}, Design, "test")
     built = solids.build(design)
     parts, whole = solids.weigh(design, built), mass.weigh(built.walker, 1.24e-3)
     centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in parts.legs)])
@@ -211,10 +217,7 @@ def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tens
     centre, tensor = mass.joined(parts.spatial, parts.legs, masses, centres)
     # A leg's flat sides lie in the union's; sums of 2600 triangles round to 1e-12
     assert masses.sum() == pytest.approx(whole.mass, rel=1e-10)
-    middle = whole.centre - (
-        *(-mass.from_centre(design, parts, np.zeros(2))),
-        0.5 * design.size.depth,
-    )
+    middle = whole.centre - (*(-mass.from_centre(design, parts, np.zeros(2))), 0.5 * design.size.depth)
     np.testing.assert_allclose(centre, middle, atol=1e-8)
     np.testing.assert_allclose(tensor, whole.tensor, rtol=1e-8, atol=1e-7)
 

@@ -27,10 +27,11 @@ def of(camera, k1, scale=1):
     wide, high = scale * camera.wide, scale * camera.high
     focal, x, y = scale * camera.focal, 0.5 * (wide - 1), 0.5 * (high - 1)
     return {
-        "image_width": wide, "image_height": high,
+        "image_width": wide,
+        "image_height": high,
         "camera_matrix": [[focal, 0, x], [0, focal, y], [0, 0, 1]],
         "distortion_coefficients": [[k1, 0.0, 0.0, 0.0, 0.0]],
-    }  # fmt: skip
+    }
 
 
 def write(path, data):
@@ -119,10 +120,7 @@ def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_pat
     """Along the upper edge and the middle: places, headings and lengths as without the lens."""
     camera, k1 = Camera(wide=320, high=240, focal=300.0), -0.3
     film = walkers.Filmed(noise=1.0)
-    pictures = [
-        walkers.picture([(60 + 6 * n, 25, 0.0), (260 - 6 * n, 120, np.pi)], film, seed=n)
-        for n in range(30)
-    ]  # fmt: skip
+    pictures = [walkers.picture([(60 + 6 * n, 25, 0.0), (260 - 6 * n, 120, np.pi)], film, seed=n) for n in range(30)]
     path = walkers.write(tmp_path / "film.mp4", [films.bent(one, camera, k1) for one in pictures])
     own = write(tmp_path / "lens.json", of(camera, k1))
     bare, made = (
@@ -191,10 +189,9 @@ def boards(camera, count=15):
     texels = np.kron(np.pad(~squares, 1, constant_values=True), np.full((40, 40), 215)) + 20
     source = np.array([(-20, -20), (100, -20), (100, 70), (-20, 70)], float)
     ends = np.array([(0, 0), (480, 0), (480, 360), (0, 360)], np.float32) - 0.5
-    matrix = np.array([
-        (camera.focal, 0, 0.5 * (camera.wide - 1)), (0, camera.focal, 0.5 * (camera.high - 1)),
-        (0, 0, 1.0),
-    ])  # fmt: skip
+    matrix = np.array(
+        [(camera.focal, 0, 0.5 * (camera.wide - 1)), (0, camera.focal, 0.5 * (camera.high - 1)), (0, 0, 1.0)]
+    )
     pictures = []
     while len(pictures) < count:
         turn, middle = rng.uniform(-0.5, 0.5, 3), rng.uniform((-50, -35, 0), (50, 35, 40))
@@ -221,10 +218,7 @@ def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, 
     (lines,) = re.findall(r"```python\n(import cv2.*?)```", text, re.DOTALL)
     exec(lines, {})
     print(capsys.readouterr().out)
-    found, true = (
-        lens.read(tmp_path / "lens.json"),
-        lens.read(write(tmp_path / "l", of(NEAR, -0.1))),
-    )
+    found, true = (lens.read(tmp_path / "lens.json"), lens.read(write(tmp_path / "l", of(NEAR, -0.1))))
     grid = np.stack(np.meshgrid([5.0, 160.0, 320.0, 480.0, 635.0], [5.0, 240.0, 475.0]), axis=-1)
     ways = [own.straight(grid) for own in (found, true)]
     # a calibration may shift, turn and scale all of a picture: compare what is no affine map

@@ -103,14 +103,22 @@ CASES = {
     "1 Mbit/s, a hand": (Shot(ASKEW, EXPOSED, rate=1000), True, 0.6, 0.008, 0.04, 0.7),
     "tilted by 40 deg": (
         Shot(Camera(tilt=np.radians(40.0), roll=0.6), EXPOSED, rate=1000),
-        False, 0.9, 0.01, 0.07, 0.8,
+        False,
+        0.9,
+        0.01,
+        0.07,
+        0.8,
     ),
     "0.3 Mbit/s": (Shot(ASKEW, EXPOSED, rate=300), False, 0.7, 0.012, 0.07, 1.2),
     "16 pixels a marker": (
         Shot(Camera(focal=450.0, tilt=np.radians(15.0)), EXPOSED, rate=1000),
-        False, 0.6, 0.012, 0.07, 0.9,
+        False,
+        0.6,
+        0.012,
+        0.07,
+        0.9,
     ),
-}  # fmt: skip
+}
 TILTS = {"tilted by 40 deg": 40.0, "16 pixels a marker": 15.0}
 
 
@@ -200,8 +208,8 @@ def measured(table):
 def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_path):
     """Walkers with caps run in space; a phone films them askew, with blur, at 1 Mbit/s."""
     runs = wg.simulate(
-        wg.Design().variant(**{"cap.kind": "engraved"}), "plane-90hz", seconds=2.5, runs=4, seed=3,
-    ).trajectory()  # fmt: skip
+        wg.Design().variant(**{"cap.kind": "engraved"}), "plane-90hz", seconds=2.5, runs=4, seed=3
+    ).trajectory()
     first = runs["t_s"].min()
     own = [runs["particle"] == number for number in range(4)]
 
@@ -210,8 +218,7 @@ def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_pat
         places = []
         for number, mine in enumerate(own):
             x, y, theta = (
-                np.interp(time + first, runs["t_s"][mine], runs[name][mine])
-                for name in ("x_mm", "y_mm", "theta_rad")
+                np.interp(time + first, runs["t_s"][mine], runs[name][mine]) for name in ("x_mm", "y_mm", "theta_rad")
             )
             x += -70.0 - runs["x_mm"][mine][0]
             y += 20.0 - runs["y_mm"][mine][0]
@@ -291,10 +298,9 @@ def told(path, tmp_path):
 )
 def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, words):
     cells = [
-        films.texture(1, covered=True) if number is None
-        else films.texture(abs(number), mirrored=number < 0)
+        films.texture(1, covered=True) if number is None else films.texture(abs(number), mirrored=number < 0)
         for number in textures
-    ]  # fmt: skip
+    ]
     path = films.film(tmp_path / "odd.mp4", films.circles(3), 20, textures=cells)
     assert [walker.number for walker in found_in(path).walkers] == left
     assert words in told(path, tmp_path)
@@ -309,9 +315,7 @@ def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, wor
     ],
     ids=["in the middle", "at first", "never"],
 )
-def test_a_marker_that_is_half_covered_for_a_while_is_told_by_number_and_share(
-    tmp_path, covered, words
-):
+def test_a_marker_that_is_half_covered_for_a_while_is_told_by_number_and_share(tmp_path, covered, words):
     ways = films.circles(3)
     bare = [films.texture(number) for number in range(3)]
     half = [bare[0], films.texture(1, covered=True), bare[2]]
@@ -327,9 +331,7 @@ def test_a_walker_that_comes_in_over_the_edge_was_not_lost_before(tmp_path):
     def ways(time):
         return np.array([(-110.0 + 300.0 * time, 0.0, 0.0), (0.0, 40.0, 0.0)])
 
-    made = marked_report.track(
-        films.film(tmp_path / "in.mp4", ways, 20), Wish(), tmp_path / "o", silent
-    )
+    made = marked_report.track(films.film(tmp_path / "in.mp4", ways, 20), Wish(), tmp_path / "o", silent)
     late = made.marked.walkers[0].frames[0]
     assert late > 1  # frame: it was outside
     assert made.warnings == []
@@ -358,8 +360,7 @@ def test_films_that_are_none_say_so_at_once(tmp_path):
         found_in(big)
     tiny = tmp_path / "tiny.avi"
     words = ["-f", "lavfi", "-i", "color=c=white:s=1x1:r=25:d=1", "-c:v", "rawvideo"]
-    subprocess.run([imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", *words, str(tiny)],
-                   check=True)  # fmt: skip
+    subprocess.run([imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", *words, str(tiny)], check=True)
     with pytest.raises(InputError, match=r"tiny.avi: 1 x 1 pixels a frame: at least 8 x 8"):
         found_in(tiny)
 
@@ -387,9 +388,7 @@ def test_wishes_that_cannot_be_are_refused(tmp_path, monkeypatch, plain, words, 
 
 def test_the_command_tells_what_the_function_does(tmp_path, monkeypatch, plain):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(
-        command_line, ["track", str(plain[0]), "--markers", "aruco", "--json"]
-    )
+    done = CliRunner().invoke(command_line, ["track", str(plain[0]), "--markers", "aruco", "--json"])
     assert done.exit_code == 0
     facts = json.loads(done.stdout)
     assert [row["particle"] for row in facts["tracks"]] == [0, 1, 2]

@@ -147,14 +147,20 @@ def test_digits_show_every_digit_of_the_tilt():
 @pytest.mark.parametrize(
     ("kind", "changes", "told"),
     [
-        ("digits", {"line_mm": 0.45}, "marks.line_mm = 0.45: .*3.15 mm; the body is 3 mm thick: "
-         "make the line at most 0.429 mm"),
+        (
+            "digits",
+            {"line_mm": 0.45},
+            "marks.line_mm = 0.45: .*3.15 mm; the body is 3 mm thick: make the line at most 0.429 mm",
+        ),
         ("digits", {"depth_mm": 4.1}, "marks.depth_mm = 4.1: must be at most half .*4 mm"),
-        ("notches", {"line_mm": 1.0}, "marks.line_mm = 1: .*34.00 mm, the body is 28 mm long: make "
-         "the line at most 0.824 mm"),
+        (
+            "notches",
+            {"line_mm": 1.0},
+            "marks.line_mm = 1: .*34.00 mm, the body is 28 mm long: make the line at most 0.824 mm",
+        ),
         ("notches", {"depth_mm": 1.01}, "marks.depth_mm = 1.01: .*third .*1.000 mm"),
     ],
-)  # fmt: skip
+)
 def test_marks_that_do_not_fit_are_refused_with_what_would(kind, changes, told):
     with pytest.raises(GeometryError, match=told):
         marked(kind, **changes)
@@ -180,7 +186,6 @@ def test_the_curve_between_a_family_s_tilts_is_that_of_unmarked_walkers():
     """Notches number the family's tilts; the figure's curve has others, 181 of them."""
     scene = templates.load("lane-90hz", "scenes", Scene)
     marked_curve, plain = (
-        prediction.curve(design, scene, "coulomb", 5.0, 15.0)
-        for design in (marked("notches"), PAPER)
+        prediction.curve(design, scene, "coulomb", 5.0, 15.0) for design in (marked("notches"), PAPER)
     )
     np.testing.assert_array_equal(marked_curve.speed, plain.speed)

@@ -43,8 +43,12 @@ def leg_polygon(design):
     top = s / (2 * cos)
     across = (top, mp.mpf(0)) if limb.foot == "flat" else (s / 2 * cos, -s / 2 * sin)
     tip = (-length * sin, -length * cos)
-    return [(-top, mp.mpf(0)), (tip[0] - across[0], tip[1] - across[1]),
-            (tip[0] + across[0], tip[1] + across[1]), (top, mp.mpf(0))]  # fmt: skip
+    return [
+        (-top, mp.mpf(0)),
+        (tip[0] - across[0], tip[1] - across[1]),
+        (tip[0] + across[0], tip[1] + across[1]),
+        (top, mp.mpf(0)),
+    ]
 
 
 @pytest.mark.parametrize("design", list(variants()), ids=names.part)
@@ -124,9 +128,7 @@ def test_round_foot_approaches_the_half_circle():
     assert errors[0] > errors[1] > errors[2] > 0
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)  # second order in the edge
     leg = solids.mass_of(design).legs[0]
-    np.testing.assert_allclose(
-        leg.c_A + leg.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r]
-    )
+    np.testing.assert_allclose(leg.c_A + leg.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r])
 
 
 def test_weighed_masses_override_and_rescale():

@@ -35,10 +35,19 @@ def as_trackpy_writes(path, filmed, mm_per_px):
     for one in filmed.tracks:
         x, y = one.position.T / mm_per_px
         parts.append(
-            pd.DataFrame({"y": 500 - y, "x": 500 + x, "mass": 1e6, "size": 3.0, "ecc": 0.1,
-                          "frame": np.arange(len(x)), "particle": one.particle,
-                          "theta": -one.heading})
-        )  # fmt: skip
+            pd.DataFrame(
+                {
+                    "y": 500 - y,
+                    "x": 500 + x,
+                    "mass": 1e6,
+                    "size": 3.0,
+                    "ecc": 0.1,
+                    "frame": np.arange(len(x)),
+                    "particle": one.particle,
+                    "theta": -one.heading,
+                }
+            )
+        )
     pd.concat(parts).dropna().sort_values(["frame", "particle"]).to_csv(path)
 
 
@@ -49,9 +58,11 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     as_trackpy_writes(tmp_path / "film.csv", film(11, 10, 20.0, WALKER), 0.05)
     found = json.loads(run("analyse", "film.csv", *FILM, "--json").stdout)
     for name, expected in (
-        ("speed_{}mm_s", WALKER.speed), ("persistence_time_{}s", 1 / WALKER.rate),
-        ("turning_bias_{}rad_s", WALKER.turn), ("diffusivity_{}mm2_s", WALKER.diffusivity),
-    ):  # fmt: skip
+        ("speed_{}mm_s", WALKER.speed),
+        ("persistence_time_{}s", 1 / WALKER.rate),
+        ("turning_bias_{}rad_s", WALKER.turn),
+        ("diffusivity_{}mm2_s", WALKER.diffusivity),
+    ):
         value, error = found[name.format("")], found[name.format("se_")]
         assert abs(value - expected) < 4 * error, name
         assert 0 < error < expected, name
@@ -59,11 +70,20 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     assert found["lag_s"] == pytest.approx(0.04)
     folder = tmp_path / "out" / "film" / "analysis"
     names = {path.name for path in folder.iterdir()}
-    figures = {f"{name}.{form}" for name in ("trajectories", "msd", "density", "correlation",
-               "walkers")
-               for form in ("png", "pdf")}  # fmt: skip
-    assert names == figures | {"analysis.csv", "analysis.md", "msd.csv", "density.csv",
-                               "correlation.csv", "walkers.csv", "manifest.json"}  # fmt: skip
+    figures = {
+        f"{name}.{form}"
+        for name in ("trajectories", "msd", "density", "correlation", "walkers")
+        for form in ("png", "pdf")
+    }
+    assert names == figures | {
+        "analysis.csv",
+        "analysis.md",
+        "msd.csv",
+        "density.csv",
+        "correlation.csv",
+        "walkers.csv",
+        "manifest.json",
+    }
     with (folder / "analysis.csv").open(encoding="utf-8", newline="") as stream:
         rows = {row["quantity"]: row for row in csv.DictReader(stream)}
     assert float(rows["speed_mm_s"]["value"]) == found["speed_mm_s"]
@@ -103,11 +123,9 @@ def test_films_without_any_noise_end_in_a_table(run, tmp_path, path, frames, par
         "circling": (10 * np.cos(0.05 * step), 10 * np.sin(0.05 * step)),
         "far": (1e8 + step, 1e-8 * step**2),
     }[path]
-    rows = [f"{n},{p},{x[n]:.17g},{y[n]:.17g},{0.05 * n:.17g}\n" for p in range(particles)
-            for n in range(frames)]  # fmt: skip
+    rows = [f"{n},{p},{x[n]:.17g},{y[n]:.17g},{0.05 * n:.17g}\n" for p in range(particles) for n in range(frames)]
     (tmp_path / "film.csv").write_text("frame,particle,x,y,theta\n" + "".join(rows))
-    result = run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "1", "--no-pictures",
-                 "--lag-ms", "20", *lane)  # fmt: skip
+    result = run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "1", "--no-pictures", "--lag-ms", "20", *lane)
     assert result.exit_code == 0, result.exception
     assert "value ± standard error" in " ".join(result.stdout.split())
     table = tmp_path / "out" / "film" / "analysis" / "analysis.csv"
@@ -120,8 +138,7 @@ def test_films_without_any_noise_end_in_a_table(run, tmp_path, path, frames, par
 
 
 def test_a_file_name_never_becomes_a_path(run, tmp_path):
-    (tmp_path / "...csv").write_text("frame,particle,x,y\n" + "".join(
-        f"{n},0,{n},0\n" for n in range(50)))  # fmt: skip
+    (tmp_path / "...csv").write_text("frame,particle,x,y\n" + "".join(f"{n},0,{n},0\n" for n in range(50)))
     run("analyse", "...csv", "--fps", "50", "--mm-per-px", "1", "--no-pictures")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["results"]
 
@@ -165,9 +182,15 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     assert "legs is 'brased', not one of flexible, braced" in told
     folder = tmp_path / "out" / "speeds" / "fit"
     assert {path.name for path in folder.iterdir()} == {
-        "design.toml", "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json", "scene.toml",
+        "design.toml",
+        "fit.csv",
+        "fit.md",
+        "fit.pdf",
+        "fit.png",
+        "manifest.json",
+        "scene.toml",
         "speeds.csv",
-    }  # fmt: skip
+    }
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]
     assert row["theory_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
@@ -193,8 +216,10 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("analyse", "film.csv"), "give --fps"),
         (("analyse", "film.csv", "--fps", "100"), "give --mm-per-px"),
         (("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "1"), "--lag-ms"),
-        (("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "10", "--out",
-          "film.csv"), "cannot be written"),
+        (
+            ("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "10", "--out", "film.csv"),
+            "cannot be written",
+        ),
         (("fit", "film.csv"), "no column 'tilt_deg'"),
         ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
         ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
@@ -208,7 +233,7 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("fit", "metres.csv"), "in m/s instead of mm/s"),
         (("fit", "micrometres.csv"), "µm/s or pixels"),
     ],
-)  # fmt: skip
+)
 def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
     (tmp_path / "film.csv").write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
     (tmp_path / "speeds.csv").write_text(SPEEDS)
@@ -258,13 +283,13 @@ def test_known_motion_comes_out_of_a_film_that_trackpy_tracked(run, tmp_path):
         linked = trackpy.link(spots, search_range=6, memory=2)
     linked.to_csv(tmp_path / "film.csv")
     assert linked.particle.nunique() == 4
-    found = json.loads(
-        run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "0.5", "--json").stdout
-    )
+    found = json.loads(run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "0.5", "--json").stdout)
     for name, expected in (
-        ("speed_{}mm_s", 20.0), ("persistence_time_{}s", 1 / 8), ("diffusivity_{}mm2_s", 25.0),
+        ("speed_{}mm_s", 20.0),
+        ("persistence_time_{}s", 1 / 8),
+        ("diffusivity_{}mm2_s", 25.0),
         ("ballistic_speed_{}mm_s", 20.0),
-    ):  # fmt: skip
+    ):
         value, error = found[name.format("")], found[name.format("se_")]
         assert abs(value - expected) < 3.5 * error, name
         assert 0 < error < 0.4 * expected, name

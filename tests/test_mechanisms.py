@@ -20,8 +20,7 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Leg
 
-NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name", "bristlebot",
-         "spinner")  # fmt: skip
+NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name", "bristlebot", "spinner")
 
 
 def load(name):
@@ -38,9 +37,7 @@ def simulated(design, seconds=0.5, runs=4):
     scene = scene_of(seconds, runs)
     legs = scene.legs.model_copy(update={"model": "space"})
     scene = scene.model_copy(update={"legs": legs})
-    return experiments.measure(
-        experiments.Experiment(scene, design, solids.mass_of(design)), lambda *_: None
-    )
+    return experiments.measure(experiments.Experiment(scene, design, solids.mass_of(design)), lambda *_: None)
 
 
 def changed(design, change):
@@ -124,10 +121,15 @@ def beside(speed, theory=5.0):
 
 @pytest.mark.parametrize(
     ("speed", "theory", "direction"),
-    [(Value(4.0, 1.0), 5.0, "same"), (Value(-4.0, 1.0), 5.0, "opposite"),
-     (Value(-4.0, 1.0), -5.0, "same"), (Value(1.9, 1.0), 5.0, "undecided"),
-     (None, 5.0, "undecided"), (Value(4.0, 1.0), 0.0, "undecided")],
-)  # fmt: skip
+    [
+        (Value(4.0, 1.0), 5.0, "same"),
+        (Value(-4.0, 1.0), 5.0, "opposite"),
+        (Value(-4.0, 1.0), -5.0, "same"),
+        (Value(1.9, 1.0), 5.0, "undecided"),
+        (None, 5.0, "undecided"),
+        (Value(4.0, 1.0), 0.0, "undecided"),
+    ],
+)
 def test_directions_are_judged_by_two_errors(speed, theory, direction):
     assert beside(speed, theory).direction == direction
 
@@ -143,18 +145,6 @@ def test_the_mechanisms_are_those_of_the_paper():
 
 
 def test_the_modeller_tells_of_no_leaks_at_the_end(tmp_path):
-    words = [
-        "-m",
-        "walkergen",
-        "simulate",
-        "rotator",
-        "--seconds",
-        "0.02",
-        "--runs",
-        "1",
-        "--quiet",
-    ]
-    done = subprocess.run(
-        [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True
-    )
+    words = ["-m", "walkergen", "simulate", "rotator", "--seconds", "0.02", "--runs", "1", "--quiet"]
+    done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stderr == ""

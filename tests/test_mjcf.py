@@ -94,9 +94,7 @@ def test_the_plate_swings_as_ours_and_throws_nothing_off_time(tmp_path):
     for _ in range(3):
         mujoco.mj_step(model, data, period // 3)
         height = drive.amplitude + data.qpos[0]
-        assert height == pytest.approx(
-            drive.amplitude * math.cos(drive.omega * data.time), abs=1e-3 * drive.amplitude
-        )
+        assert height == pytest.approx(drive.amplitude * math.cos(drive.omega * data.time), abs=1e-3 * drive.amplitude)
     assert (model.body_gravcomp[1], model.opt.gravity[2]) == (1.0, -9806.65)
 
 
@@ -110,13 +108,9 @@ def test_the_plate_swings_as_ours_and_throws_nothing_off_time(tmp_path):
         ("legs.model=compliant", "the model 'space'"),
     ],
 )
-def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(
-    key, told, tmp_path, monkeypatch
-):
+def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(key, told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    error = CliRunner().invoke(
-        command_line, ["export", "--format", "mjcf", "--set", f"scene.{key}"]
-    )
+    error = CliRunner().invoke(command_line, ["export", "--format", "mjcf", "--set", f"scene.{key}"])
     assert isinstance(error.exception, InputError)
     assert re.search(told, str(error.exception))
     assert list(tmp_path.iterdir()) == []

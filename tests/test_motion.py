@@ -29,9 +29,7 @@ def truth(walker):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("particles", "seconds", "headed"), [(1, 60.0, True), (1, 60.0, False), (16, 12.0, False)]
-)
+@pytest.mark.parametrize(("particles", "seconds", "headed"), [(1, 60.0, True), (1, 60.0, False), (16, 12.0, False)])
 def test_stated_errors_cover_the_truth_as_they_should(particles, seconds, headed):
     # 0.05 mm of noise, in 0.6 mm a sample, cannot always be told from diffusion.
     noisy = WALKER._replace(noise=0.1)
@@ -71,9 +69,11 @@ def test_localisation_noise_does_not_shift_speed_and_persistence_without_heading
     noisy = Walker(noise=0.5, lost=0.0, turn=0.0)
     found = motion.analyse(film(14, 16, 20.0, noisy, headed=False)).estimates
     for name, expected in (
-        ("speed", 30.0), ("persistence_time", 1.0), ("ballistic_speed", 30.0),
+        ("speed", 30.0),
+        ("persistence_time", 1.0),
+        ("ballistic_speed", 30.0),
         ("localisation_noise", 0.5),
-    ):  # fmt: skip
+    ):
         assert found[name].value == pytest.approx(expected, abs=3.5 * found[name].se), name
         assert found[name].se < 0.1 * expected
 
@@ -89,17 +89,15 @@ def test_products_of_displacements_share_no_position():
 @pytest.mark.parametrize("kind", [{"inertia": 0.15}, {"turn_memory": 0.15}])
 def test_speed_and_persistence_hold_with_inertia(kind):
     walker = Walker(speed=45.0, rate=0.8, **kind)
-    truth = {"speed": walker.ahead.real, "persistence_rate": walker.rate,
-             "diffusivity": walker.diffusivity}  # fmt: skip
+    truth = {"speed": walker.ahead.real, "persistence_rate": walker.rate, "diffusivity": walker.diffusivity}
     scores = []
     for seed in range(12):
         found = motion.analyse(film(seed, 8, 30.0, walker, 1 / 30)).estimates
         known = {name: found[name] for name in truth if found[name].value is not None}
         assert known.keys() >= {"speed", "persistence_rate"}
-        scores.append([
-            (known[name].value - true) / known[name].se if name in known else np.nan
-            for name, true in truth.items()
-        ])  # fmt: skip
+        scores.append(
+            [(known[name].value - true) / known[name].se if name in known else np.nan for name, true in truth.items()]
+        )
     assert np.isfinite(scores).mean() > 0.9
     # Student's t with 7 degrees of freedom scatters by 1.18: 0.34 for the mean of 12, and 3 of it.
     # Headings taken to diffuse gave 3.5 and -8 for the speed, -6 and beyond for persistence.
@@ -109,9 +107,7 @@ def test_speed_and_persistence_hold_with_inertia(kind):
 def test_a_mirrored_film_turns_the_other_way():
     one = film(3, 12, 20.0)
     mirrored = one._replace(
-        tracks=tuple(
-            t._replace(position=t.position * [1, -1], heading=-t.heading) for t in one.tracks
-        )
+        tracks=tuple(t._replace(position=t.position * [1, -1], heading=-t.heading) for t in one.tracks)
     )
     left, right = (motion.analyse(x).estimates for x in (one, mirrored))
     assert left["turning_bias"].value == pytest.approx(-right["turning_bias"].value)
@@ -140,8 +136,7 @@ def test_few_data_are_refused_with_the_reason():
 def test_stubs_of_tracks_do_not_pass_for_walkers():
     whole = film(9, 2, 40.0)
     stubs = tuple(
-        Track(100 + n, whole.tracks[0].position[5 * n : 5 * n + 4], whole.tracks[0].heading[:4])
-        for n in range(40)
+        Track(100 + n, whole.tracks[0].position[5 * n : 5 * n + 4], whole.tracks[0].heading[:4]) for n in range(40)
     )
     found = motion.analyse(whole._replace(tracks=whole.tracks + stubs))
     assert "pieces" in found.method
@@ -224,14 +219,10 @@ def test_a_lag_outside_the_film_is_refused():
 
 def test_the_walks_limits():
     lag = np.array([1e-6, 1e-3, 1.0])
-    np.testing.assert_allclose(
-        walks.squared(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6
-    )
+    np.testing.assert_allclose(walks.squared(lag, Spread(9.0, 1e-9, 0.0, 0.0)), 9.0 * lag**2, rtol=1e-6)
     late = np.array([1e4])
     expected = 4 * Spread(9.0, 2.0, 0.0, 0.0, 0.5).diffusivity * late
-    np.testing.assert_allclose(
-        walks.squared(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3
-    )
+    np.testing.assert_allclose(walks.squared(late, Spread(9.0, 2.0, 0.0, 0.0, 0.5)), expected, rtol=1e-3)
     # The closed form of the window against the sum it stands for.
     inner = np.linspace(0, 0.3, 301)
     weights = np.ones(301)

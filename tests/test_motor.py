@@ -16,18 +16,7 @@ from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.run import simulate
 from walkergen.simulation.space.model import mirrored
 from walkergen.simulation.space.pose import place
-from walkergen.simulation.space.state import (
-    HEIGHT,
-    LEGS,
-    PHASE,
-    Q_X,
-    Q_Z,
-    SHOWN_X,
-    SHOWN_Y,
-    W_X,
-    W_Z,
-    work_for,
-)
+from walkergen.simulation.space.state import HEIGHT, LEGS, PHASE, Q_X, Q_Z, SHOWN_X, SHOWN_Y, W_X, W_Z, work_for
 from walkergen.simulation.world import OK
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -46,14 +35,11 @@ def centred(axis):
     moved = {"along_mm": x, "up_mm": y, "across_mm": z}
     shifted = carrying(keys, moved, kind="braced")
     x, y, z = np.array([x, y, z]) - shifted.world.acting.motor.place  # O from the body's middle
-    moved = {"along_mm": moved["along_mm"] + x, "up_mm": moved["up_mm"] + y,
-             "across_mm": moved["across_mm"] + z}  # fmt: skip
+    moved = {"along_mm": moved["along_mm"] + x, "up_mm": moved["up_mm"] + y, "across_mm": moved["across_mm"] + z}
     plan = weightless(carrying(keys, moved, kind="braced"))
     acting = plan.world.acting
     centre = tuple((-plan.world.walker.centre).tolist())
-    return plan._replace(
-        world=plan.world._replace(acting=acting._replace(motor=acting.motor._replace(place=centre)))
-    )
+    return plan._replace(world=plan.world._replace(acting=acting._replace(motor=acting.motor._replace(place=centre))))
 
 
 @pytest.mark.parametrize("axis", ["along", "across", "up", [0.3, 0.5, 0.8]])
@@ -81,10 +67,8 @@ def test_off_the_centre_it_turns_the_body_as_angular_momentum_says():
     small = 2.0 * S * np.linalg.norm(p) / J
     for phase in (0.0, 0.7, 2.0, 4.0):
         state = fly(plan, 0.013, phase)
-        reach = p @ (math.cos(state[PHASE]) * np.array(rotor.first)
-                     + math.sin(state[PHASE]) * np.array(rotor.second))  # fmt: skip
-        start = p @ (math.cos(phase) * np.array(rotor.first)
-                     + math.sin(phase) * np.array(rotor.second))  # fmt: skip
+        reach = p @ (math.cos(state[PHASE]) * np.array(rotor.first) + math.sin(state[PHASE]) * np.array(rotor.second))
+        start = p @ (math.cos(phase) * np.array(rotor.first) + math.sin(phase) * np.array(rotor.second))
         begun = -S * omega * start / J
         kept = (J - S**2 / walker.mass + 2.0 * S * start) * begun + S * omega * start
         exact = (kept - S * omega * reach) / (J - S**2 / walker.mass + 2.0 * S * reach)
@@ -112,9 +96,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     arm = np.linalg.norm(np.array(rotor.place) + walker.centre)
     share = 2.0 * rotor.moment * arm / np.linalg.eigvalsh(walker.inertia)[0]
     assert moved > 1e-3
-    np.testing.assert_allclose(
-        at, theirs[:3], rtol=0, atol=10.0 * share * rotor.moment / walker.mass
-    )
+    np.testing.assert_allclose(at, theirs[:3], rtol=0, atol=10.0 * share * rotor.moment / walker.mass)
     turned = np.linalg.norm(theirs[4:7])
     np.testing.assert_allclose(ours[Q_X : Q_Z + 1], theirs[4:7], rtol=0, atol=5.0 * share * turned)
     np.testing.assert_allclose(ours[LEGS : LEGS + 2], legs, rtol=0, atol=0.02 * abs(legs).max())
@@ -142,9 +124,11 @@ def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
 def test_below_the_weight_it_stays_down_and_beyond_it_leaves(share, stays):
     """Without friction, which else would tilt it, and with legs too stiff to bounce on."""
     plan = carrying(
-        throwing(share), kind="braced", contact={"friction": 0.0, "restitution": 0.3},
+        throwing(share),
+        kind="braced",
+        contact={"friction": 0.0, "restitution": 0.3},
         run={"seconds": 1.0, "discard_seconds": 0.5, "runs": 1},
-    )  # fmt: skip
+    )
     result = simulate(plan, 0)
     in_contact = result.tally.sums[record.CONTACT_TIME] / result.measured_s
     assert (in_contact == pytest.approx(1.0, abs=1e-6)) == stays
@@ -173,8 +157,11 @@ def test_of_a_symmetric_walker_the_sense_of_rotation_is_the_direction():
 def test_without_tilt_it_runs_against_the_rotors_top_and_back_with_the_other_sense():
     speeds = []
     for turned in (False, True):
-        plan = carrying(throwing(1.8, axis="across", reversed=turned), tilt=0.0,
-                        run={"seconds": 2.0, "discard_seconds": 0.5, "runs": 1})  # fmt: skip
+        plan = carrying(
+            throwing(1.8, axis="across", reversed=turned),
+            tilt=0.0,
+            run={"seconds": 2.0, "discard_seconds": 0.5, "runs": 1},
+        )
         speeds.append(np.array([simulate(plan, number).speed for number in range(4)]))
     ahead, back = (one.mean() for one in speeds)
     error = math.hypot(*(one.std(ddof=1) / 2.0 for one in speeds))
@@ -290,9 +277,7 @@ PLASTIC = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("tilt", "push", "turned", "share"), [(0.0, 1.8, False, 0.05), (10.0, 3.0, True, 0.2)]
-)
+@pytest.mark.parametrize(("tilt", "push", "turned", "share"), [(0.0, 1.8, False, 0.05), (10.0, 3.0, True, 0.2)])
 def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned, share):
     """Nearly plastic feet; -15.5 for MuJoCo's -15.5 +- 0.1, and 48.9 for 44.9 +- 1.1 mm/s."""
     drive = throwing(push, axis="across", reversed=turned)

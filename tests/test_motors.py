@@ -106,8 +106,13 @@ def test_legs_that_differ_are_named():
 
 
 def test_places_of_draws_are_those_of_walkers_so_built():
-    values = {"drive.frequency_hz": 160.0, "drive.eccentric_g_mm": 0.27, "contact.friction": 0.2,
-              "material.youngs_modulus_gpa": 3.4, "feet.unevenness_um": 3.0}  # fmt: skip
+    values = {
+        "drive.frequency_hz": 160.0,
+        "drive.eccentric_g_mm": 0.27,
+        "contact.friction": 0.2,
+        "material.youngs_modulus_gpa": 3.4,
+        "feet.unevenness_um": 3.0,
+    }
     scene, design, mass = uncertain.applied(TABLE, COINBOT, values)
     built = motors.of(scene, design, mass)
     drawn = uncertain.Drawn({name: np.array([value]) for name, value in values.items()}, 1)

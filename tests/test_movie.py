@@ -60,13 +60,7 @@ def still(design, model, pitch):
 
 
 @pytest.mark.parametrize(
-    ("kind", "model"),
-    [
-        ("flexible", "compliant"),
-        ("flexible", "relaxed"),
-        ("flexible", "rigid"),
-        ("braced", "rigid"),
-    ],
+    ("kind", "model"), [("flexible", "compliant"), ("flexible", "relaxed"), ("flexible", "rigid"), ("braced", "rigid")]
 )
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
 @pytest.mark.parametrize("pitch", [0.02, -0.02])
@@ -84,9 +78,7 @@ def test_the_outline_drawn_is_that_of_the_printed_mesh(kind, foot):
     shot = still(design, "rigid" if kind == "braced" else "compliant", 0.0)
     limbs, body = footage.polygons(shot, 0)
     middle = body.mean(axis=0)  # the design's origin
-    drawn = manifold3d.CrossSection(
-        [shape - middle for shape in (*limbs, body)], manifold3d.FillRule.Positive
-    )
+    drawn = manifold3d.CrossSection([shape - middle for shape in (*limbs, body)], manifold3d.FillRule.Positive)
     mesh = solids.build(design).walker
     corners = mesh.vertices[mesh.triangles]
     side = corners[(corners[:, :, 2] > 0.5 * design.size.depth).all(axis=1)][:, :, :2]
@@ -127,9 +119,7 @@ def test_a_frame_flashes_the_impacts_of_its_afterglow_and_no_others():
     for at in range(0, len(shot.times), movie.FINE):
         time = shot.times[at]
         for side in (footage.BACK, footage.FRONT):
-            recent = [
-                hit for hit in shot.impacts if hit.foot == side and 0 <= time - hit.time < glow
-            ]
+            recent = [hit for hit in shot.impacts if hit.foot == side and 0 <= time - hit.time < glow]
             shown = footage.strongest(shot, time, glow, side)
             assert (shown is not None) == bool(recent)
             if shown is not None:
@@ -260,8 +250,7 @@ def test_a_race_shows_every_walker_in_its_lane(tmp_path):
 def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
     made = movie.make(short, tmp_path / "a.gif", silent)
     assert made.mp4 is not None, made.without_mp4
-    words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo",
-             "-pix_fmt", "rgb24", "-"]  # fmt: skip
+    words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     raw = subprocess.run(words, capture_output=True, check=True).stdout
     frames = np.frombuffer(raw, np.uint8).reshape(-1, bounce.HEIGHT, bounce.WIDTH, 3)
     assert len(frames) == 11  # none stands still at the end, as in the GIF
@@ -274,11 +263,7 @@ def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
 def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
     started = []
     popen = subprocess.Popen
-    monkeypatch.setattr(
-        subprocess,
-        "Popen",
-        lambda *args, **more: started.append(popen(*args, **more)) or started[0],
-    )
+    monkeypatch.setattr(subprocess, "Popen", lambda *args, **more: started.append(popen(*args, **more)) or started[0])
 
     def stop(what, done, total):
         if what == "frames" and done == 5:
@@ -359,9 +344,7 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
 def test_json_names_the_files_and_the_runs(run):
     words = ("--tilt", "5,10", "--model", "compliant", "--seconds", "0.1", "--slow", "0.5")
     found = json.loads(run(*words, "--fps", "50", "--json").stdout)
-    assert (
-        found["gif"] == "out/koumakis2016/race_t05.0-t10.0_flexible_lane-90hz_model-compliant.gif"
-    )
+    assert found["gif"] == "out/koumakis2016/race_t05.0-t10.0_flexible_lane-90hz_model-compliant.gif"
     assert (found["frames"], found["slow"]) == (3, 0.5)
     assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
     assert (found["mp4"] is None) == bool(found["without_mp4"])

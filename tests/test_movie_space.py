@@ -218,9 +218,7 @@ def test_several_tilts_run_in_an_arena_each(tmp_path):
     members = PAPER.members([5.0, 35.0], ["flexible"])
     job = movie.plan(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
     made = movie.make(job, tmp_path / "a.gif", silent)
-    assert [one.name for one in made.footage] == [
-        "koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible",
-    ]  # fmt: skip
+    assert [one.name for one in made.footage] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
     with Image.open(made.gif) as image:
         assert image.size[0] == above.WIDTH
         assert image.size[1] <= above.HEAD + above.TALLEST + 2 * (above.TITLE + 1) + above.FOOT + 1
@@ -261,10 +259,7 @@ def test_every_flash_is_that_of_a_landing_at_its_corner():
     for at in range(0, len(one.times), 4 * movie.FINE):
         for corner in range(4):
             shown = footage.strongest(one, one.times[at], glow, corner)
-            recent = [
-                hit for hit in one.impacts
-                if hit.foot == corner and 0 <= one.times[at] - hit.time < glow
-            ]  # fmt: skip
+            recent = [hit for hit in one.impacts if hit.foot == corner and 0 <= one.times[at] - hit.time < glow]
             assert (shown is not None) == bool(recent)
             assert shown is None or shown[0] in recent
 
@@ -292,9 +287,7 @@ def test_drawing_in_perspective_does_not_depend_on_frames_before():
 def test_a_long_run_is_followed():
     job, one = slow()
     far = np.outer(np.linspace(0, 1e3, len(one.times)), (1.0, 0.0, -0.5))
-    moved = one.poses._replace(
-        places=one.poses.places + far, corners=one.poses.corners + far[:, None]
-    )
+    moved = one.poses._replace(places=one.poses.places + far, corners=one.poses.corners + far[:, None])
     draw = in_perspective(one._replace(poses=moved), job)
     seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN) for frame in (0, job.frames - 1)]
     assert seen[0] > 5_000
@@ -333,9 +326,7 @@ def test_a_box_covers_the_hull_of_its_corners():
     covered = (picture[..., 3] / 255.0).sum()
     # The outline is a pixel wide, half of it outside: 0.3 of a hull's perimeter of 800 pixels.
     assert covered == pytest.approx(hull, abs=400)
-    assert (left, low) == tuple(
-        np.floor(camera.project(mesh.vertices)[:, :2].min(axis=0)).astype(int) - 1
-    )
+    assert (left, low) == tuple(np.floor(camera.project(mesh.vertices)[:, :2].min(axis=0)).astype(int) - 1)
     # Three faces are seen, each with its own shade, and the ink.
     shades = {tuple(one) for one in picture[picture[..., 3] == 255][:, :3].tolist()}
     often = [one for one in shades if (picture[..., :3] == one).all(axis=-1).sum() > 500]
@@ -343,9 +334,7 @@ def test_a_box_covers_the_hull_of_its_corners():
 
 
 def test_nearer_faces_hide_those_behind_whatever_their_order():
-    one, other = (
-        np.array([(0.0, 0.0, near), (40.0, 0.0, near), (0.0, 40.0, near)]) for near in (0.1, 0.2)
-    )
+    one, other = (np.array([(0.0, 0.0, near), (40.0, 0.0, near), (0.0, 40.0, near)]) for near in (0.1, 0.2))
     for order in ((one, other), (other, one)):
         number, near = np.full((50, 50), -1, np.int32), np.zeros((50, 50))
         for value, corners in enumerate(order):

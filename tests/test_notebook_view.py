@@ -99,9 +99,7 @@ def test_text_of_files_is_only_text():
     inner = Outer(found.frames[0]["srcdoc"])
     assert "img" not in inner.tags
     assert inner.tags.count("script") == 4
-    assert [part["name"] for part in json.loads(held(found.frames[0]["srcdoc"], "parts"))] == (
-        [HOSTILE] * 2
-    )
+    assert [part["name"] for part in json.loads(held(found.frames[0]["srcdoc"], "parts"))] == ([HOSTILE] * 2)
 
 
 def test_what_is_too_fine_is_left_out_by_name_and_what_cannot_stand_says_why(monkeypatch):
@@ -114,9 +112,7 @@ def test_what_is_too_fine_is_left_out_by_name_and_what_cannot_stand_says_why(mon
     monkeypatch.setattr(viewer, "MOST_TRIANGLES", 1)
     assert "iframe" not in viewer.frame(parts, "t")
     monkeypatch.setattr(solids, "build", lambda design: (_ for _ in ()).throw(InputError("<why>")))
-    assert PAPER._repr_html_().endswith(
-        "<th>cannot be shown</th><td>&lt;why&gt;</td></tr></tbody></table>"
-    )
+    assert PAPER._repr_html_().endswith("<th>cannot be shown</th><td>&lt;why&gt;</td></tr></tbody></table>")
 
 
 @pytest.fixture(scope="module")
@@ -176,9 +172,7 @@ def browser(bristles, tmp_path_factory):
 
 def until_drawn(browser):
     """Wait until the frame tells which part it shows."""
-    WebDriverWait(browser, 10, 0.05).until(
-        lambda found: "Lines are" in found.find_element(By.ID, "told").text
-    )
+    WebDriverWait(browser, 10, 0.05).until(lambda found: "Lines are" in found.find_element(By.ID, "told").text)
 
 
 def part(browser):

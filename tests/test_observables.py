@@ -59,9 +59,7 @@ def test_too_few_runs_have_a_value_but_no_error():
     assert observables.quotient(np.zeros(4), np.zeros(4)) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    "model", ["relaxed", "compliant", pytest.param("space", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("model", ["relaxed", "compliant", pytest.param("space", marks=pytest.mark.slow)])
 def test_impulses_by_type_are_those_of_all_impacts_kept(model):
     plan = plan_of(model, seconds=0.2, runs=4)
     found, results = ensemble.measure(plan, silent, impacts=True)
@@ -138,10 +136,15 @@ def close(coarse, fine, names):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("tilt", "label", "kind"), [(10.0, 0.5, "flexible"), (20.0, 0.8, "flexible"),
-                                (12.0, 0.25, "flexible"), (10.0, 0.6, "braced"),
-                                (10.0, 0.05, "flexible")],
-)  # fmt: skip
+    ("tilt", "label", "kind"),
+    [
+        (10.0, 0.5, "flexible"),
+        (20.0, 0.8, "flexible"),
+        (12.0, 0.25, "flexible"),
+        (10.0, 0.6, "braced"),
+        (10.0, 0.05, "flexible"),
+    ],
+)
 def test_in_space_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, label, kind):
     coarse = plan_of("space", tilt, kind, label, seconds=2.0)
     fine = coarse.world.options.step / 5.0
@@ -171,9 +174,7 @@ def test_longest_step_of_legs_is_where_they_swing_back():
     assert not swings_back(plan.world.walker, 2.0 * 0.999 * longest)
     stiff = Design.model_validate({"material": {"youngs_modulus_gpa": 12.0}})
     soft = Design.model_validate({"material": {"youngs_modulus_gpa": 3.0}})
-    ratio = resolution.longest_step(plan_of(design=soft)) / resolution.longest_step(
-        plan_of(design=stiff)
-    )
+    ratio = resolution.longest_step(plan_of(design=soft)) / resolution.longest_step(plan_of(design=stiff))
     assert ratio == pytest.approx(2.0)
     assert resolution.longest_step(plan_of("relaxed")) == math.inf
     assert resolution.longest_step(plan_of("space")) == math.inf
@@ -195,9 +196,7 @@ def test_a_step_beyond_the_swing_loses_the_speed_and_warns():
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(
-        command_line, ["simulate", *words], catch_exceptions=False
-    )
+    return lambda *words: CliRunner().invoke(command_line, ["simulate", *words], catch_exceptions=False)
 
 
 SHORT = ("--model", "compliant", "--tilt", "10", "--seconds", "0.3", "--runs", "4")
@@ -225,8 +224,7 @@ def test_json_has_errors_reasons_and_warnings(run):
 
 
 def test_bounds_of_the_speed_hold_runs_and_step(run):
-    space = json.loads(run("--scene", "plane-90hz", "--seconds", "0.3", "--runs", "4",
-                           "--json").stdout)  # fmt: skip
+    space = json.loads(run("--scene", "plane-90hz", "--seconds", "0.3", "--runs", "4", "--json").stdout)
     half = 0.5 * (space["speed_high_95_mm_s"] - space["speed_low_95_mm_s"])
     by_step = 0.03 * space["speed_mm_s"] + 0.01 * 31.215  # the limit at the own step
     by_runs = 3.182 * space["speed_se_mm_s"]  # Student's t of three freedoms

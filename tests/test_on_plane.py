@@ -45,8 +45,10 @@ def tracks_of(positions, headings=None):
             Track(number, np.stack([place.real, place.imag], axis=1), heading)
             for number, (place, heading) in enumerate(zip(positions, headings, strict=True))
         ),
-        INTERVAL, 0, "",
-    )  # fmt: skip
+        INTERVAL,
+        0,
+        "",
+    )
 
 
 def persistent(rate, runs=16, length=LENGTH, speed=10.0):
@@ -108,17 +110,14 @@ def result(number, places, headings, outcome=Outcome.OK):
     times = INTERVAL * np.arange(len(places))
     rows = np.stack([times, places.real, places.imag, headings, 0.0 * times], axis=1)
     samples = SimpleNamespace(rows=rows, cursor=np.array([len(rows)]))
-    return SimpleNamespace(
-        number=number, outcome=outcome, speed=10.0 + number, tally=SimpleNamespace(samples=samples)
-    )
+    return SimpleNamespace(number=number, outcome=outcome, speed=10.0 + number, tally=SimpleNamespace(samples=samples))
 
 
 def test_runs_become_tracks_with_the_headings_of_films_and_bad_ones_are_left_out():
     time = INTERVAL * np.arange(LENGTH)
     angles = np.linspace(0.1, 3.0, 9)
     # Along their headings, which point every way: 60 mm/s along, 0 across.
-    results = [result(n, 60.0 * time * np.exp(1j * a), a + 0.0 * time)
-               for n, a in enumerate(angles)]  # fmt: skip
+    results = [result(n, 60.0 * time * np.exp(1j * a), a + 0.0 * time) for n, a in enumerate(angles)]
     results[3] = results[3].__class__(**(vars(results[3]) | {"outcome": Outcome.TOPPLED}))
     found = plane.measured("measured", 10.0, results)
     assert found.lost == 1
@@ -142,9 +141,7 @@ def test_each_fact_of_figure_6_is_judged_at_its_own_tilt():
 
 
 def test_in_space_a_lane_becomes_a_plane_with_the_same_drive_and_contact(scene):
-    lane = scene.model_copy(
-        update={"arena": scene.arena.model_copy(update={"length_mm": 300.0, "gap_mm": 8.5})}
-    )
+    lane = scene.model_copy(update={"arena": scene.arena.model_copy(update={"length_mm": 300.0, "gap_mm": 8.5})})
     ours = sweeps.on_plane(lane, 0.5)
     assert ours == Scene.model_validate(ours.model_dump())
     assert (ours.arena.kind, ours.legs.model, ours.run.step_us) == ("plane", "space", None)
@@ -208,11 +205,9 @@ def test_proportionality_from_the_scenes_own_drive_up_forgets_the_threshold(scen
 def test_figure_6_draws_what_there_is(scene):
     low = Assumption(compare.LOW, scene)
     runs = [
-        plane.Runs(compare.LOW, tilt, tracks, plane.motion.analyse(tracks), plane.growth(tracks),
-                   Value(1.0, 0.1), 0)
-        for tilt, tracks in zip(plane.TILTS, (persistent(r, 8, 600) for r in (0.1, 0.2, 8.0)),
-                                strict=True)
-    ]  # fmt: skip
+        plane.Runs(compare.LOW, tilt, tracks, plane.motion.analyse(tracks), plane.growth(tracks), Value(1.0, 0.1), 0)
+        for tilt, tracks in zip(plane.TILTS, (persistent(r, 8, 600) for r in (0.1, 0.2, 8.0)), strict=True)
+    ]
     for shown in (runs, runs[:1], []):
         figure = Figure(figsize=(10.0, 6.8), layout="constrained")
         plane_figure.draw(figure, findings({}, [low])._replace(plane=shown))

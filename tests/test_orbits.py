@@ -10,9 +10,18 @@ from walkergen.cli import command_line
 from walkergen.simulation import orbits
 
 LOCKED = (
-    "simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--model", "relaxed",
-    "--seconds", "1", "--runs", "4",
-)  # fmt: skip
+    "simulate",
+    "--scene",
+    "lane-90hz",
+    "--restitution",
+    "0.8",
+    "--model",
+    "relaxed",
+    "--seconds",
+    "1",
+    "--runs",
+    "4",
+)
 
 
 def simulate(*words):
@@ -53,8 +62,12 @@ def test_the_summary_and_the_table_say_so():
 
 
 def test_without_anything_uncertain_the_reason_is_given():
-    keys = ("scene.contact.restitution_sd", "scene.contact.friction_sd", "legs.thickness_sd_mm",
-            "weighed.mass_sd_percent")  # fmt: skip
+    keys = (
+        "scene.contact.restitution_sd",
+        "scene.contact.friction_sd",
+        "legs.thickness_sd_mm",
+        "weighed.mass_sd_percent",
+    )
     certain = [word for key in keys for word in ("--set", f"{key}=0")]
     found = json.loads(simulate("--tilt", "10", "--json", *certain))
     assert found["speed_low_95_mm_s"] is None
@@ -76,13 +89,28 @@ def test_a_walker_at_rest_is_told_so():
 
 
 def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(tmp_path):
-    words = ["family", "koumakis2016", "--scene", "lane-90hz", "--tilt", "10", "--legs", "flexible",
-             "--simulate", "--out", str(tmp_path / "one"), "--no-pictures", "--json"]  # fmt: skip
-    keys = {"scene.contact.restitution": 0.8, "scene.legs.model": '"relaxed"',
-            "scene.run.seconds": 1, "scene.run.runs": 4}  # fmt: skip
-    result = CliRunner().invoke(
-        command_line, [*words, *(f"--set={key}={keys[key]}" for key in keys)]
-    )
+    words = [
+        "family",
+        "koumakis2016",
+        "--scene",
+        "lane-90hz",
+        "--tilt",
+        "10",
+        "--legs",
+        "flexible",
+        "--simulate",
+        "--out",
+        str(tmp_path / "one"),
+        "--no-pictures",
+        "--json",
+    ]
+    keys = {
+        "scene.contact.restitution": 0.8,
+        "scene.legs.model": '"relaxed"',
+        "scene.run.seconds": 1,
+        "scene.run.runs": 4,
+    }
+    result = CliRunner().invoke(command_line, [*words, *(f"--set={key}={keys[key]}" for key in keys)])
     assert result.exit_code == 0, result.output
     (member,) = json.loads(result.stdout)["rows"]
     assert member["sim_se_mm_s"] is None

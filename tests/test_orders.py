@@ -85,10 +85,7 @@ def test_a_list_of_one_design_makes_the_bytes_of_the_command_line(run, lists, tm
 
 def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path):
     path = lists / "June's orders.csv"
-    path.write_text(
-        HEADER + "../duck.toml,10,,40\nmaker-large,,braced,9\nkoumakis2016,10,,40\n"
-        "../duck.toml,20,,1\n"
-    )
+    path.write_text(HEADER + "../duck.toml,10,,40\nmaker-large,,braced,9\nkoumakis2016,10,,40\n../duck.toml,20,,1\n")
     result = run("plate", "--orders", str(path), "--no-pictures", "--json")
     assert result.exit_code == 0, result.exception
     assert all("duck_t10" in line for line in result.stderr.splitlines())  # by its own design
@@ -98,17 +95,21 @@ def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path)
     items = [row["item"] for row in rows]
     assert len({item.casefold() for item in items}) == len(items) == 90
     assert {row["name"] for row in rows} == {
-        "duck_t10.0_flexible_s0.40", "maker-large_t10.0_braced_s2.00",
-        "koumakis2016_t10.0_flexible_s0.40", "duck_t20.0_flexible_s0.40",
-    }  # fmt: skip
+        "duck_t10.0_flexible_s0.40",
+        "maker-large_t10.0_braced_s2.00",
+        "koumakis2016_t10.0_flexible_s0.40",
+        "duck_t20.0_flexible_s0.40",
+    }
     assert max(row["plate"] for row in rows) == 1
     found = threemf.read((folder / "plates" / "plate_prusa-mk3s_1.3mf").read_bytes())
     assert found.sound
     assert [item.part_number for item in found.items] == items
     # Heights (z) in the file are each design's own depth.
     assert {(one.part_number.split("_")[0], round(one.high[2], 4)) for one in found.items} == {
-        ("duck", 6.1), ("maker-large", 16.0), ("koumakis2016", 8.0)
-    }  # fmt: skip
+        ("duck", 6.1),
+        ("maker-large", 16.0),
+        ("koumakis2016", 8.0),
+    }
     gap = packing.spacing(PRINTER) - 2e-5  # 32-bit floats below 256 mm
     for one, other in itertools.combinations(found.items, 2):
         ways = [one.low[k] - other.high[k] for k in (0, 1)]
@@ -121,8 +122,7 @@ def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path)
     assert "`weights_DESIGN.csv`" in sheet
     forms = {name: text for name, text in files_below(folder).items() if "weights" in name}
     assert sorted(forms) == [f"weights_{d}.csv" for d in ("duck", "koumakis2016", "maker-large")]
-    told = [row["part"] for text in forms.values()
-            for row in csv.DictReader(io.StringIO(text.decode()))]  # fmt: skip
+    told = [row["part"] for text in forms.values() for row in csv.DictReader(io.StringIO(text.decode()))]
     assert sorted(told) == sorted(items)
 
 
@@ -184,8 +184,14 @@ def test_no_word_around_a_map_is_cut_off(monkeypatch, copies, name):
     (figure,) = drawn
     figure.draw_without_rendering()
     (axes,) = figure.axes
-    words = [axes.xaxis.label, axes.yaxis.label, axes.title, *axes.get_yticklabels(),
-             *figure.legends, *(one.title for one in axes.child_axes)]  # fmt: skip
+    words = [
+        axes.xaxis.label,
+        axes.yaxis.label,
+        axes.title,
+        *axes.get_yticklabels(),
+        *figure.legends,
+        *(one.title for one in axes.child_axes),
+    ]
     for one in words:
         box = one.get_window_extent()
         assert 0.0 <= box.x0 <= box.x1 <= figure.bbox.x1, one
@@ -202,9 +208,7 @@ def test_the_map_fills_its_frame_with_parts(monkeypatch, copies, whole):
     plate_map.png(PRINTER, [PAPER], layout.meshes, layout.plates[0], "p")
     (axes,) = drawn[0].axes
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    points = np.concatenate(
-        [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
-    )
+    points = np.concatenate([path.vertices for shapes in axes.collections for path in shapes.get_paths()])
     assert left <= points[:, 0].min() <= points[:, 0].max() <= right
     assert low <= points[:, 1].min() <= points[:, 1].max() <= high
     assert bool(left < 0.0) is whole  # then it shows the bed's edges
@@ -222,10 +226,12 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
     result = run("plate", "--orders", str(path), "--how-many", "--json")
     rows = json.loads(result.stdout)["rows"]
     assert [(row["name"], row["fit"]) for row in rows] == [
-        ("maker-large_t10.0_flexible_s0.80", packing.capacity(
-            packing.Part.of("x", solids.build(LARGE).walker), PRINTER)),
+        (
+            "maker-large_t10.0_flexible_s0.80",
+            packing.capacity(packing.Part.of("x", solids.build(LARGE).walker), PRINTER),
+        ),
         ("koumakis2016_t10.0_flexible_s0.40", 105),
-    ]  # fmt: skip
+    ]
     assert not (tmp_path / "out").exists()
 
 
@@ -257,7 +263,7 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
         (HEADER + "koumakis2016,5,,1\n" * 5001, "5001 rows; at most 5000"),
         (HEADER + "#" * 10_000_000, "10000028 bytes, more than 1000000"),
     ],
-)  # fmt: skip
+)
 def test_bad_lists_are_one_clear_line_and_write_nothing(run, lists, tmp_path, text, hint):
     path = lists / "orders.csv"
     path.write_text(text)
@@ -292,8 +298,9 @@ def test_two_designs_of_one_name_are_refused_unless_they_are_the_same(lists, nam
     (lists / "mine.toml").write_text(shipped)  # a copy of the template is the template
     members, copies = order_list.read(path)
     assert [names.part(one, one.name) for one in members] == [
-        "koumakis2016_t10.0_flexible_s0.40", "koumakis2016_t15.0_flexible_s0.40"
-    ]  # fmt: skip
+        "koumakis2016_t10.0_flexible_s0.40",
+        "koumakis2016_t15.0_flexible_s0.40",
+    ]
     assert copies == [1, 1]
 
 
@@ -312,14 +319,12 @@ def test_each_printer_has_a_manifest_that_sweeps_up_its_own_plates_alone(run, li
     for printer in ("ender3", "prusa-mk3s"):
         manifest = json.loads((folder / f"plate_{printer}.json").read_text())
         assert manifest["printer"]["name"] == printer
-        assert manifest["members"] == [
-            "duck_t10.0_flexible_s0.40",
-            "koumakis2016_t10.0_braced_s1.00",
-        ]
+        assert manifest["members"] == ["duck_t10.0_flexible_s0.40", "koumakis2016_t10.0_braced_s1.00"]
         assert manifest["copies"] == [3, 3]
         assert {name: one["body"]["length_mm"] for name, one in manifest["designs"].items()} == {
-            "duck": 22.0, "koumakis2016": 28.0
-        }  # fmt: skip
+            "duck": 22.0,
+            "koumakis2016": 28.0,
+        }
         assert manifest["files"] == {
             name: hashlib.sha256(data).hexdigest()
             for name, data in files_below(folder).items()
@@ -358,6 +363,5 @@ def test_a_list_stands_alone_on_the_command_line(run, lists, words, what):
 
 def test_a_list_from_a_spreadsheet_has_a_byte_order_mark_and_its_own_line_ends(lists):
     path = lists / "orders.csv"
-    path.write_bytes(b"\xef\xbb\xbf" + (HEADER + '"koumakis2016",5,,2\n').replace(
-        "\n", "\r\n").encode())  # fmt: skip
+    path.write_bytes(b"\xef\xbb\xbf" + (HEADER + '"koumakis2016",5,,2\n').replace("\n", "\r\n").encode())
     assert order_list.read(path) == ([PAPER.variant(tilt_deg=5.0)], [2])

@@ -164,7 +164,7 @@ SVG_SHAPES = [
     ('<rect width="20" height="20"/><circle cx="10" cy="10" r="5"/>', 400 - 25 * math.pi, 2),
     ('<defs><rect id="a" width="5" height="4"/></defs><use href="#a" y="2"/>', 20.0, 1),
     ('<rect width="9" height="9"/><g display="none"><circle r="99"/></g>', 81.0, 1),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("body", "expected", "parts"), SVG_SHAPES)
@@ -197,13 +197,8 @@ def test_an_svg_comes_out_as_people_see_it(tmp_path):
     assert flag[flag[:, 1].argmin()] == pytest.approx((5.0, -15.0), abs=1e-12)
 
 
-ENTITIES = (
-    '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">'
-    '<!ENTITY c SYSTEM "file:///etc/hostname">]>'
-)
-USES = "".join(
-    f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n in range(1, 12)
-)  # fmt: skip
+ENTITIES = '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;"><!ENTITY c SYSTEM "file:///etc/hostname">]>'
+USES = "".join(f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n in range(1, 12))
 
 
 @pytest.mark.parametrize(
@@ -296,14 +291,13 @@ def hidden(space, document):
     [
         (lambda space, _: space.add_circle((3, 4), 10), 100 * math.pi, 1),
         (lambda space, _: space.add_ellipse((0, 0), (10, 0), 0.5), 50 * math.pi, 1),
-        (lambda space, _: space.add_lwpolyline(
-            [(0, 0, 1), (10, 0, 1)], format="xyb", close=True), 25 * math.pi, 1),
+        (lambda space, _: space.add_lwpolyline([(0, 0, 1), (10, 0, 1)], format="xyb", close=True), 25 * math.pi, 1),
         (stadium, 100 + 25 * math.pi, 1),
         (with_hole, 100 + 21 * math.pi, 2),
         (block, 50.0, 1),
         (hidden, 25 * math.pi, 1),
     ],
-)  # fmt: skip
+)
 def test_dxf_shapes(tmp_path, draw, expected, parts):
     outline = from_file(dxf(tmp_path, draw))
     size = np.ptp(np.vstack(outline), axis=0).max()
@@ -354,11 +348,10 @@ def endless(space, document):
         (lambda space, _: space.add_circle((0, 0), math.nan), ("size",)),
         (lambda space, _: [space.add_circle((0, 0), r) for r in (0, 5)], ("draws nothing",)),
         (lambda space, _: space.add_lwpolyline([(0, 0), (1, math.nan), (4, 5)]), ("finite",)),
-        (lambda space, _: space.add_circle(
-            (0, 0), 1, dxfattribs={"extrusion": (0, 1, 1)}), ("flat",)),
+        (lambda space, _: space.add_circle((0, 0), 1, dxfattribs={"extrusion": (0, 1, 1)}), ("flat",)),
         (lambda space, _: space.add_3dface([(0, 0), (1, 0), (1, 1)]), ("3DFACE",)),
     ],
-)  # fmt: skip
+)
 def test_dxf_files_that_cannot_be_read(tmp_path, draw, words):
     text = refused(InputError, *words, of=lambda: from_file(dxf(tmp_path, draw)))
     assert text.startswith("body.outline = 'shape.dxf': ")

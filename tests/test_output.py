@@ -20,17 +20,10 @@ def test_a_file_is_written_with_its_folders_and_replaced_whole(tmp_path: Path) -
 @pytest.mark.parametrize("broken", ["pathlib.Path.replace", "walkergen.files.output._create"])
 @pytest.mark.parametrize(
     ("raised", "seen"),
-    [
-        (OSError(28, "No space left on device"), OutputError),
-        (KeyboardInterrupt(), KeyboardInterrupt),
-    ],
+    [(OSError(28, "No space left on device"), OutputError), (KeyboardInterrupt(), KeyboardInterrupt)],
 )
 def test_an_interrupted_write_keeps_the_old_file_and_leaves_no_temporary(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    broken: str,
-    raised: BaseException,
-    seen: type[BaseException],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: str, raised: BaseException, seen: type[BaseException]
 ) -> None:
     path = tmp_path / "walker.stl"
     path.write_bytes(b"old")

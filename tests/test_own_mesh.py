@@ -37,9 +37,7 @@ def test_every_format_gives_the_same_body(tmp_path, kind):
     assert len(found.mesh.triangles) == len(DUCK.triangles)
     mine, theirs = mass.weigh(found.mesh, 1.0), mass.weigh(DUCK, 1.0)
     assert mine.volume == pytest.approx(theirs.volume, rel=1e-6)
-    np.testing.assert_allclose(
-        np.linalg.eigvalsh(mine.tensor), np.linalg.eigvalsh(theirs.tensor), rtol=1e-5
-    )
+    np.testing.assert_allclose(np.linalg.eigvalsh(mine.tensor), np.linalg.eigvalsh(theirs.tensor), rtol=1e-5)
 
 
 def _exported(mesh, kind):
@@ -61,9 +59,7 @@ def test_axes_of_the_file_become_ours(tmp_path):
     fallen = DUCK.vertices[:, [2, 0, 1]]  # y is forward, x is up
     other = hostile.to_stl(tmp_path / "fallen.stl", Mesh(fallen, DUCK.triangles))
     turned = own_mesh.read(other, up="x", forward="y").mesh
-    np.testing.assert_allclose(
-        sorted(turned.vertices.tolist()), sorted(upright.tolist()), atol=1e-5
-    )
+    np.testing.assert_allclose(sorted(turned.vertices.tolist()), sorted(upright.tolist()), atol=1e-5)
     for up, forward in (("z", "x"), ("-y", "x"), ("x", "-z"), ("-z", "-y")):
         turn = own_mesh.rotation(up, forward, "key")
         assert np.linalg.det(turn) == 1.0
@@ -100,9 +96,7 @@ def test_what_is_no_mesh_is_refused(tmp_path):
     ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
     assert "not a readable ply" in _told(file("claims.ply", ply + b"end_header\n1234"))
     text = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-    text += (
-        b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    )
+    text += b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     line = _told(file("index.ply", text + b"0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n"))
     assert "corner that does not exist" in line
 
@@ -194,9 +188,8 @@ def test_crossings_agree_with_all_pairs():
     corners = rng.uniform(0.0, 10.0, (90, 1, 3)) + rng.uniform(-2.0, 2.0, (90, 3, 3))
     vertices, triangles = corners.reshape(-1, 3), np.arange(270).reshape(-1, 3)
     number = sum(
-        _pierced(corners[i], corners[j]) or _pierced(corners[j], corners[i])
-        for i in range(90) for j in range(i)
-    )  # fmt: skip
+        _pierced(corners[i], corners[j]) or _pierced(corners[j], corners[i]) for i in range(90) for j in range(i)
+    )
     assert number > 10
     assert crossings.find(vertices, triangles, 1e-12).number == number
 
@@ -273,10 +266,7 @@ def test_a_leg_on_a_flat_face_against_closed_forms(scale):
     higher = rise / math.cos(TILT) + 0.5 * scale * 0.4 * math.tan(TILT)
     assert found.reach == pytest.approx(higher, rel=1e-12)
     leg = joining.prism(foot, UPWARD, scale * 0.4, scale * 7.0, found.reach + scale)
-    outside, whole = (
-        joining.flush(leg, joining.ready(body)),
-        joining.union_with_legs(joining.ready(body), [leg]),
-    )
+    outside, whole = (joining.flush(leg, joining.ready(body)), joining.union_with_legs(joining.ready(body), [leg]))
     parts = [mass.weigh(mesh, 1.0).volume for mesh in (body, outside, whole)]
     assert parts[1] == pytest.approx(rise / math.cos(TILT) * 0.4 * 7.0 * scale**2, rel=1e-11)
     assert parts[2] == pytest.approx(parts[0] + parts[1], rel=1e-13)
@@ -305,9 +295,7 @@ def test_a_duck_on_legs():
 
 def test_legs_that_do_not_stand_under_the_body_are_refused():
     foot, up = np.array([0.0, -8.0, 0.0]), hostile.UP
-    ring = modeller.mesh_of(
-        modeller.solid(BOX) - modeller.solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0)))
-    )
+    ring = modeller.mesh_of(modeller.solid(BOX) - modeller.solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0))))
     with pytest.raises(GeometryError, match="misses the body"):
         joining.footing(joining.ready(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):

@@ -28,9 +28,7 @@ def part(name: str, size: tuple[float, float, float] = WALKER, copies: int = 1) 
 
 
 def boxes(one: plate.Plate, parts: list[Part]) -> list[tuple[float, float, float, float]]:
-    return [
-        (p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in one.placements
-    ]
+    return [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in one.placements]
 
 
 def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> None:
@@ -85,9 +83,7 @@ several_parts = st.lists(st.tuples(length, length, st.integers(1, 12)), min_size
 def test_parts_keep_their_distance_and_stay_on_the_bed(
     sizes: list[tuple[float, float, int]], margin: float, gap: float, bed: float
 ) -> None:
-    printer = MK3S.model_copy(
-        update={"bed_width_mm": bed, "bed_depth_mm": 80.0, "margin_mm": margin, "gap_mm": gap}
-    )
+    printer = MK3S.model_copy(update={"bed_width_mm": bed, "bed_depth_mm": 80.0, "margin_mm": margin, "gap_mm": gap})
     parts = [Part(f"p{i}", w, d, 5.0, copies) for i, (w, d, copies) in enumerate(sizes)]
     plates = plate.pack(parts, printer)
     check(plates, parts, printer)
@@ -113,9 +109,7 @@ def test_walkers_on_a_prusa_bed_reach_the_ideal_count() -> None:
 
 
 def test_a_family_lies_in_rows_in_the_order_given() -> None:
-    parts = [
-        part(f"t{tilt}", (28.0, 12.0 - 0.03 * (3 * tilt % 50), 8.0), 7) for tilt in range(0, 50, 5)
-    ]
+    parts = [part(f"t{tilt}", (28.0, 12.0 - 0.03 * (3 * tilt % 50), 8.0), 7) for tilt in range(0, 50, 5)]
     (one,) = plate.pack(parts, MK3S)
     assert [p.part for p in one.placements] == sorted(p.part for p in one.placements)
     rows = [list(row) for _, row in itertools.groupby(one.placements, key=lambda p: p.y)]
@@ -131,9 +125,7 @@ def test_a_part_exactly_as_large_as_the_usable_bed_fits() -> None:
 
 
 @pytest.mark.parametrize("size", [(240.01, 12, 8), (28, 200.01, 8), (28, 12, 210.01), (1e6,) * 3])
-def test_a_part_too_large_for_the_printer_is_refused_with_sizes(
-    size: tuple[float, float, float],
-) -> None:
+def test_a_part_too_large_for_the_printer_is_refused_with_sizes(size: tuple[float, float, float]) -> None:
     parts = [part("small"), part("large", size), part("also", (900.0, 1.0, 1.0))]
     with pytest.raises(PlateError) as caught:
         plate.pack(parts, MK3S)
@@ -147,9 +139,7 @@ def test_a_part_too_large_for_the_printer_is_refused_with_sizes(
 def test_too_many_plates_are_refused_with_what_would_fit() -> None:
     parts = [part("walker", copies=200)]
     assert len(plate.pack(parts, MK3S, max_plates=3)) == 3
-    with pytest.raises(
-        PlateError, match=r"^200 parts need 3 plates .* 2 allowed .room for 182 parts"
-    ):
+    with pytest.raises(PlateError, match=r"^200 parts need 3 plates .* 2 allowed .room for 182 parts"):
         plate.pack(parts, MK3S, max_plates=2)
 
 
@@ -166,9 +156,7 @@ def test_no_parts_need_no_plate() -> None:
 def test_a_thousand_parts_are_packed_in_one_pass() -> None:
     sizes = np.random.default_rng(5).uniform((20.0, 8.0), (35.0, 14.0), (1000, 2)).tolist()
     parts = [part(f"p{i}", (w, d, 8.0)) for i, (w, d) in enumerate(sizes)]
-    half, whole = (
-        executed.lines(lambda count=count: plate.pack(parts[:count], MK3S)) for count in (500, 1000)
-    )
+    half, whole = (executed.lines(lambda count=count: plate.pack(parts[:count], MK3S)) for count in (500, 1000))
     assert whole < 2.1 * half  # no part is compared with those before it: 2.00 measured
     assert whole < 100 * len(parts)  # 42 measured
     plates = plate.pack(parts, MK3S)
@@ -192,12 +180,8 @@ def test_parts_of_a_family_fill_the_bed_row_by_row() -> None:
 
 
 @pytest.mark.parametrize(("brim", "distance", "loops"), [(0.0, 6.0, 2), (4.0, 6.0, 0), (3, 2, 1)])
-def test_brims_and_skirts_stay_on_the_bed_and_apart(
-    brim: float, distance: float, loops: int
-) -> None:
-    printer = MK3S.model_copy(
-        update={"brim_width_mm": brim, "skirt_distance_mm": distance, "skirt_loops": loops}
-    )
+def test_brims_and_skirts_stay_on_the_bed_and_apart(brim: float, distance: float, loops: int) -> None:
+    printer = MK3S.model_copy(update={"brim_width_mm": brim, "skirt_distance_mm": distance, "skirt_loops": loops})
     one = part("walker", copies=1000)
     skirt = (loops + 0.5) * printer.line_width_mm + distance if loops else 0.0
     for sheet in plate.pack([one], printer):
@@ -217,9 +201,7 @@ def test_brims_and_skirts_stay_on_the_bed_and_apart(
 
 
 def test_a_brim_that_leaves_no_bed_is_refused() -> None:
-    printer = Printer(
-        bed_width_mm=50.0, bed_depth_mm=50.0, height_mm=50.0, brim_width_mm=30.0, gap_mm=0.0
-    )
+    printer = Printer(bed_width_mm=50.0, bed_depth_mm=50.0, height_mm=50.0, brim_width_mm=30.0, gap_mm=0.0)
     assert plate.capacity(part("walker"), printer) == 0
     with pytest.raises(PlateError, match="does not fit"):
         plate.pack([part("walker")], printer)

@@ -181,9 +181,12 @@ def test_plates_and_print_sheet_are_there_when_the_folder_has_them(folder):
     assert "walker_t10.0_flexible_s0.40" in page.texts["code"]
     for name in (folder / "plates").iterdir():
         name.unlink()
-    edit(folder, lambda facts: facts.update(
-        files={name: digest for name, digest in facts["files"].items() if "plates/" not in name}
-    ))  # fmt: skip
+    edit(
+        folder,
+        lambda facts: facts.update(
+            files={name: digest for name, digest in facts["files"].items() if "plates/" not in name}
+        ),
+    )
     text = rendered(folder)
     assert '<h2 id="print-heading">' not in text
     assert '<h2 id="plates-heading">' not in text
@@ -193,15 +196,16 @@ def test_every_setting_of_the_manifest_is_told(folder):
     cells = Elements(rendered(folder)).texts["td"]
     facts = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
     for value in (
-        facts["scene"]["drive"]["gamma"], facts["design"]["body"]["length_mm"], facts["seed"],
-        facts["printer"]["gap_mm"], facts["versions"]["manifold3d"],
-    ):  # fmt: skip
+        facts["scene"]["drive"]["gamma"],
+        facts["design"]["body"]["length_mm"],
+        facts["seed"],
+        facts["printer"]["gap_mm"],
+        facts["versions"]["manifold3d"],
+    ):
         assert str(value) in cells
 
 
-@pytest.mark.parametrize(
-    ("law", "name"), [("poisson", "Routh"), ("newton", "Newton"), ("stronge", "Stronge")]
-)
+@pytest.mark.parametrize(("law", "name"), [("poisson", "Routh"), ("newton", "Newton"), ("stronge", "Stronge")])
 def test_only_the_law_in_use_is_cited(tmp_path, law, name):
     text = rendered(folder_of(tmp_path, (10.0,), law, pictures=False))
     cited = text[text.index('<ul id="references">') :]
@@ -212,8 +216,7 @@ def test_only_the_law_in_use_is_cited(tmp_path, law, name):
 
 def test_simulations_and_plates_are_cited_by_what_they_used():
     def uses(methods, files):
-        return {reference.text.split(":")[0] for reference in
-                references.cited({"poisson"}, methods, files)}  # fmt: skip
+        return {reference.text.split(":")[0] for reference in references.cited({"poisson"}, methods, files)}
 
     nothing = uses(set(), [])
     numba = "S. K. Lam, A. Pitrou, S. Seibert"
@@ -246,8 +249,7 @@ def test_a_folder_that_family_did_not_write_is_refused(tmp_path):
     assert "walkergen family" in refused(tmp_path)
     assert "walkergen family" in refused(tmp_path / "nowhere")
     manifest = tmp_path / "manifest.json"
-    for text, told in (("{", "not valid JSON"), ("[]", "its contents"), ("{}", "design"),
-                       ('{"design": 1}', "design")):  # fmt: skip
+    for text, told in (("{", "not valid JSON"), ("[]", "its contents"), ("{}", "design"), ('{"design": 1}', "design")):
         manifest.write_text(text)
         assert told in refused(tmp_path)
     assert isinstance(run(tmp_path).exception, InputError)
@@ -340,14 +342,9 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
         own = [row for row in rows if (row.what, row.legs) == ("predicted", line.legs)]
         value = {"predicted": "speed_mm_s", "theory": "theory_mm_s"}[line.what]
         places = np.array([point.split(",") for point in line.points.split()], float)
-        wanted = [
-            (along["0"] + per_deg * row.tilt_deg, scale["0"] - per_mm_s * getattr(row, value))
-            for row in own
-        ]
+        wanted = [(along["0"] + per_deg * row.tilt_deg, scale["0"] - per_mm_s * getattr(row, value)) for row in own]
         assert places == pytest.approx(np.array(wanted), abs=0.05)
-    braced, flexible = (
-        [band.share for band in drawn.bands if band.legs == legs] for legs in ("braced", "flexible")
-    )
+    braced, flexible = ([band.share for band in drawn.bands if band.legs == legs] for legs in ("braced", "flexible"))
     assert braced == flexible == [95, 68]
     for point in drawn.points:  # a member's predicted speed lies on its kind's curve
         line = next(one for one in drawn.lines if (one.what, one.legs) == ("predicted", point.legs))
@@ -357,9 +354,7 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
     assert mark.label == "flexible legs, 10°: stated by the paper 60.0 mm/s"
     assert mark.y == pytest.approx(scale["0"] - 60.0 * per_mm_s, abs=0.05)
     text = (folder / "speed.csv").read_text(encoding="utf-8")
-    more = (
-        text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,,\nmeasured,flexible,10,5,,,,,,\n"
-    )
+    more = text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,,\nmeasured,flexible,10,5,,,,,,\n"
     (folder / "speed.csv").write_text(more, encoding="utf-8")
     *_, barred, bare = chart.speeds(found, chart_data.of(contents.read(folder))).marks
     assert barred.label == "braced legs, 10°: measured 12.0 mm/s (95 %: 10.0 to 14.0)"
@@ -370,10 +365,7 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
     ("line", "told"),
     [
         ("hearsay,flexible,10,1,,,,,,", "speed.csv:2: what: must be predicted, measured, paper,"),
-        (
-            "predicted,wooden,10,1,,,,,,",
-            "speed.csv:2: legs: must be flexible or braced, not 'wooden'",
-        ),
+        ("predicted,wooden,10,1,,,,,,", "speed.csv:2: legs: must be flexible or braced, not 'wooden'"),
         ("predicted,flexible,nan,1,,,,,,", "speed.csv:2: tilt_deg: must be a number within ±1e+09"),
         ("predicted,flexible,10,1e300,,,,,,", "speed.csv:2: speed_mm_s: must be a number within"),
         ("predicted,flexible,10,,,,,,,", "speed.csv:2: tilt_deg, speed_mm_s: a number is missing"),

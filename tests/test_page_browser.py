@@ -39,9 +39,7 @@ def requested(browser):
     """Addresses asked for since the last call, without those of the tab that it opens with."""
     messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
     urls = [
-        message["params"]["request"]["url"]
-        for message in messages
-        if message["method"] == "Network.requestWillBeSent"
+        message["params"]["request"]["url"] for message in messages if message["method"] == "Network.requestWillBeSent"
     ]
     return [url for url in urls if not url.startswith(("chrome://", "chrome-untrusted://"))]
 
@@ -189,8 +187,9 @@ def test_in_the_dark_the_page_and_its_viewer_are_dark(browser):
 def test_a_phone_shows_the_speed_without_scrolling(browser, width):
     try:
         size(browser, width)
-        heading = next(one for one in browser.find_elements(By.CSS_SELECTOR, "#family thead th")
-                       if one.text.startswith("speed"))  # fmt: skip
+        heading = next(
+            one for one in browser.find_elements(By.CSS_SELECTOR, "#family thead th") if one.text.startswith("speed")
+        )
         edge = heading.rect["x"] + heading.rect["width"]
         assert edge <= width
         assert browser.execute_script("return document.documentElement.scrollWidth") <= width
@@ -219,9 +218,16 @@ def test_the_print_sheet_is_unfolded_and_fits(browser, width):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-RUNS = {"sim_speed_mm_s": "55.9", "sim_se_mm_s": "0.5", "sim_low_95_mm_s": "53.7",
-        "sim_high_95_mm_s": "58.1", "sim_model": "space", "sim_method": "step",
-        "sim_outcomes": "16 ok", "verdict": "agree"}  # fmt: skip
+RUNS = {
+    "sim_speed_mm_s": "55.9",
+    "sim_se_mm_s": "0.5",
+    "sim_low_95_mm_s": "53.7",
+    "sim_high_95_mm_s": "58.1",
+    "sim_model": "space",
+    "sim_method": "step",
+    "sim_outcomes": "16 ok",
+    "verdict": "agree",
+}
 
 
 @pytest.fixture(scope="module")
@@ -229,8 +235,7 @@ def simulated_page(page, tmp_path_factory):
     """The page of a family that was simulated too, whose table has the most columns."""
     folder = shutil.copytree(page.parent, tmp_path_factory.mktemp("simulated") / "family")
     with (folder / "family.csv").open(encoding="utf-8", newline="") as stream:
-        rows = [row | RUNS | {"sim_outcomes": f"{k} ok"}
-                for k, row in enumerate(csv.DictReader(stream))]  # fmt: skip
+        rows = [row | RUNS | {"sim_outcomes": f"{k} ok"} for k, row in enumerate(csv.DictReader(stream))]
     stream = io.StringIO()
     writer = csv.DictWriter(stream, rows[0])
     writer.writeheader()
@@ -240,9 +245,7 @@ def simulated_page(page, tmp_path_factory):
 
 
 @pytest.mark.parametrize("simulated", [False, True])
-def test_the_table_is_uncut_on_a_desk_and_scrolls_in_its_frame_on_a_phone(
-    browser, page, simulated_page, simulated
-):
+def test_the_table_is_uncut_on_a_desk_and_scrolls_in_its_frame_on_a_phone(browser, page, simulated_page, simulated):
     frame = "const one = document.querySelector('#family').parentNode; "
     try:
         browser.get((simulated_page if simulated else page).as_uri())
@@ -266,14 +269,12 @@ def test_every_text_stands_out_by_a_contrast_of_four_and_a_half(browser, scheme)
     """The least that WCAG 2.2 (success criterion 1.4.3, level AA) asks for."""
     try:
         styled(browser, prefers_color_scheme=scheme)
-        browser.execute_script("for (const one of document.querySelectorAll('details')) "
-                               "one.open = true")  # fmt: skip
+        browser.execute_script("for (const one of document.querySelectorAll('details')) one.open = true")
         texts = browser.execute_script(CONTRASTS)
         assert len(texts) > 100
         assert [one for one in texts if one["contrast"] < 4.5] == []
     finally:
-        browser.execute_script("for (const one of document.querySelectorAll('details')) "
-                               "one.open = false")  # fmt: skip
+        browser.execute_script("for (const one of document.querySelectorAll('details')) one.open = false")
         styled(browser, prefers_color_scheme="light")
 
 
@@ -298,9 +299,7 @@ def test_paper_has_every_column_of_the_table(browser):
 
 
 def test_the_chosen_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_path):
-    browser.execute_cdp_cmd(
-        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)}
-    )
+    browser.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
     browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
     browser.find_element(By.CSS_SELECTOR, "#save a").click()
     name = f"{shown(browser).split(';')[0]}.stl"

@@ -76,9 +76,7 @@ def test_the_part_stands_where_the_run_has_it(run, truth):
 
 def test_corners_are_those_of_the_part(run, found):
     (points,) = [
-        one.corners.reshape(-1, 3)
-        for one in page.members.of(found)
-        if one.name == "walker_t35.0_flexible_s0.40"
+        one.corners.reshape(-1, 3) for one in page.members.of(found) if one.name == "walker_t35.0_flexible_s0.40"
     ]
     half = 0.2 / np.cos(np.radians(35.0))  # of a flat foot's width
     for corner in run["corners"]:
@@ -153,8 +151,7 @@ def browser(found, run, tmp_path_factory):
 
 def move_to(browser, seconds):
     browser.execute_script(
-        "const s = document.getElementById('time'); s.value = arguments[0];"
-        "s.dispatchEvent(new Event('input'));",
+        "const s = document.getElementById('time'); s.value = arguments[0];s.dispatchEvent(new Event('input'));",
         seconds,
     )
 

@@ -52,10 +52,7 @@ def rival_mass(design):
     part.density = 1e-3 * design.material.density_g_cm3
     pieces = [(part.mass, part.center_mass, part.moment_inertia)]
     motor = design.motor
-    shapes = {
-        "motor": (motor.diameter_mm, motor.height_mm, motor.mass_g),
-        "battery": (20.0, 3.2, 2.9),
-    }
+    shapes = {"motor": (motor.diameter_mm, motor.height_mm, motor.mass_g), "battery": (20.0, 3.2, 2.9)}
     places = []
     for name, (diameter, height, mass) in shapes.items():
         one, mass = design.parts[name], mass + share
@@ -100,15 +97,12 @@ def test_a_motor_off_the_middle_moves_the_centre_of_mass_across():
     assert right.spatial.z > 1.0
 
 
-@pytest.mark.parametrize("key", ["motor.mass_g", "battery.mass_g", "pockets.wires_g",
-                                 "pockets.glue_g"])  # fmt: skip
+@pytest.mark.parametrize("key", ["motor.mass_g", "battery.mass_g", "pockets.wires_g", "pockets.glue_g"])
 def test_every_gram_that_is_carried_counts_once(key):
     design = shipped("coinbot")
     table, name = key.split(".")
     own = getattr(getattr(design, table), name) or 2.9  # a CR2032's
-    before, after = (
-        solids.mass_of(one).total for one in (design, design.variant(**{key: own + 0.5}))
-    )
+    before, after = (solids.mass_of(one).total for one in (design, design.variant(**{key: own + 0.5})))
     assert after - before == pytest.approx(0.5, rel=1e-9)
 
 
@@ -136,9 +130,7 @@ def test_wires_lead_from_pocket_to_pocket():
     """A channel joins them; without one they are apart, and its plastic is there."""
     design = shipped("bristlebot")
     closed = design.variant(**{"pockets.channel_mm": 0.0})
-    with_channel, without = (
-        trimesh.Trimesh(*solids.build(one).body, process=False) for one in (design, closed)
-    )
+    with_channel, without = (trimesh.Trimesh(*solids.build(one).body, process=False) for one in (design, closed))
     # A bore of 1 mm^2 through the wall, at least 0.4 mm thick, and no more than the way it leads
     lost = without.volume - with_channel.volume
     way = math.hypot(design.motor.along_mm - design.battery.along_mm, 10.0)
@@ -176,9 +168,7 @@ def messages(design, printer):
 
 
 def test_a_ceiling_too_wide_for_a_bridge_is_told():
-    over = shipped("bristlebot").variant(
-        **{"battery.opens": "up", "battery.up_mm": 1.0, "pockets.channel_mm": 0.0}
-    )
+    over = shipped("bristlebot").variant(**{"battery.opens": "up", "battery.up_mm": 1.0, "pockets.channel_mm": 0.0})
     (line,) = messages(over, printer_of("prusa-mk3s"))
     assert "battery" in line
     assert "20.4 mm, limit 10 mm" in line
@@ -205,8 +195,9 @@ def test_walls_of_pockets_that_open_to_the_side_are_told():
     (line,) = messages(thin, printer_of("ender3"))
     assert "wall around the pocket of the battery" in line
     assert "0.3 mm, limit 0.4 mm" in line
-    round_ones = design.variant(**{"motor.axis": "along", "motor.diameter_mm": 4.0,
-                                   "motor.up_mm": 0.2, "motor.across_mm": 4.0})  # fmt: skip
+    round_ones = design.variant(
+        **{"motor.axis": "along", "motor.diameter_mm": 4.0, "motor.up_mm": 0.2, "motor.across_mm": 4.0}
+    )
     lid = 3.0 - (0.2 + 2.2)  # a cylinder along the body: its slot is as high as its diameter
     assert thinnest_wall(round_ones.motor, round_ones) == pytest.approx(lid, abs=1e-6)
 
@@ -214,9 +205,19 @@ def test_walls_of_pockets_that_open_to_the_side_are_told():
 def test_a_side_wall_follows_the_outline_of_the_body():
     """An arched body: the wall to its upper edge, by points of that edge."""
     arch = [[-18, -3], [18, -3], [18, 0], [0, 6], [-18, 0]]
-    data = {"name": "arch", "body": {"profile_mm": arch, "depth_mm": 22.0},
-            "motor": {"axis": "across", "diameter_mm": 4.0, "height_mm": 4.0, "up_mm": 0.5,
-                      "along_mm": 4.0, "across_mm": 6.0, "opens": "side"}}  # fmt: skip
+    data = {
+        "name": "arch",
+        "body": {"profile_mm": arch, "depth_mm": 22.0},
+        "motor": {
+            "axis": "across",
+            "diameter_mm": 4.0,
+            "height_mm": 4.0,
+            "up_mm": 0.5,
+            "along_mm": 4.0,
+            "across_mm": 6.0,
+            "opens": "side",
+        },
+    }
     design = Design.model_validate(data)
     middle = np.array(design.motor.cylinder.middle(22.0)[:2])
     corners = solids.outline(design).body
@@ -298,8 +299,7 @@ def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, 1e9, 1e-9, math.nan, math.inf, "10", True])
-@pytest.mark.parametrize("key", ["motor.diameter_mm", "motor.height_mm", "motor.mass_g",
-                                 "battery.mass_g"])  # fmt: skip
+@pytest.mark.parametrize("key", ["motor.diameter_mm", "motor.height_mm", "motor.mass_g", "battery.mass_g"])
 def test_impossible_sizes_name_key_value_and_range(key, value):
     table, name = key.split(".")
     base = {"motor": MOTOR, "battery": {"shape": "LR44"}}
@@ -309,25 +309,37 @@ def test_impossible_sizes_name_key_value_and_range(key, value):
     assert "must be" in line
 
 
-@pytest.mark.parametrize(("tables", "words"), [
-    ({"motor": MOTOR | {"along_mm": 100.0}}, ["motor.along_mm = 100", "-9.4..9.4 mm", "move it"]),
-    ({"motor": MOTOR | {"across_mm": -9.0}}, ["motor.across_mm = -9", "-2.05..2.05 mm"]),
-    ({"motor": MOTOR | {"up_mm": 50.0}}, ["motor.up_mm = 50", "3.1..5.3 mm", "leaves the body"]),
-    ({"motor": MOTOR | {"up_mm": 3.0}}, ["motor.up_mm = 3", "3.1..5.3 mm", "deeper than the body"]),
-    ({"motor": {"axis": "up", "diameter_mm": 12.0, "up_mm": 1.0}},
-     ["motor.diameter_mm = 12", "13.2 mm across", "this one has 8 mm", "axis"]),
-    ({"motor": {"diameter_mm": 8.0, "opens": "down", "up_mm": -4.6}},
-     ["motor.up_mm = -4.6", "mm above the plate", "0.5 mm", "move it up"]),
-    ({"battery": {"shape": "CR2032", "diameter_mm": 20.0}}, ["battery", "shape", "diameter_mm"]),
-    ({"battery": {"diameter_mm": 20.0}}, ["battery", "CR2032, LR44", "height_mm"]),
-    ({"battery": {}}, ["battery", "CR2032, LR44"]),
-    ({"battery": {"shape": "AA"}}, ["battery.shape = 'AA'", "'CR2032', 'LR44'"]),
-    ({"pockets": {"glue_g": 1.0}}, ["pockets", "[motor] or [battery]"]),
-    ({"motor": MOTOR, "pockets": {"clearance_mm": -0.1}}, ["pockets.clearance_mm = -0.1", ">= 0"]),
-    ({"motor": MOTOR, "stance": "as built",
-      "legs": [{"along_mm": -5.0, "foot": "round"}, {"along_mm": 5.0, "foot": "round"}]},
-     ["motor", "as built"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        ({"motor": MOTOR | {"along_mm": 100.0}}, ["motor.along_mm = 100", "-9.4..9.4 mm", "move it"]),
+        ({"motor": MOTOR | {"across_mm": -9.0}}, ["motor.across_mm = -9", "-2.05..2.05 mm"]),
+        ({"motor": MOTOR | {"up_mm": 50.0}}, ["motor.up_mm = 50", "3.1..5.3 mm", "leaves the body"]),
+        ({"motor": MOTOR | {"up_mm": 3.0}}, ["motor.up_mm = 3", "3.1..5.3 mm", "deeper than the body"]),
+        (
+            {"motor": {"axis": "up", "diameter_mm": 12.0, "up_mm": 1.0}},
+            ["motor.diameter_mm = 12", "13.2 mm across", "this one has 8 mm", "axis"],
+        ),
+        (
+            {"motor": {"diameter_mm": 8.0, "opens": "down", "up_mm": -4.6}},
+            ["motor.up_mm = -4.6", "mm above the plate", "0.5 mm", "move it up"],
+        ),
+        ({"battery": {"shape": "CR2032", "diameter_mm": 20.0}}, ["battery", "shape", "diameter_mm"]),
+        ({"battery": {"diameter_mm": 20.0}}, ["battery", "CR2032, LR44", "height_mm"]),
+        ({"battery": {}}, ["battery", "CR2032, LR44"]),
+        ({"battery": {"shape": "AA"}}, ["battery.shape = 'AA'", "'CR2032', 'LR44'"]),
+        ({"pockets": {"glue_g": 1.0}}, ["pockets", "[motor] or [battery]"]),
+        ({"motor": MOTOR, "pockets": {"clearance_mm": -0.1}}, ["pockets.clearance_mm = -0.1", ">= 0"]),
+        (
+            {
+                "motor": MOTOR,
+                "stance": "as built",
+                "legs": [{"along_mm": -5.0, "foot": "round"}, {"along_mm": 5.0, "foot": "round"}],
+            },
+            ["motor", "as built"],
+        ),
+    ],
+)
 def test_impossible_places_are_one_line_with_the_range(tables, words):
     line = refusal_of(**tables)
     assert line.count("\n") == 0
@@ -337,39 +349,65 @@ def test_impossible_places_are_one_line_with_the_range(tables, words):
 
 def four(along, across):
     """Legs at the corners of a rectangle."""
-    return [
-        {"along_mm": x, "across_mm": z, "width_mm": 2.0}
-        for x in (-along, along)
-        for z in (-across, across)
-    ]
+    return [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-along, along) for z in (-across, across)]
 
 
 WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
 
 
-@pytest.mark.parametrize(("tables", "words"), [
-    # A motor in the battery, in a leg and its root, its wires through a leg
-    ({"body": WIDE, "motor": {"axis": "up", "up_mm": 1.5}, "battery": {"shape": "CR2032",
-      "up_mm": 0.5}}, ["motor.along_mm = 0", "in the battery", "mm3", "move"]),
-    ({"body": WIDE, "motor": {"axis": "up", "along_mm": 8.0, "up_mm": -1.0}},
-     ["motor.along_mm = 8", "cuts leg 2", "move it"]),
-    # A motor below the battery, whose floor it takes away
-    ({"body": WIDE | {"thickness_mm": 12.0}, "motor": {"axis": "up", "up_mm": -1.0},
-      "battery": {"shape": "CR2032", "up_mm": 3.0}, "pockets": {"channel_mm": 0.0}},
-     ["battery.along_mm = 0", "in the other pocket", "move it"]),
-    # A hole, letters, a rim under the motor
-    ({"body": {"outline": "polygon", "thickness_mm": 4.0, "points_mm": [
-        [-14, -10], [14, -10], [14, 10], [-14, 10], [-14, 4], [8, 4], [8, -4], [-14, -4]]},
-      "legs": four(10, 7),
-      "motor": {"axis": "up", "up_mm": 1.5}}, ["motor.along_mm = 0", "% of the floor", "hole"]),
-    ({"body": {"text": "OO", "depth_mm": 16.0, "rails_mm": 3.0, "thickness_mm": 4.0},
-      "legs": four(8, 8),
-      "motor": {"axis": "up", "up_mm": 1.5}}, ["motor.along_mm = 0", "% of the floor"]),
-    ({"body": {"outline": "disc", "length_mm": 30.0, "thickness_mm": 4.0},
-      "legs": four(9, 4),
-      "motor": {"axis": "up", "up_mm": 1.5, "along_mm": 8.0, "across_mm": 8.0}},
-     ["motor.along_mm = 8", "% of the floor", "outside the body"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        # A motor in the battery, in a leg and its root, its wires through a leg
+        (
+            {"body": WIDE, "motor": {"axis": "up", "up_mm": 1.5}, "battery": {"shape": "CR2032", "up_mm": 0.5}},
+            ["motor.along_mm = 0", "in the battery", "mm3", "move"],
+        ),
+        (
+            {"body": WIDE, "motor": {"axis": "up", "along_mm": 8.0, "up_mm": -1.0}},
+            ["motor.along_mm = 8", "cuts leg 2", "move it"],
+        ),
+        # A motor below the battery, whose floor it takes away
+        (
+            {
+                "body": WIDE | {"thickness_mm": 12.0},
+                "motor": {"axis": "up", "up_mm": -1.0},
+                "battery": {"shape": "CR2032", "up_mm": 3.0},
+                "pockets": {"channel_mm": 0.0},
+            },
+            ["battery.along_mm = 0", "in the other pocket", "move it"],
+        ),
+        # A hole, letters, a rim under the motor
+        (
+            {
+                "body": {
+                    "outline": "polygon",
+                    "thickness_mm": 4.0,
+                    "points_mm": [[-14, -10], [14, -10], [14, 10], [-14, 10], [-14, 4], [8, 4], [8, -4], [-14, -4]],
+                },
+                "legs": four(10, 7),
+                "motor": {"axis": "up", "up_mm": 1.5},
+            },
+            ["motor.along_mm = 0", "% of the floor", "hole"],
+        ),
+        (
+            {
+                "body": {"text": "OO", "depth_mm": 16.0, "rails_mm": 3.0, "thickness_mm": 4.0},
+                "legs": four(8, 8),
+                "motor": {"axis": "up", "up_mm": 1.5},
+            },
+            ["motor.along_mm = 0", "% of the floor"],
+        ),
+        (
+            {
+                "body": {"outline": "disc", "length_mm": 30.0, "thickness_mm": 4.0},
+                "legs": four(9, 4),
+                "motor": {"axis": "up", "up_mm": 1.5, "along_mm": 8.0, "across_mm": 8.0},
+            },
+            ["motor.along_mm = 8", "% of the floor", "outside the body"],
+        ),
+    ],
+)
 def test_places_that_only_the_solid_knows_are_one_line(tables, words):
     line = refusal_of(**tables)
     assert line.count("\n") == 0
@@ -406,8 +444,7 @@ def test_a_body_of_ones_own_bears_pockets(tmp_path):
     box = trimesh.creation.box((40.0, 24.0, 6.0))  # z up in the file
     box.export(tmp_path / "box.stl")
     legs = [{"along_mm": along, "width_mm": 8.0} for along in (-14.0, 14.0)]
-    tables = {"body": {"mesh": str(tmp_path / "box.stl")}, "legs": legs,
-              "motor": {"axis": "up", "up_mm": 1.5}}  # fmt: skip
+    tables = {"body": {"mesh": str(tmp_path / "box.stl")}, "legs": legs, "motor": {"axis": "up", "up_mm": 1.5}}
     own = solids.mass_of(design_of(**tables))
     plain = solids.mass_of(design_of(**(tables | {"body": WIDE})))
     assert own.M == pytest.approx(plain.M, rel=1e-6)  # STL holds 32-bit floats

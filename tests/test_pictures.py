@@ -32,9 +32,7 @@ def test_pictures_are_of_this_code():
 
 def test_every_picture_is_made_again_from_files_that_exist():
     names = [one.name for one in pictures.PICTURES]
-    assert sorted(names) == sorted(
-        path.name for path in DOCS.iterdir() if path.suffix in (".png", ".gif")
-    )
+    assert sorted(names) == sorted(path.name for path in DOCS.iterdir() if path.suffix in (".png", ".gif"))
     for one in pictures.PICTURES:
         for pattern in one.sources:
             assert list(ROOT.glob(pattern)), (one.name, pattern)

@@ -55,9 +55,7 @@ def test_the_map_says_where_the_3mf_file_has_every_part(printer):
     rows = list(csv.DictReader(io.StringIO(files[f"plate_{printer.name}.csv"].decode())))
     assert list(rows[0]) == list(plates.Place._fields)
     centred = printer.origin == "centre"
-    left, front = (
-        (-0.5 * printer.bed_width_mm, -0.5 * printer.bed_depth_mm) if centred else (0.0, 0.0)
-    )
+    left, front = (-0.5 * printer.bed_width_mm, -0.5 * printer.bed_depth_mm) if centred else (0.0, 0.0)
     seen = 0
     for name, data in files.items():
         if name.endswith(".3mf"):
@@ -80,8 +78,7 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     layout = layout_of(PRINTERS[0], copies=(2, 2))
     files = dict(plates.files(layout, "plate", pictures=True))
     assert list(files) == [
-        f"plate_prusa-mk3s{end}"
-        for end in (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.png", "_1.3mf")
+        f"plate_prusa-mk3s{end}" for end in (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.png", "_1.3mf")
     ]
     archive = zipfile.ZipFile(io.BytesIO(files["plate_prusa-mk3s_1.3mf"]))
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
@@ -95,16 +92,14 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
 
 def test_equal_orders_give_equal_bytes():
     first, second = (
-        dict(plates.files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", pictures=True))
-        for _ in range(2)
+        dict(plates.files(layout_of(PRINTERS[1], copies=(3, 3)), "plate", pictures=True)) for _ in range(2)
     )
     assert first == second
 
 
 def test_one_mesh_serves_all_copies():
     files = [
-        dict(plates.files(layout_of(PRINTERS[0], copies=copies), "p", pictures=False))
-        for copies in ((1, 1), (50, 50))
+        dict(plates.files(layout_of(PRINTERS[0], copies=copies), "p", pictures=False)) for copies in ((1, 1), (50, 50))
     ]
     one, two = (threemf.read(each["p_prusa-mk3s_1.3mf"]) for each in files)
     assert one.names == two.names
@@ -114,8 +109,7 @@ def test_one_mesh_serves_all_copies():
 @pytest.mark.slow
 def test_two_hundred_walkers_go_to_two_printers_with_one_command(run, tmp_path):
     quota = "5:50,10:50,15:50,20:50"
-    result = run("plate", "koumakis2016", "--copies", quota, "--printer",
-                 "prusa-mk3s,replicator2x", "--json")  # fmt: skip
+    result = run("plate", "koumakis2016", "--copies", quota, "--printer", "prusa-mk3s,replicator2x", "--json")
     assert result.exit_code == 0
     found = json.loads(result.stdout)
     for printer in ("prusa-mk3s", "replicator2x"):
@@ -135,8 +129,11 @@ def test_how_many_fit_is_answered_without_writing(run, tmp_path):
     result = run("plate", "--tilt", "10,45", "--how-many", "--printer", both, "--json")
     rows = json.loads(result.stdout)["rows"]
     assert [(row["printer"], row["fit"]) for row in rows] == [
-        ("prusa-mk3s", 105), ("prusa-mk3s", 119), ("ender3", 90), ("ender3", 108)
-    ]  # fmt: skip
+        ("prusa-mk3s", 105),
+        ("prusa-mk3s", 119),
+        ("ender3", 90),
+        ("ender3", 108),
+    ]
     assert not list(tmp_path.iterdir())
     limited = run("plate", "--how-many", "--max-parts", "40").stdout
     assert " prusa-mk3s   40  walker_t10.0_flexible_s0.40 \n" in limited
@@ -158,9 +155,7 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
 
     def plan(copies):
         order, steps = batch.Order(members, [copies, copies], PRINTERS[:1], pictures=False), []
-        made = batch.make(
-            order, tmp_path / str(copies), lambda *step: steps.append(step[1:]), lambda found: None
-        )
+        made = batch.make(order, tmp_path / str(copies), lambda *step: steps.append(step[1:]), lambda found: None)
         plans.append((made, steps))
 
     monkeypatch.setattr(solids, "build", build)
@@ -175,8 +170,7 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
 
 def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path):
     (tmp_path / "my.toml").write_text('[marks]\nkind = "notches"\n')
-    result = run("family", "my.toml", "--copies", "5:3,10:4", "--legs", "flexible", "--no-pictures",
-                 "--max-parts", "5")  # fmt: skip
+    result = run("family", "my.toml", "--copies", "5:3,10:4", "--legs", "flexible", "--no-pictures", "--max-parts", "5")
     assert result.exit_code == 0, result.exception
     folder = tmp_path / "out" / "my"
     rows = table(folder / "plates" / "family_prusa-mk3s.csv")
@@ -191,8 +185,7 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
 
 
 def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
-    words = ("family", "--copies", "5:2,10:2", "--legs", "flexible", "--no-pictures", "--quiet",
-             "--out", "here")  # fmt: skip
+    words = ("family", "--copies", "5:2,10:2", "--legs", "flexible", "--no-pictures", "--quiet", "--out", "here")
     assert run(*words).exit_code == 0
     path = tmp_path / "here" / "weights.csv"
     path.write_text(path.read_text().replace("s0.40,,,", "s0.40,,,0.05"))
@@ -218,9 +211,7 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
 
 def test_impossible_masses_leave_no_half_made_folder(run, tmp_path):
     path = tmp_path / "w.csv"
-    path.write_text(
-        "part,grams\nwalker_t05.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n"
-    )
+    path.write_text("part,grams\nwalker_t05.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n")
     words = ("family", "--tilt", "5,10", "--legs", "flexible", "--weights", str(path))
     error = run(*words).exception
     assert isinstance(error, InputError)
@@ -256,8 +247,7 @@ def test_bad_orders_are_one_clear_line(run, tmp_path, words, hint):
 def test_a_file_for_prusaslicer_holds_the_same_parts():
     layout = layout_of(PRINTERS[0], copies=(2, 3))
     plain, own = (
-        dict(plates.files(layout, "p", True, prusaslicer))["p_prusa-mk3s_1.3mf"]
-        for prusaslicer in (False, True)
+        dict(plates.files(layout, "p", True, prusaslicer))["p_prusa-mk3s_1.3mf"] for prusaslicer in (False, True)
     )
     one, other = threemf.read(plain), threemf.read(own)
     assert other.metadata == one.metadata | {"Version3mf": "1"}
@@ -280,10 +270,18 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
     path.write_bytes(data)
     bed = printer.bed_width_mm, printer.bed_depth_mm
     left, front = (-0.5 * bed[0], -0.5 * bed[1]) if printer.origin == "centre" else (0.0, 0.0)
-    shape = ",".join(f"{left + x}x{front + y}" for x, y in
-                     ((0, 0), (bed[0], 0), bed, (0, bed[1])))  # fmt: skip
-    words = [program, "--export-gcode", "--dont-arrange", "--gcode-label-objects", "--bed-shape",
-             shape, "--output", str(tmp_path / "p.gcode"), str(path)]  # fmt: skip
+    shape = ",".join(f"{left + x}x{front + y}" for x, y in ((0, 0), (bed[0], 0), bed, (0, bed[1])))
+    words = [
+        program,
+        "--export-gcode",
+        "--dont-arrange",
+        "--gcode-label-objects",
+        "--bed-shape",
+        shape,
+        "--output",
+        str(tmp_path / "p.gcode"),
+        str(path),
+    ]
     subprocess.run(words, check=True, capture_output=True, timeout=100)
     found: dict[str, list[tuple[float, float]]] = {}
     label = None
@@ -314,7 +312,5 @@ def test_a_second_order_leaves_no_plate_of_the_first_and_what_a_person_made(run,
     (folder / "plate_prusa-mk3s_2.3mf").write_bytes(b"arranged by hand")
     assert run(*words, "--tilt", "10").exit_code == 0
     ends = (".csv", ".ini", "_print.ini", ".json", ".md", "_1.3mf", "_2.3mf", "_orca.json")
-    assert {path.name for path in folder.iterdir()} == {
-        "notes.txt", *(f"plate_prusa-mk3s{end}" for end in ends)
-    }  # fmt: skip
+    assert {path.name for path in folder.iterdir()} == {"notes.txt", *(f"plate_prusa-mk3s{end}" for end in ends)}
     assert (folder / "plate_prusa-mk3s_2.3mf").read_bytes() == b"arranged by hand"

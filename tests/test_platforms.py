@@ -13,10 +13,13 @@ UV = shutil.which("uv", path=str(Path(sys.executable).parent))
 UNREACHED = ("error sending request", "failed to fetch", "dns error", "timed out", "network")
 
 MACHINES = {
-    "linux x86_64": "x86_64-manylinux_2_28", "linux aarch64": "aarch64-manylinux_2_28",
-    "darwin arm64": "aarch64-apple-darwin", "darwin x86_64": "x86_64-apple-darwin",
-    "win32 AMD64": "x86_64-pc-windows-msvc", "win32 ARM64": "aarch64-pc-windows-msvc",
-}  # fmt: skip
+    "linux x86_64": "x86_64-manylinux_2_28",
+    "linux aarch64": "aarch64-manylinux_2_28",
+    "darwin arm64": "aarch64-apple-darwin",
+    "darwin x86_64": "x86_64-apple-darwin",
+    "win32 AMD64": "x86_64-pc-windows-msvc",
+    "win32 ARM64": "aarch64-pc-windows-msvc",
+}
 """Machines, by `sys_platform` and `platform_machine`, and what uv calls them."""
 
 WITHOUT_WHEELS = {("win32 ARM64", "3.11")}
@@ -39,10 +42,7 @@ def project(folder, *edits):
     for old, new in edits:
         assert old in text
         text = text.replace(old, new)
-    wanted = [
-        "sys_platform == '{}' and platform_machine == '{}'".format(*machine.split())
-        for machine in MACHINES
-    ]
+    wanted = ["sys_platform == '{}' and platform_machine == '{}'".format(*machine.split()) for machine in MACHINES]
     asked = f"\n[tool.uv]\nrequired-environments = {wanted}\n"
     (folder / "pyproject.toml").write_text(text + asked, encoding="utf-8")
     shutil.copy(ROOT / "README.md", folder)
@@ -59,22 +59,28 @@ def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
 
 
 def test_the_resolver_sees_a_package_that_a_machine_has_not(tmp_path):
-    marker = (
-        "; platform_machine == 'x86_64' or platform_machine == 'AMD64' or sys_platform == 'darwin'"
-    )
+    marker = "; platform_machine == 'x86_64' or platform_machine == 'AMD64' or sys_platform == 'darwin'"
     done = resolved(project(tmp_path, (marker, "")), "lock")
     assert done.returncode != 0
     assert "lib3mf" in done.stderr
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    ("machine", "python"), list(itertools.product(MACHINES, ("3.11", "3.12", "3.13", "3.14")))
-)
+@pytest.mark.parametrize(("machine", "python"), list(itertools.product(MACHINES, ("3.11", "3.12", "3.13", "3.14"))))
 def test_a_resolver_finds_wheels_for_every_python(tmp_path, machine, python):
     done = resolved(
-        tmp_path, "pip", "compile", str(ROOT / "pyproject.toml"), "--only-binary", ":all:",
-        "--python-platform", MACHINES[machine], "--python-version", python, "--no-header",
-        "--output-file", str(tmp_path / "resolved.txt"),
-    )  # fmt: skip
+        tmp_path,
+        "pip",
+        "compile",
+        str(ROOT / "pyproject.toml"),
+        "--only-binary",
+        ":all:",
+        "--python-platform",
+        MACHINES[machine],
+        "--python-version",
+        python,
+        "--no-header",
+        "--output-file",
+        str(tmp_path / "resolved.txt"),
+    )
     assert (done.returncode == 0) == ((machine, python) not in WITHOUT_WHEELS), done.stderr

@@ -29,10 +29,17 @@ def asked_of(tilt=10.0, impacts=False, **tables):
 def numbers(point):
     """All numbers of a point but the time it took."""
     return [
-        (result.number, result.outcome, result.speed, result.block_speeds.tolist(),
-         result.energy_error, result.tally.counts.tolist(), result.tally.sums.tolist())
+        (
+            result.number,
+            result.outcome,
+            result.speed,
+            result.block_speeds.tolist(),
+            result.energy_error,
+            result.tally.counts.tolist(),
+            result.tally.sums.tolist(),
+        )
         for result in point.results
-    ]  # fmt: skip
+    ]
 
 
 def test_what_is_asked_and_what_comes_back_survive_a_pickle():
@@ -67,9 +74,7 @@ def test_a_key_names_every_input_and_no_name():
         experiments.key(asked_of()._replace(mass=asked_of().mass._replace(M=0.8))),
     }
     assert len(keys) == 6
-    renamed = asked_of(
-        name="other", description="the same", prediction={"impact_speed_factor": 2.0}
-    )
+    renamed = asked_of(name="other", description="the same", prediction={"impact_speed_factor": 2.0})
     assert experiments.key(renamed) in keys
 
 

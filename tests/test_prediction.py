@@ -21,9 +21,14 @@ def row_of(design=None, mode="coulomb", **contact):
 
 @pytest.mark.parametrize(
     ("tilt", "mode", "back", "front"),
-    [(5, "paper", 5.506, 4.977), (5, "coulomb", 5.249, 4.753), (10, "coulomb", 4.203, 3.790),
-     (20, "paper", 2.458, 2.296), (35, "coulomb", 1.335, 1.297)],
-)  # fmt: skip
+    [
+        (5, "paper", 5.506, 4.977),
+        (5, "coulomb", 5.249, 4.753),
+        (10, "coulomb", 4.203, 3.790),
+        (20, "paper", 2.458, 2.296),
+        (35, "coulomb", 1.335, 1.297),
+    ],
+)
 def test_the_theory_is_the_known_factor_times_the_impact_speed(tilt, mode, back, front):
     """physics.md section 4, e = 0.9, mu = 0.1; feet meet the plate at half its peak speed."""
     scene = Scene.model_validate(
@@ -49,26 +54,26 @@ EXACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
 def exactly(**tables):
     """Design and scene without any standard deviation but those given."""
     design = Design.model_validate(
-        {"weighed": {"mass_sd_percent": 0.0},
-         "legs": {"thickness_sd_mm": 0.0, "tilt_deg": 20.0},
-         "material": {"youngs_modulus_sd_gpa": 0.0}}
-    )  # fmt: skip
-    known = {
-        "contact": EXACT, "feet": {"unevenness_sd_um": 0.0}, "prediction": {"model_sd": 0.0}
-    }  # fmt: skip
+        {
+            "weighed": {"mass_sd_percent": 0.0},
+            "legs": {"thickness_sd_mm": 0.0, "tilt_deg": 20.0},
+            "material": {"youngs_modulus_sd_gpa": 0.0},
+        }
+    )
+    known = {"contact": EXACT, "feet": {"unevenness_sd_um": 0.0}, "prediction": {"model_sd": 0.0}}
     return design, Scene.model_validate(known | tables)
 
 
 def test_standard_deviation_of_the_theory_against_linear_propagation():
     """Rival: finite differences; small deviations, so that the second order is 1 % of the first."""
     sds = {"restitution": 0.01, "friction": 0.005}
-    design, scene = exactly(
-        contact={"restitution": 0.8} | {f"{name}_sd": sd for name, sd in sds.items()}
-    )
+    design, scene = exactly(contact={"restitution": 0.8} | {f"{name}_sd": sd for name, sd in sds.items()})
     design = design.model_copy(
-        update={"legs": design.legs.model_copy(update={"thickness_sd_mm": 0.01}),
-                "weighed": design.weighed.model_copy(update={"mass_sd_percent": 2.0})}
-    )  # fmt: skip
+        update={
+            "legs": design.legs.model_copy(update={"thickness_sd_mm": 0.01}),
+            "weighed": design.weighed.model_copy(update={"mass_sd_percent": 2.0}),
+        }
+    )
     mass = solids.mass_of(design)
 
     def speed(scale_M=1.0, scale_m=1.0, **contact):
@@ -147,11 +152,24 @@ def test_a_contact_of_which_less_is_known_has_wider_bounds():
 
 
 IN_SPACE = {
-    (5.0, 0.5): 61.1, (8.0, 0.5): 83.9, (10.0, 0.5): 88.5, (12.0, 0.5): 83.4, (15.0, 0.5): 42.2,
-    (20.0, 0.5): 19.5, (35.0, 0.5): 1.7, (5.0, 0.3): 34.7, (10.0, 0.3): 65.9, (15.0, 0.3): 39.5,
-    (20.0, 0.3): 21.1, (35.0, 0.3): 1.8, (5.0, 0.8): 119.0, (10.0, 0.8): 110.0,
-    (15.0, 0.8): 46.8, (20.0, 0.8): 15.9, (35.0, 0.8): -0.5,
-}  # fmt: skip
+    (5.0, 0.5): 61.1,
+    (8.0, 0.5): 83.9,
+    (10.0, 0.5): 88.5,
+    (12.0, 0.5): 83.4,
+    (15.0, 0.5): 42.2,
+    (20.0, 0.5): 19.5,
+    (35.0, 0.5): 1.7,
+    (5.0, 0.3): 34.7,
+    (10.0, 0.3): 65.9,
+    (15.0, 0.3): 39.5,
+    (20.0, 0.3): 21.1,
+    (35.0, 0.3): 1.8,
+    (5.0, 0.8): 119.0,
+    (10.0, 0.8): 110.0,
+    (15.0, 0.8): 46.8,
+    (20.0, 0.8): 15.9,
+    (35.0, 0.8): -0.5,
+}
 """Speeds of the model in space on a plane, mm/s, by tilt and label; errors below 1 mm/s."""
 
 
@@ -167,11 +185,13 @@ def test_bounds_hold_the_speeds_of_the_model_in_space():
 
 @pytest.mark.parametrize(
     ("tables", "told"),
-    [({"drive": {"frequency_hz": 90.0, "gamma": 5.0}}, "gamma in 1.1..3, not at 5"),
-     ({"contact": {"friction": 2.0}}, "friction in 0.05..0.6, not at 2"),
-     ({"plate": {"slope_deg": 6.0}}, "slopes beyond 5 deg"),
-     ({"feet": {"damping": "hysteretic"}}, "feet.damping = hysteretic")],
-)  # fmt: skip
+    [
+        ({"drive": {"frequency_hz": 90.0, "gamma": 5.0}}, "gamma in 1.1..3, not at 5"),
+        ({"contact": {"friction": 2.0}}, "friction in 0.05..0.6, not at 2"),
+        ({"plate": {"slope_deg": 6.0}}, "slopes beyond 5 deg"),
+        ({"feet": {"damping": "hysteretic"}}, "feet.damping = hysteretic"),
+    ],
+)
 def test_outside_the_table_the_theory_stands_in_and_says_so(tables, told):
     design = Design()
     row = prediction.predict(design, solids.mass_of(design), Scene.model_validate(tables))
@@ -187,10 +207,11 @@ def test_the_theorys_error_is_what_separates_it_from_the_table():
     rng = np.random.default_rng(5)
     z = []
     for _ in range(200):
-        legs = {"tilt_deg": float(40.0 * rng.random() ** 1.2),
-                "flexible_thickness_mm": float(rng.uniform(0.3, 0.7))}  # fmt: skip
-        contact = {"restitution": float(rng.uniform(0.05, 0.95)),
-                   "friction": float(np.exp(rng.uniform(np.log(0.07), np.log(0.5))))}  # fmt: skip
+        legs = {"tilt_deg": float(40.0 * rng.random() ** 1.2), "flexible_thickness_mm": float(rng.uniform(0.3, 0.7))}
+        contact = {
+            "restitution": float(rng.uniform(0.05, 0.95)),
+            "friction": float(np.exp(rng.uniform(np.log(0.07), np.log(0.5)))),
+        }
         drive = {"frequency_hz": 90.0, "gamma": float(rng.uniform(1.2, 2.8))}
         design = Design.model_validate({"legs": legs})
         scene = Scene.model_validate({"contact": contact, "drive": drive})
@@ -207,9 +228,7 @@ def test_the_theorys_error_is_what_separates_it_from_the_table():
 
 
 def test_draws_stay_in_the_physical_range_and_repeat():
-    scene = Scene.model_validate(
-        {"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}}
-    )
+    scene = Scene.model_validate({"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}})
     known = prediction.known_inputs(scene, Design())
     one, two = (uncertain.draws(known, 64, prediction.SEED) for _ in range(2))
     np.testing.assert_array_equal(one, two)
@@ -228,9 +247,7 @@ def test_shares_name_what_to_measure_next():
 
 
 def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():
-    upright, left, right = (
-        row_of(Design().variant(tilt_deg=tilt))[0] for tilt in (0.0, -12.0, 12.0)
-    )
+    upright, left, right = (row_of(Design().variant(tilt_deg=tilt))[0] for tilt in (0.0, -12.0, 12.0))
     assert upright.theory_mm_s == 0.0
     assert abs(upright.speed_mm_s) < 0.5  # by symmetry 0, in a table with a scatter of 1.8
     assert left.theory_mm_s == pytest.approx(-right.theory_mm_s, rel=1e-12)
@@ -259,10 +276,7 @@ def test_the_peak_of_the_theory_lies_below_ten_degrees():
 def test_a_curve_runs_through_its_members():
     curve = prediction.curve(Design(), Scene(), "coulomb", 0.0, 45.0)
     for tilt in (5.0, 10.0, 35.0):
-        row, place = (
-            row_of(Design().variant(tilt_deg=tilt))[0],
-            np.argmin(abs(curve.tilt_deg - tilt)),
-        )
+        row, place = (row_of(Design().variant(tilt_deg=tilt))[0], np.argmin(abs(curve.tilt_deg - tilt)))
         assert curve.speed[place] == pytest.approx(row.speed_mm_s, rel=1e-9)
         assert curve.theory[place] == pytest.approx(row.theory_mm_s, rel=1e-9)
 

@@ -36,10 +36,7 @@ def prism(shift: tuple[float, float, float] = (0.0, 0.0, 0.0), height: float = 3
     here = np.arange(count)
     there = (here + 1) % count
     walls = np.concatenate(
-        [
-            np.column_stack([here, there, there + count]),
-            np.column_stack([here, there + count, here + count]),
-        ]
+        [np.column_stack([here, there, there + count]), np.column_stack([here, there + count, here + count])]
     )
     vertices = np.concatenate([floor, floor + np.array([0.0, 0.0, height])]) + shift
     return Mesh(vertices, np.concatenate([bottom[:, ::-1], bottom + count, walls]))
@@ -120,9 +117,7 @@ def test_3mf_is_read_back_by_lib3mf() -> None:
 
 
 def test_3mf_is_read_back_by_trimesh() -> None:
-    data = export.threemf_bytes(
-        [Solid("L", prism())], [Item(0, "L-1", 0.0, 0.0), Item(0, "L-2", 30.0, 0.0)], "twice"
-    )
+    data = export.threemf_bytes([Solid("L", prism())], [Item(0, "L-1", 0.0, 0.0), Item(0, "L-2", 30.0, 0.0)], "twice")
     scene = trimesh.load_scene(io.BytesIO(data), file_type="3mf")
     assert scene.units == "millimeter"
     assert list(scene.geometry) == ["L"]
@@ -153,9 +148,7 @@ def test_plates_of_one_title_are_different_builds() -> None:
     assert first != second
 
 
-def test_bytes_are_equal_at_another_time_in_another_time_zone(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_bytes_are_equal_at_another_time_in_another_time_zone(monkeypatch: pytest.MonkeyPatch) -> None:
     def files() -> tuple[bytes, bytes]:
         mesh = prism()
         return export.part_3mf(mesh, "L"), export.stl_bytes(mesh, "L")
@@ -173,17 +166,7 @@ def test_bytes_are_equal_at_another_time_in_another_time_zone(
         time.tzset()
 
 
-HOSTILE = [
-    "../../etc/passwd",
-    "a\x00b",
-    "<b>&\"'",
-    "a\tb\nc",
-    "\x1b[2J",
-    "\ud800",
-    "\ufffe",
-    "é€😀",
-    "",
-]
+HOSTILE = ["../../etc/passwd", "a\x00b", "<b>&\"'", "a\tb\nc", "\x1b[2J", "\ud800", "\ufffe", "é€😀", ""]
 
 
 @pytest.mark.parametrize("name", HOSTILE)
@@ -234,9 +217,6 @@ def test_a_plate_file_holds_only_the_parts_on_that_plate() -> None:
     mesh = prism()
     parts = [Part.of("first", mesh), Part.of("second", mesh)]
     (full,) = plate.pack(parts, MK3S)
-    for placements, names in [
-        (full.placements[1:], ["second"]),
-        (full.placements, ["first", "second"]),
-    ]:
+    for placements, names in [(full.placements[1:], ["second"]), (full.placements, ["first", "second"])]:
         data = plate.plate_3mf(plate.Plate(placements), parts, [mesh, mesh], MK3S, "")
         assert threemf.read(data).names == names

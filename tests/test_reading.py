@@ -49,9 +49,7 @@ def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
 def test_records_are_cells_by_column_and_line():
     found = columns.records(["a, b\n", '1,"x,y"\n', "\n", " , \n", '2,"open\n', "3,z\n"], "mine")
     assert found.names == ["a", "b"]
-    assert found.rows == [
-        (2, {"a": "1", "b": "x,y"}), (5, {"a": "2", "b": "open\n"}), (6, {"a": "3", "b": "z"}),
-    ]  # fmt: skip
+    assert found.rows == [(2, {"a": "1", "b": "x,y"}), (5, {"a": "2", "b": "open\n"}), (6, {"a": "3", "b": "z"})]
 
 
 @pytest.mark.parametrize(

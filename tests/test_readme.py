@@ -11,8 +11,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / name for name in ("README.md", *(f"docs/{name}.md" for name in (
-    "app", "tutorial", "making", "running", "trusting", "python")))]  # fmt: skip
+PAGES = [
+    ROOT / name
+    for name in (
+        "README.md",
+        *(f"docs/{name}.md" for name in ("app", "tutorial", "making", "running", "trusting", "python")),
+    )
+]
 """Pages whose commands and Python are run, in this order in one folder."""
 README, TUTORIAL = (page.read_text(encoding="utf-8") for page in (PAGES[0], PAGES[2]))
 
@@ -76,9 +81,7 @@ def test_the_page_is_served_as_shown(tmp_path):
 def test_the_python_runs_as_shown(page, code, tmp_path):
     words = [sys.executable, "-c", code]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    result = subprocess.run(
-        words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
+    result = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     assert "mm/s" in result.stdout
     if page == "README.md":

@@ -10,19 +10,12 @@ from walkergen.analysis.tracks import Track, Tracks
 
 CASES = {
     "as a printed walker": (Inertial(), {}, True),
-    "turning steadily, each at its rate": (
-        Inertial(turn=3.0, turn_sd=0.5, rotation=0.1), {}, True
-    ),
-    "filmed with noise": (
-        Inertial(noise=0.05, heading_noise=0.02), {"interval": 0.01}, False
-    ),
+    "turning steadily, each at its rate": (Inertial(turn=3.0, turn_sd=0.5, rotation=0.1), {}, True),
+    "filmed with noise": (Inertial(noise=0.05, heading_noise=0.02), {"interval": 0.01}, False),
     "few for long": (Inertial(), {"walkers": 3, "seconds": 40.0}, True),
-    "heavy": (
-        Inertial(relaxation=0.3, rotation=1.0, diffusion=20.0, turn_relaxation=0.1),
-        {"seconds": 15.0}, True,
-    ),
+    "heavy": (Inertial(relaxation=0.3, rotation=1.0, diffusion=20.0, turn_relaxation=0.1), {"seconds": 15.0}, True),
     "without propulsion": (Inertial(speed=0.0), {}, True),
-}  # fmt: skip
+}
 
 
 def found(own, exact):
@@ -30,9 +23,11 @@ def found(own, exact):
     velocity, translation = relaxation.velocity(own, exact)
     rotation = motion.analyse(own).estimates["rotational_diffusion"]
     return {
-        "relaxation": velocity.time, "diffusion": translation, "rotation": rotation,
+        "relaxation": velocity.time,
+        "diffusion": translation,
+        "rotation": rotation,
         "turn_relaxation": relaxation.turning(own, exact, rotation).time,
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -87,11 +82,17 @@ def test_pushes_off_the_centre_lean_and_lead():
     """Seen at a point ahead of the centre, a walker leans by that way, and leads its heading."""
     one, ahead = Inertial(rotation=1.0, relaxation=0.01), 20.0
     own = tracks(4, one)
-    moved = Tracks(tuple(
-        track._replace(position=track.position + ahead * np.column_stack(
-            [np.cos(track.heading), np.sin(track.heading)]))
-        for track in own.tracks
-    ), own.interval, 0, "")  # fmt: skip
+    moved = Tracks(
+        tuple(
+            track._replace(
+                position=track.position + ahead * np.column_stack([np.cos(track.heading), np.sin(track.heading)])
+            )
+            for track in own.tracks
+        ),
+        own.interval,
+        0,
+        "",
+    )
     relaxed = relaxation.velocity(own, exact=True)[0].time.value
     for here, place in ((own, 0.0), (moved, ahead)):
         leaning = relaxation.leaning(here, relaxed)
@@ -110,9 +111,7 @@ def test_too_few_data_are_refused_with_the_reason():
 
 
 def test_walkers_that_stand_have_no_fluctuations():
-    stand = Tracks(
-        tuple(Track(n, np.ones((400, 2)), np.full(400, 0.5)) for n in range(10)), 0.01, 0, ""
-    )
+    stand = Tracks(tuple(Track(n, np.ones((400, 2)), np.full(400, 0.5)) for n in range(10)), 0.01, 0, "")
     velocity, diffusion = relaxation.velocity(stand, exact=True)
     assert diffusion.value == velocity.time.value == velocity.deviation == 0.0
     turning = relaxation.turning(stand, True, Estimate(0.0, 0.0))
@@ -121,9 +120,7 @@ def test_walkers_that_stand_have_no_fluctuations():
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(
-    ("case", "least"), [("as a printed walker", 0.82), ("filmed with noise", 0.72)]
-)
+@pytest.mark.parametrize(("case", "least"), [("as a printed walker", 0.82), ("filmed with noise", 0.72)])
 def test_errors_are_honest(case, least):
     """Over 40 sets, 68 and 95 % of the truths lie within one and two errors, within chance: of 40
     in each, less than 18 and less than 33 come once in 500. Of a film the relaxation of the

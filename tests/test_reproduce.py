@@ -24,12 +24,29 @@ from walkergen.theory import maximum
 from walkergen.walker.design import Design
 
 FILES = {
-    "figure2.csv", "figure2.pdf", "figure2.png", "figure2_labels.csv", "figure2_theory.csv",
-    "figure3.csv", "figure3.pdf", "figure3.png", "figure5.csv", "figure5.pdf", "figure5.png",
-    "figure6.csv", "figure6.pdf", "figure6.png", "figure6_densities.csv", "figure6_exponents.csv",
-    "figure6_tracks.csv", "mechanisms.csv", "mechanisms.pdf", "mechanisms.png", "reproduce.csv",
+    "figure2.csv",
+    "figure2.pdf",
+    "figure2.png",
+    "figure2_labels.csv",
+    "figure2_theory.csv",
+    "figure3.csv",
+    "figure3.pdf",
+    "figure3.png",
+    "figure5.csv",
+    "figure5.pdf",
+    "figure5.png",
+    "figure6.csv",
+    "figure6.pdf",
+    "figure6.png",
+    "figure6_densities.csv",
+    "figure6_exponents.csv",
+    "figure6_tracks.csv",
+    "mechanisms.csv",
+    "mechanisms.pdf",
+    "mechanisms.png",
+    "reproduce.csv",
     "reproduce.md",
-}  # fmt: skip
+}
 
 SCENE = """
 [drive]
@@ -101,10 +118,7 @@ def test_a_fast_run_makes_every_file(run, tmp_path):
     page = (folder / "reproduce.md").read_text()
     assert all(page.count(fact.quote) >= 1 for fact in compare.FACTS.values())
     width = {line.count("|") for line in page.splitlines() if line.startswith("|")}
-    assert width == {
-        6,
-        7,
-    }  # comparison, mechanisms: a cell with a bar of its own would break the table
+    assert width == {6, 7}  # comparison, mechanisms: a cell with a bar of its own would break the table
 
 
 @pytest.mark.nightly
@@ -122,11 +136,7 @@ def test_equal_runs_make_equal_files(run, tmp_path):
 @pytest.mark.nightly
 def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
     def some(cases, tilts, progress):
-        return [
-            point(case.model, tilt)._replace(assumption=case.assumption.name)
-            for case in cases
-            for tilt in tilts
-        ]
+        return [point(case.model, tilt)._replace(assumption=case.assumption.name) for case in cases for tilt in tilts]
 
     def interrupted(cases, gammas, progress):
         raise KeyboardInterrupt
@@ -165,27 +175,22 @@ def test_bad_input_is_named_before_anything_is_written(run, tmp_path, words, tol
 
 def test_another_law_is_refused_for_the_papers_is_poissons(design):
     scene = templates.load("lane-90hz", "scenes", Scene)
-    newton = scene.model_copy(
-        update={"contact": scene.contact.model_copy(update={"law": "newton"})}
-    )
+    newton = scene.model_copy(update={"contact": scene.contact.model_copy(update={"law": "newton"})})
     with pytest.raises(InputError, match=r"contact\.law = 'newton'"):
         reproduce.check(reproduce.Job(design, newton, scene))
 
 
 @pytest.mark.parametrize(
     ("tilt", "mode", "mean"),
-    [(10, "paper", 3.9965), (20, "coulomb", 2.377), (35, "paper", 1.316), (5, "paper", 5.2415),
-     (5, "coulomb", 5.001)],
-)  # fmt: skip
+    [(10, "paper", 3.9965), (20, "coulomb", 2.377), (35, "paper", 1.316), (5, "paper", 5.2415), (5, "coulomb", 5.001)],
+)
 def test_the_theory_drawn_has_the_known_values(design, tilt, mode, mean):
     # docs/physics.md section 4, e = 0.9, mu = 0.1: means of its back and front, for masses that are
     # rounded to three digits.
     scene = templates.load("lane-90hz-fitted", "scenes", Scene)
     curve = theory.curve(design, scene, mode, 0.0, 45.0)
     (at,) = np.flatnonzero(curve.tilt_deg == tilt)
-    assert curve.speed[at] / scene.impact_speed == pytest.approx(
-        mean, abs=3e-3
-    )  # for masses of three digits
+    assert curve.speed[at] / scene.impact_speed == pytest.approx(mean, abs=3e-3)  # for masses of three digits
 
 
 def test_the_contact_that_the_paper_measured_is_taken_where_a_scene_gives_none(design):
@@ -334,8 +339,7 @@ def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost
         summary, results = real(*words, **more)
         kept.extend(result.speed for result in results[lost:])
         return summary, [
-            result._replace(outcome=Outcome.TOPPLED) if place < lost else result
-            for place, result in enumerate(results)
+            result._replace(outcome=Outcome.TOPPLED) if place < lost else result for place, result in enumerate(results)
         ]
 
     monkeypatch.setattr(ensemble, "measure", bad)
@@ -355,9 +359,15 @@ def test_shares_by_hand():
 
 @pytest.mark.parametrize(
     ("value", "se", "told"),
-    [(63.04, 0.76, "63.0 ± 1.5"), (63.04, 4.0, "63 ± 8"), (0.3, 0.0, "0.3"),
-     (153.2, 34.0, "153 ± 68"), (5.75, 0.07, "5.75 ± 0.14"), (-0.004, 0.3, "0.0 ± 0.6"),
-     (12.0, None, "12")],
-)  # fmt: skip
+    [
+        (63.04, 0.76, "63.0 ± 1.5"),
+        (63.04, 4.0, "63 ± 8"),
+        (0.3, 0.0, "0.3"),
+        (153.2, 34.0, "153 ± 68"),
+        (5.75, 0.07, "5.75 ± 0.14"),
+        (-0.004, 0.3, "0.0 ± 0.6"),
+        (12.0, None, "12"),
+    ],
+)
 def test_numbers_show_the_digits_that_their_error_leaves(value, se, told):
     assert number(value, se) == told

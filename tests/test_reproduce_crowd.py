@@ -34,11 +34,13 @@ def found(slope=1.0, se=0.01):
 @pytest.mark.parametrize(
     ("change", "stated", "word"),
     [
-        (Value(0.4, 0.1), 1.0, "agrees"), (Value(0.4, 0.1), -1.0, "disagrees"),
-        (Value(-0.4, 0.1), -1.0, "agrees"), (Value(0.2, 0.1), 1.0, "undecided"),
+        (Value(0.4, 0.1), 1.0, "agrees"),
+        (Value(0.4, 0.1), -1.0, "disagrees"),
+        (Value(-0.4, 0.1), -1.0, "agrees"),
+        (Value(0.2, 0.1), 1.0, "undecided"),
         (Value(0.0, 0.0), 1.0, "undecided"),
     ],
-)  # fmt: skip
+)
 def test_a_sign_is_one_beyond_three_standard_errors(change, stated, word):
     assert crowd_claims.sign_of(change, stated) == word
 
@@ -55,9 +57,7 @@ def test_every_statement_has_its_row_and_those_of_another_sign_say_why():
 def test_series_stand_by_what_their_walkers_do_alone():
     numbers = found()
     points = crowd_claims.points_of(numbers, "lean", "circulation")
-    assert [at for at, _ in points] == sorted(
-        numbers["lean alone", lean]["spin"].mean for lean in crowd_cases.LEANS
-    )
+    assert [at for at, _ in points] == sorted(numbers["lean alone", lean]["spin"].mean for lean in crowd_cases.LEANS)
     ratio = crowd_claims.points_of(numbers, "lean", "speed over alone")[0][1]
     assert ratio.se > 0.0
     plain = crowd_claims.points_of(numbers, "packing", "order")
@@ -80,9 +80,9 @@ def test_page_and_table_name_every_source_and_what_was_read_of_it(tmp_path):
 @pytest.mark.parametrize("lean", crowd_cases.LEANS)
 def test_oblong_walkers_differ_in_the_tilt_of_their_right_legs_alone(lean):
     walking, design = crowd_cases.oblong(10.0), crowd_cases.oblong(lean)
-    assert seen_above.area_of(
-        tuple(seen_above.outline_of(design, solids.mass_of(design)))
-    ) == pytest.approx(28.0 * 16.0)
+    assert seen_above.area_of(tuple(seen_above.outline_of(design, solids.mass_of(design)))) == pytest.approx(
+        28.0 * 16.0
+    )
     tilts = [math.degrees(limb.tilt) for limb in design.limbs]
     assert tilts == pytest.approx([10.0, 10.0, lean, lean])
     heights = [limb.foot_height for limb in (*design.limbs, *walking.limbs)]
@@ -100,11 +100,14 @@ def test_tapered_walkers_narrow_toward_the_front_in_two_steps():
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (("--crowd", "--tilt", "10"), "--tilt"), (("bristle", "--crowd"), "DESIGN"),
-        (("--quick",), "--quick"), (("--crowd", "--runs", "2"), "--runs"),
-        (("--crowd", "--seconds", "0.1"), "--seconds"), (("--crowd", "--seed", "-1"), "seed"),
+        (("--crowd", "--tilt", "10"), "--tilt"),
+        (("bristle", "--crowd"), "DESIGN"),
+        (("--quick",), "--quick"),
+        (("--crowd", "--runs", "2"), "--runs"),
+        (("--crowd", "--seconds", "0.1"), "--seconds"),
+        (("--crowd", "--seed", "-1"), "seed"),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_go_together_is_refused(words, named, tmp_path):
     told = CliRunner().invoke(command_line, ["reproduce", *words, "--out", str(tmp_path / "no")])
     assert isinstance(told.exception, InputError)

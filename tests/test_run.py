@@ -224,9 +224,7 @@ def alive(pid):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-@pytest.mark.parametrize(
-    "ended_by", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.nightly)]
-)
+@pytest.mark.parametrize("ended_by", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.nightly)])
 def test_no_worker_outlives_its_program(tmp_path, ended_by):
     script, path = tmp_path / "explore.py", tmp_path / "points.sqlite"
     here = os.path.dirname(__file__)  # noqa: PTH120

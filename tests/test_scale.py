@@ -93,8 +93,10 @@ def test_the_speed_over_the_plates_bears_it_too(tmp_path):
     rng = np.random.default_rng(1)
     lines = [
         (8 * plate + n, 0.02 * k, 0.02 * k * plate + rng.normal(0, 0.1), plate, SCALE, ERROR)
-        for plate in (10, 20, 30) for n in range(8) for k in range(200)
-    ]  # fmt: skip
+        for plate in (10, 20, 30)
+        for n in range(8)
+        for k in range(200)
+    ]
     (tmp_path / "t.csv").write_text(csv_text(names, lines))
     words = ("analyse", str(tmp_path / "t.csv"), "--no-pictures", "--out", str(tmp_path))
     told = CliRunner().invoke(command_line, words).stdout
@@ -105,10 +107,14 @@ def test_the_speed_over_the_plates_bears_it_too(tmp_path):
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (0.05, (0.05, None)), ("0.05±0.001", (0.05, 0.001)), ("28 +- 0.1", (28.0, 0.1)),
-        ("28+/-.1", (28.0, 0.1)), ("5e-2±1e-3", (0.05, 0.001)), (None, (None, None)),
+        (0.05, (0.05, None)),
+        ("0.05±0.001", (0.05, 0.001)),
+        ("28 +- 0.1", (28.0, 0.1)),
+        ("28+/-.1", (28.0, 0.1)),
+        ("5e-2±1e-3", (0.05, 0.001)),
+        (None, (None, None)),
     ],
-)  # fmt: skip
+)
 def test_measured_numbers_are_read(text, expected):
     assert measured(text, "--x") == expected
 

@@ -10,8 +10,7 @@ from walkergen.errors import InputError
 from walkergen.files import config, templates
 from walkergen.scene import Drive, Scene
 
-FOUR = {"frequency_hz": 90.0, "amplitude_um": 55.20118808700732,
-        "peak_speed_mm_s": 31.21553645344271, "gamma": 1.8}  # fmt: skip
+FOUR = {"frequency_hz": 90.0, "amplitude_um": 55.20118808700732, "peak_speed_mm_s": 31.21553645344271, "gamma": 1.8}
 
 
 @pytest.mark.parametrize("pair", list(itertools.combinations(FOUR, 2)))
@@ -45,9 +44,7 @@ def test_one_number_is_not_enough(given):
 
 def test_mistakes_in_a_scene_are_one_line(tmp_path):
     path = tmp_path / "lane.toml"
-    path.write_text(
-        "[drive]\nfrequency_hz = 90\namplitude_um = 55.2\ngamma = 3.0\n[contact]\nlaw = 'hooke'\n"
-    )
+    path.write_text("[drive]\nfrequency_hz = 90\namplitude_um = 55.2\ngamma = 3.0\n[contact]\nlaw = 'hooke'\n")
     with pytest.raises(InputError) as caught:
         config.read(path, Scene)
     lines = str(caught.value).splitlines()
@@ -73,14 +70,7 @@ MEANT = {
         "feet.unevenness_um",
         *(
             f"drive.{key}"
-            for key in (
-                "kind",
-                "frequency_hz",
-                "frequency_sd_hz",
-                "gamma",
-                "eccentric_g_mm",
-                "eccentric_sd_g_mm",
-            )
+            for key in ("kind", "frequency_hz", "frequency_sd_hz", "gamma", "eccentric_g_mm", "eccentric_sd_g_mm")
         ),
     },
 }
@@ -94,12 +84,7 @@ def test_templates_state_the_defaults_of_everything_but_what_they_are_for(name):
     plain = Scene(name=scene.name, description=scene.description, contact=scene.contact)
     theirs, ours = plain.model_dump(), scene.model_dump()
     tables = [table for table in ours if isinstance(ours[table], dict)]
-    differ = {
-        f"{table}.{key}"
-        for table in tables
-        for key in ours[table]
-        if ours[table][key] != theirs[table][key]
-    }
+    differ = {f"{table}.{key}" for table in tables for key in ours[table] if ours[table][key] != theirs[table][key]}
     assert differ == MEANT.get(name, set())
 
 
@@ -120,10 +105,12 @@ def test_a_prior_supplies_what_a_contact_does_not_give():
 
 @pytest.mark.parametrize(
     ("key", "told"),
-    [("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
-     ("contact.prior", "'paper', 'unknown'"),
-     ("run.method", "run.method: this key is gone: legs.model implies it")],
-)  # fmt: skip
+    [
+        ("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
+        ("contact.prior", "'paper', 'unknown'"),
+        ("run.method", "run.method: this key is gone: legs.model implies it"),
+    ],
+)
 def test_misspelt_keys_and_those_gone_are_refused(key, told):
     with pytest.raises(InputError, match=re.escape(told)):
         Scene().variant(**{key: 10})

@@ -18,14 +18,13 @@ from walkergen.walker.mass import from_centre
 HOOK = [[-14, -9], [14, -9], [14, 9], [6, 9], [6, -2], [-14, -2]]
 """A body whose left side ahead reaches out: no mirror image of it is the same."""
 
-LEGS = [
-    {"along_mm": x, "across_mm": 5.0, "width_mm": 3.0, "mirrored": x > 0} for x in (-8.0, 8.0)
-] + [{"along_mm": 10.0, "across_mm": -5.0, "width_mm": 3.0}]
+LEGS = [{"along_mm": x, "across_mm": 5.0, "width_mm": 3.0, "mirrored": x > 0} for x in (-8.0, 8.0)] + [
+    {"along_mm": 10.0, "across_mm": -5.0, "width_mm": 3.0}
+]
 
-TURNER = Design.model_validate({
-    "name": "turner", "legs": LEGS,
-    "body": {"outline": "polygon", "points_mm": HOOK, "thickness_mm": 3.0},
-})  # fmt: skip
+TURNER = Design.model_validate(
+    {"name": "turner", "legs": LEGS, "body": {"outline": "polygon", "points_mm": HOOK, "thickness_mm": 3.0}}
+)
 
 
 def polygon_of(outline):
@@ -33,10 +32,9 @@ def polygon_of(outline):
 
 
 def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_does_not():
-    scene = Scene.model_validate({
-        "legs": {"model": "space"}, "arena": {"kind": "plane"},
-        "run": {"seconds": 0.3, "discard_seconds": 0.0},
-    })  # fmt: skip
+    scene = Scene.model_validate(
+        {"legs": {"model": "space"}, "arena": {"kind": "plane"}, "run": {"seconds": 0.3, "discard_seconds": 0.0}}
+    )
     mass = solids.mass_of(TURNER)
     found = poses.sample(prepare(scene, TURNER, mass), 0.05)
     outline = polygon_of(seen_above.outline_of(TURNER, mass))
@@ -90,11 +88,13 @@ def test_a_rectangle_is_its_four_corners_about_the_centre_of_mass():
 def test_the_projection_of_a_mesh_is_the_plan_that_it_was_made_of(tmp_path):
     mesh = landing.ready(TURNER.body.key).mesh
     (tmp_path / "hook.stl").write_bytes(stl.pack(mesh.vertices[mesh.triangles], "hook"))
-    design = Design.model_validate({
-        "legs": [{"along_mm": x, "across_mm": 5.0, "width_mm": 3.0} for x in (-8.0, 8.0)]
-        + [{"along_mm": 10.0, "across_mm": -5.0, "width_mm": 3.0}],
-        "body": {"mesh": str(tmp_path / "hook.stl"), "up": "y", "forward": "x"},
-    })  # fmt: skip
+    design = Design.model_validate(
+        {
+            "legs": [{"along_mm": x, "across_mm": 5.0, "width_mm": 3.0} for x in (-8.0, 8.0)]
+            + [{"along_mm": 10.0, "across_mm": -5.0, "width_mm": 3.0}],
+            "body": {"mesh": str(tmp_path / "hook.stl"), "up": "y", "forward": "x"},
+        }
+    )
     (ring,) = seen_above.contours(design)
     (own,) = seen_above.contours(TURNER)
     off = shapely.Polygon(ring).symmetric_difference(shapely.Polygon(own)).area

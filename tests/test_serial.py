@@ -67,11 +67,13 @@ def test_a_body_in_plan_view_bears_it_in_letters():
     [
         (PAPER, {"kind": "notches"}, "below the notches"),
         (PAPER, {"kind": "digits", "line_mm": 0.5}, "leave out the serial numbers"),
-        (PAPER.variant(tilt_deg=10.125, **{"body.length_mm": 20.0,
-                                           "legs.contact_spacing_mm": 8.0}),
-         {"kind": "digits"}, "needs"),
+        (
+            PAPER.variant(tilt_deg=10.125, **{"body.length_mm": 20.0, "legs.contact_spacing_mm": 8.0}),
+            {"kind": "digits"},
+            "needs",
+        ),
     ],
-)  # fmt: skip
+)
 def test_no_room_is_one_line(design, keys, told):
     with pytest.raises(GeometryError, match=told) as caught:
         numbered(design, 99_999, **keys)

@@ -96,9 +96,8 @@ def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
 
     found = dict(commands(typer.main.get_command(command_line)))
     loading_ones = {
-        path for path, options in found.items()
-        if options & {"design", "scene", "--scene", "--printer"}
-    } | {("report",)}  # fmt: skip
+        path for path, options in found.items() if options & {"design", "scene", "--scene", "--printer"}
+    } | {("report",)}
     assert loading_ones == {path for path, options in found.items() if "--set" in options}
     own = {words[: 2 if words[0] == "bench" else 1] for words in TAKES}
     assert loading_ones == own | {("sweep",)}  # whose values are axes: test_axes.py
@@ -137,10 +136,21 @@ def test_speeds_follow_the_drive_as_they_must(run):
 def test_all_values_reach_the_manifests(run):
     words = ("--set", "legs.length_mm=9", "--set", "printer.gap_mm=4", "--set", "name=longer")
     made = run(
-        "family", *words, "--set", "family.tilt_deg=[12]", "--set", 'family.legs=["flexible"]',
-        "--set", "scene.plate.slope_deg=1.5", "--frequency", "70", "--no-pictures", "--quiet",
-        "--out", "a",
-    )  # fmt: skip
+        "family",
+        *words,
+        "--set",
+        "family.tilt_deg=[12]",
+        "--set",
+        'family.legs=["flexible"]',
+        "--set",
+        "scene.plate.slope_deg=1.5",
+        "--frequency",
+        "70",
+        "--no-pictures",
+        "--quiet",
+        "--out",
+        "a",
+    )
     assert made.exit_code == 0, made.exception
     facts = json.loads(Path("a/manifest.json").read_text())
     assert facts["members"] == ["walker_t12.0_flexible_s0.40"]
@@ -148,9 +158,7 @@ def test_all_values_reach_the_manifests(run):
     assert facts["scene"]["plate"]["slope_deg"] == 1.5
     assert facts["scene"]["drive"]["frequency_hz"] == 70
     assert facts["printer"]["gap_mm"] == 4
-    made = run(
-        "plate", *words, "--set", "legs.tilt_deg=12", "--no-pictures", "--quiet", "--out", "b"
-    )
+    made = run("plate", *words, "--set", "legs.tilt_deg=12", "--no-pictures", "--quiet", "--out", "b")
     assert made.exit_code == 0, made.exception
     facts = json.loads(Path("b/plates/plate_prusa-mk3s.json").read_text())
     assert facts["designs"]["longer"]["legs"]["length_mm"] == 9
@@ -205,8 +213,7 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
         (("simulate", "--legs", "braced", "--set", "legs.kind=braced"), ("--legs braced",)),
         (("predict", "--gamma", "2", "--set", "scene.drive.gamma=2"), ("--gamma 2", "drive.gamma")),
         (("explain", "--model", "space", "--set", "scene.legs.model=rigid"), ("--model space",)),
-        (("predict", "--set", "body.depth_mm=8", "--set", "body.depth_mm=9"),
-         ("body.depth_mm=8", "body.depth_mm=9")),
+        (("predict", "--set", "body.depth_mm=8", "--set", "body.depth_mm=9"), ("body.depth_mm=8", "body.depth_mm=9")),
         (("predict", "--set", "body={depth_mm=8}", "--set", "body.depth_mm=9"), ("body={depth",)),
         (("family", "--set", "legs.tilt_deg=12"), ("--tilt 12", "family.tilt_deg=[12]")),
         (("check", "--set", "legs.tilt_deg=12"), ("--tilt 12", "family.tilt_deg=[12]")),
@@ -220,7 +227,7 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
         (("simulate", "--uncertain", "--set", "scene.run.runs=3"), ("--uncertain", "runs")),
         (("fit", "s.csv", "--model", "space", "--set", "scene.legs.model=rigid"), ("--model",)),
     ],
-)  # fmt: skip
+)
 def test_what_is_said_twice_or_would_be_void_is_refused(run, words, expected):
     told = refused(run, *words)
     assert "--set" in told
@@ -279,9 +286,7 @@ def test_the_exit_code_is_two(run, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["walkergen", "predict", "--set", "legs.tlt_deg=1"])
     with pytest.raises(SystemExit, match="2"):
         main()
-    assert capsys.readouterr().err == (
-        "error: command line: legs.tlt_deg: unknown key; did you mean legs.tilt_deg?\n"
-    )
+    assert capsys.readouterr().err == ("error: command line: legs.tlt_deg: unknown key; did you mean legs.tilt_deg?\n")
 
 
 def test_every_key_of_the_templates_can_be_set_to_its_own_value():
@@ -317,28 +322,20 @@ def test_a_default_of_a_command_gives_way(tmp_path):
         loading.inputs(["printer.gap_mm=1"], "design scene")
 
 
-SHORT = (
-    "--model", "rigid", "--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json",
-)  # fmt: skip
+SHORT = ("--model", "rigid", "--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
 
 
 @pytest.mark.slow
 def test_several_walkers_are_rows_of_what_each_gives_alone(run):
     several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT)
     rows = json.loads(several.stdout)["rows"]
-    assert [(row["tilt_deg"], row["legs"]) for row in rows] == [
-        (tilt, "braced") for tilt in (0.0, 5.0, 10.0)
-    ]
+    assert [(row["tilt_deg"], row["legs"]) for row in rows] == [(tilt, "braced") for tilt in (0.0, 5.0, 10.0)]
     for row in rows:
-        alone = json.loads(
-            run("simulate", "--legs", "braced", "--tilt", str(row["tilt_deg"]), *SHORT).stdout
-        )
+        alone = json.loads(run("simulate", "--legs", "braced", "--tilt", str(row["tilt_deg"]), *SHORT).stdout)
         same = set(row) & set(alone)
         assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
         assert {key: row[key] for key in same} == {key: alone[key] for key in same}
-        told = predicted(
-            run, "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8"
-        )
+        told = predicted(run, "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8")
         (known,) = json.loads(told)["rows"]
         assert row["theory_mm_s"] == known["theory_mm_s"]
         assert row["predicted_mm_s"] == known["speed_mm_s"]

@@ -19,8 +19,11 @@ SMALL = {"diameter_mm": 2.0, "height_mm": 1.0, "mass_g": 1e-3, "up_mm": 1.2}
 @pytest.mark.parametrize("turned", [False, True])
 def test_along_the_run_it_runs_within_the_bounds_of_the_plate_that_shakes_alike(turned):
     for tilt, push in ((10.0, 1.8), (15.0, 2.4)):
-        plan = carrying(throwing(push, axis="along", reversed=turned), tilt=tilt,
-                        run={"seconds": 2.0, "discard_seconds": 0.5, "runs": 4})  # fmt: skip
+        plan = carrying(
+            throwing(push, axis="along", reversed=turned),
+            tilt=tilt,
+            run={"seconds": 2.0, "discard_seconds": 0.5, "runs": 4},
+        )
         speed = np.mean([simulate(plan, number).speed for number in range(4)])
         row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
         assert row.speed_by == "table"
@@ -74,9 +77,7 @@ def test_frequency_and_moment_are_drawn_and_the_rating_stays_with_the_motor():
     exact = scene.variant(**{"drive.frequency_sd_hz": 0.0, "drive.eccentric_sd_g_mm": 0.0})
     without = prediction.predict(design, plan.case.mass, exact)
     assert row.speed_sd_mm_s > without.speed_sd_mm_s
-    assert "drive.frequency_hz" not in {
-        one.name for one in uncertain.inputs(Scene(), Design(), "space")
-    }
+    assert "drive.frequency_hz" not in {one.name for one in uncertain.inputs(Scene(), Design(), "space")}
 
 
 def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):

@@ -11,11 +11,23 @@ from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 
 KEYS = {
-    "model", "method", "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
-    "speed_high_95_mm_s", "runs", "simulated_s", "cpu_s", "wall_s",
-    "impacts_per_s", "type_fractions", "contact_fraction", "max_pitch_deg", "energy_error",
+    "model",
+    "method",
+    "speed_mm_s",
+    "speed_se_mm_s",
+    "speed_low_95_mm_s",
+    "speed_high_95_mm_s",
+    "runs",
+    "simulated_s",
+    "cpu_s",
+    "wall_s",
+    "impacts_per_s",
+    "type_fractions",
+    "contact_fraction",
+    "max_pitch_deg",
+    "energy_error",
     "outcomes",
-}  # fmt: skip
+}
 
 SHORT = ("--seconds", "0.5", "--runs", "2")
 
@@ -31,18 +43,14 @@ def run(tmp_path, monkeypatch):
 
 
 def test_json_has_the_named_keys(run):
-    result = run(
-        "simulate", "koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *SHORT, "--json"
-    )
+    result = run("simulate", "koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *SHORT, "--json")
     found = json.loads(result.stdout)
     assert set(found) >= KEYS
     assert (found["model"], found["method"], found["feet"]) == ("space", "step", "viscous")
     assert "law" not in found  # elastic feet know no law of impact
     assert found["runs"] == 2
     assert found["simulated_s"] == pytest.approx(1.0)
-    assert sum(found["type_fractions"].values()) - found["type_fractions"]["sticking"] == (
-        pytest.approx(1.0)
-    )
+    assert sum(found["type_fractions"].values()) - found["type_fractions"]["sticking"] == (pytest.approx(1.0))
 
 
 @pytest.mark.parametrize(
@@ -71,9 +79,7 @@ def test_overrides_reach_the_scene(run):
     assert power["friction"] < 1e-3 * power["impacts"]  # what time steps leave of none
     assert smooth["type_fractions"]["sticking"] == 0.0
     speeds = [
-        json.loads(run("simulate", "--model", "compliant", *words, *SHORT, "--json").stdout)[
-            "speed_mm_s"
-        ]
+        json.loads(run("simulate", "--model", "compliant", *words, *SHORT, "--json").stdout)["speed_mm_s"]
         for words in ((), ("--step", "30"), ("--step", "10"))
     ]
     assert speeds[0] == speeds[1] != speeds[2]
@@ -126,9 +132,7 @@ def test_explain_measures_what_an_effect_costs(run, monkeypatch):
 
 
 def test_family_simulate_adds_columns_and_points(run, tmp_path):
-    result = run(
-        "family", "--tilt", "10", "--simulate", "--seconds", "0.3", "--runs", "2", "--out", "here"
-    )
+    result = run("family", "--tilt", "10", "--simulate", "--seconds", "0.3", "--runs", "2", "--out", "here")
     assert "simulated" in result.stdout
     assert max(len(line) for line in result.stdout.splitlines()) <= 80
     with (tmp_path / "here" / "family.csv").open(encoding="utf-8", newline="") as stream:

@@ -26,9 +26,8 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     built = subprocess.run(
-        command, cwd=ROOT, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, capture_output=True,
-        text=True, check=False,
-    )  # fmt: skip
+        command, cwd=ROOT, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True, check=False
+    )
     assert built.returncode == 0, built.stderr
     assert "WARNING" not in built.stderr
     return folder
@@ -57,8 +56,7 @@ def test_the_gallery_has_every_picture_with_its_command_below(site):
 
 def test_notebooks_show_the_outputs_of_this_code(site):
     folder = site / "examples"
-    design, film = (folder / f"{name}.html" for name in (
-        "design-a-walker", "film-meets-simulation"))  # fmt: skip
+    design, film = (folder / f"{name}.html" for name in ("design-a-walker", "film-meets-simulation"))
     assert "must be a number" in design.read_text()  # what a cell printed
     assert 'sandbox="allow-scripts" srcdoc=' in design.read_text()  # a family in 3D
     assert re.search(r"apart by -?\d\.\d standard errors", film.read_text())
@@ -71,9 +69,7 @@ def test_notebooks_show_the_outputs_of_this_code(site):
 
 def test_pages_load_nothing_from_elsewhere(site):
     for page in site.rglob("*.html"):
-        loaded = re.findall(
-            r'<(?:script|link|img|iframe)[^>]+(?:src|href)="(https?:[^"]+)"', page.read_text()
-        )
+        loaded = re.findall(r'<(?:script|link|img|iframe)[^>]+(?:src|href)="(https?:[^"]+)"', page.read_text())
         assert loaded == [], page
 
 

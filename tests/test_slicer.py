@@ -106,16 +106,14 @@ def test_printer_and_filament_stay_the_makers_own(sliced_family):
     wanted = maker.profile(sliced_family.printer)
     assert {key: settings.get(key) for key in wanted} == wanted
     heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
-    assert heating == ["M104 S215", "M140 S60", "M190 S60", "M109 S215", "M104 S210", "M104 S0",
-                       "M140 S0"]  # fmt: skip
+    assert heating == ["M104 S215", "M140 S60", "M190 S60", "M109 S215", "M104 S210", "M104 S0", "M140 S0"]
     assert 'M862.3 P "MK3S"' in text
     assert slicer.prusaslicer_settings(sliced_family.printer).keys().isdisjoint(wanted)
 
 
 def compare_with_the_slicer(sheet: str, text: str) -> None:
     """The sheet's only plate against G-code: masses within 1 %, which the infill overlap allows."""
-    row = re.search(r"\| `plate_\S+` \| ([\d.]+) \| ([\d.]+) \| (\d+) \| .*\| ([\d.]+) (h|min) \|",
-                    sheet)  # fmt: skip
+    row = re.search(r"\| `plate_\S+` \| ([\d.]+) \| ([\d.]+) \| (\d+) \| .*\| ([\d.]+) (h|min) \|", sheet)
     grams, metres, layers = float(row[1]), float(row[2]), int(row[3])
     minutes = float(row[4]) * (60.0 if row[5] == "h" else 1.0)
 
@@ -186,8 +184,7 @@ def test_the_bundle_alone_heats_and_weighs_as_the_material_says(tmp_path, name, 
     text = (folder / f"plate_{name}_1.gcode").read_text()
     nozzle, bed = design.material.nozzle_deg_c, design.material.bed_deg_c
     heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
-    assert sorted(heating) == sorted([f"M190 S{bed}", f"M104 S{nozzle}", f"M109 S{nozzle}",
-                                      "M104 S0", "M140 S0"])  # fmt: skip
+    assert sorted(heating) == sorted([f"M190 S{bed}", f"M104 S{nozzle}", f"M109 S{nozzle}", "M104 S0", "M140 S0"])
     compare_with_the_slicer(sheet, text)
 
 
@@ -195,12 +192,9 @@ THICKNESSES = tuple(round(0.16 + 0.04 * step, 2) for step in range(38))
 
 
 @pytest.mark.parametrize(("line", "layer"), [(0.4, 0.1), (0.45, 0.3)])
-@pytest.mark.parametrize(
-    ("generator", "thin"), [("classic", False), ("classic", True), ("arachne", False)]
-)
+@pytest.mark.parametrize(("generator", "thin"), [("classic", False), ("classic", True), ("arachne", False)])
 def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line, layer):
-    changes = {"wall_generator": generator, "thin_walls": thin, "line_width_mm": line,
-               "layer_height_mm": layer}  # fmt: skip
+    changes = {"wall_generator": generator, "thin_walls": thin, "line_width_mm": line, "layer_height_mm": layer}
     printer = FLAT_BED.model_copy(update=changes)
     designs = [
         Design.model_validate({"legs": {"flexible_thickness_mm": one}, "body": {"depth_mm": 0.6}})
@@ -271,9 +265,7 @@ def test_depths_come_out_in_whole_layers(tmp_path, depth):
 
 
 def test_brim_and_skirt_reach_as_far_as_the_checks_say_and_no_slicer_stops_them(tmp_path):
-    printer = FLAT_BED.model_copy(
-        update={"brim_width_mm": 2.0, "skirt_loops": 2, "skirt_distance_mm": 3.0}
-    )
+    printer = FLAT_BED.model_copy(update={"brim_width_mm": 2.0, "skirt_loops": 2, "skirt_distance_mm": 3.0})
     designs = [Design(), Design()]
     one = Plate((Placement(0, 1, 5.0, 5.0), Placement(1, 1, 45.0, 5.0)))
     _, model = laid_out(designs, printer, tmp_path, one)
@@ -301,25 +293,27 @@ def test_one_kind_alone_on_its_plate_takes_the_name_of_the_file(tmp_path):
 
 def test_admesh_finds_every_stl_sound(tmp_path):
     members = [
-        member
-        for name in templates.names("walkers")
-        for member in templates.load(name, "walkers", Design).members()
+        member for name in templates.names("walkers") for member in templates.load(name, "walkers", Design).members()
     ]
     members += Design.model_validate({"legs": {"foot": "round"}}).members([0.0, 10.0, -30.0])
     seen = set()
-    for index, path in enumerate(
-        exports.make(members, ["stl"], tmp_path, lambda *told: None).files
-    ):
+    for index, path in enumerate(exports.make(members, ["stl"], tmp_path, lambda *told: None).files):
         # ADMesh prints the header beyond its end, where the number of facets is no text.
         result = subprocess.run(
-            [program("admesh"), str(path)],
-            capture_output=True, text=True, errors="replace", check=True,
-        )  # fmt: skip
-        numbers = {key.strip(): int(value) for key, value in
-                   re.findall(r"^\s*([A-Za-z ]+?)\s*:\s+(\d+)", result.stdout, re.M)}  # fmt: skip
+            [program("admesh"), str(path)], capture_output=True, text=True, errors="replace", check=True
+        )
+        numbers = {
+            key.strip(): int(value) for key, value in re.findall(r"^\s*([A-Za-z ]+?)\s*:\s+(\d+)", result.stdout, re.M)
+        }
         assert numbers["Number of parts"] == 1, path
-        repaired = ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added",
-                    "Facets reversed", "Backwards edges")  # fmt: skip
+        repaired = (
+            "Degenerate facets",
+            "Edges fixed",
+            "Facets removed",
+            "Facets added",
+            "Facets reversed",
+            "Backwards edges",
+        )
         assert [numbers[key] for key in repaired] == [0] * 6, path
         seen.add(index)
     assert len(seen) == len(members)

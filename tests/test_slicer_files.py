@@ -69,8 +69,7 @@ def test_a_process_preset_is_one_that_every_printer_takes(printer):
     assert preset["name"] == preset["print_settings_id"] == f"walkergen {printer.name}"
     assert re.fullmatch(r"1\.\d+\.\d+\.\d+", preset["version"])
     assert all(isinstance(value, str) for value in preset.values())
-    assert not any(key.startswith(("compatible", "printer", "filament", "nozzle"))
-                   for key in preset)  # fmt: skip
+    assert not any(key.startswith(("compatible", "printer", "filament", "nozzle")) for key in preset)
 
 
 # What both programs call the same thing, from the lists of their print options.
@@ -100,8 +99,14 @@ SAME = {
     "raft_layers": "raft_layers",
     "support_material": "enable_support",
 }
-OTHERWISE = {"gap_fill_enabled", "fill_pattern", "brim_type", "min_skirt_length",
-             "complete_objects", "gcode_label_objects"}  # fmt: skip
+OTHERWISE = {
+    "gap_fill_enabled",
+    "fill_pattern",
+    "brim_type",
+    "min_skirt_length",
+    "complete_objects",
+    "gcode_label_objects",
+}
 
 
 @pytest.mark.parametrize("changes", [{}, {"brim_width_mm": 3.0, "skirt_loops": 2}])
@@ -109,9 +114,7 @@ OTHERWISE = {"gap_fill_enabled", "fill_pattern", "brim_type", "min_skirt_length"
 def test_all_slicers_are_told_the_same(printer, changes):
     printer = printer.model_copy(update=changes)
     prusa, orca = slicer.prusaslicer_settings(printer), slicer.orca_settings(printer)
-    assert {ours: orca[theirs] for ours, theirs in SAME.items()} == {
-        ours: prusa[ours] for ours in SAME
-    }
+    assert {ours: orca[theirs] for ours, theirs in SAME.items()} == {ours: prusa[ours] for ours in SAME}
     assert set(prusa) == set(SAME) | OTHERWISE
     # of their own: two walls on top as everywhere
     assert (orca["only_one_wall_top"], orca["top_one_wall_type"]) == ("0", "not apply")
@@ -171,23 +174,31 @@ def test_every_file_in_an_archive_has_a_date_that_exists(prusaslicer):
     entries = archive_of(data).infolist()
     assert {entry.date_time for entry in entries} == {(1980, 1, 1, 0, 0, 0)}
     assert {entry.create_system for entry in entries} == {0}  # equal bytes on every system
-    assert archive_of(export.part_3mf(solids.build(PAPER).walker, "one")).infolist()[0].date_time \
-        == (1980, 1, 1, 0, 0, 0)  # fmt: skip
+    assert archive_of(export.part_3mf(solids.build(PAPER).walker, "one")).infolist()[0].date_time == (
+        1980,
+        1,
+        1,
+        0,
+        0,
+        0,
+    )
     assert data == files_of(prusaslicer=prusaslicer)[1]["p_prusa-mk3s_1.3mf"]
 
 
 def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
     made, files = files_of()
     told = files["p_prusa-mk3s.md"].decode()
-    for word in ("Import Config Bundle", "`p_prusa-mk3s.ini`", "`p_prusa-mk3s_orca.json`",
-                 "`walkergen prusa-mk3s`", "not Import Config"):  # fmt: skip
+    for word in (
+        "Import Config Bundle",
+        "`p_prusa-mk3s.ini`",
+        "`p_prusa-mk3s_orca.json`",
+        "`walkergen prusa-mk3s`",
+        "not Import Config",
+    ):
         assert word in told
-    assert all(
-        name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name
-    )
+    assert all(name in files for name in re.findall(r"`(p_[\w-]+\.\w+)`", told) if ".gc" not in name)
     (one,) = made.plates
-    weighed = [sheet.weigh("", design, built, MK3S)
-               for design, built in zip(made.members, made.built, strict=True)]  # fmt: skip
+    weighed = [sheet.weigh("", design, built, MK3S) for design, built in zip(made.members, made.built, strict=True)]
     found = estimate.of_plate(one, made.parts, [each.load for each in weighed], MK3S)
     grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)
@@ -216,8 +227,7 @@ def test_half_a_layer_prints_as_one():
 
 @pytest.mark.parametrize(
     ("seconds", "words"),
-    [(4.94, "4.9 s"), (119.0, "120 s"), (121.0, "2 min"), (6900.0, "120 min"), (7200.0, "2 h"),
-     (400000.0, "110 h")],
-)  # fmt: skip
+    [(4.94, "4.9 s"), (119.0, "120 s"), (121.0, "2 min"), (6900.0, "120 min"), (7200.0, "2 h"), (400000.0, "110 h")],
+)
 def test_times_have_two_digits_and_a_unit(seconds, words):
     assert estimate.duration(seconds) == words

@@ -43,8 +43,7 @@ def test_hidden_frictions_are_found_within_their_errors(tmp_path, friction):
     """200 films with noise: their mean is not off, and their scatter is the error that is told."""
     found = []
     for seed in range(200):
-        path = write(tmp_path / "t.csv", lambda t: 900.0 * t + 0.5 * gain(friction) * t**2,
-                     frames=30, seed=seed)  # fmt: skip
+        path = write(tmp_path / "t.csv", lambda t: 900.0 * t + 0.5 * gain(friction) * t**2, frames=30, seed=seed)
         found.append(filmed.friction(path, ANGLE, 1e-6))
     values, errors = np.array(found).T
     assert values.mean() == pytest.approx(friction, abs=4.0 * values.std() / math.sqrt(200))

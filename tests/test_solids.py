@@ -61,26 +61,25 @@ lengths = st.floats(0.05, 30.0)
     body=st.tuples(st.floats(2.0, 60.0), st.floats(0.01, 30.0), st.floats(0.01, 10.0)),
     legs=st.tuples(lengths, lengths, st.floats(0.05, 3.0), st.floats(0.05, 3.0)),
     brace=st.floats(0.05, 2.0),
-    tilt=st.one_of(
-        st.sampled_from([0.0, 1e-12, -1e-9]),
-        st.floats(-85.0, 85.0).filter(lambda deg: abs(deg) >= 1e-12),
-    ),
+    tilt=st.one_of(st.sampled_from([0.0, 1e-12, -1e-9]), st.floats(-85.0, 85.0).filter(lambda deg: abs(deg) >= 1e-12)),
     kind=st.sampled_from(["flexible", "braced"]),
     foot=st.sampled_from(FEET),
     scale=st.sampled_from([1e-3, 1.0, 1e3]),
 )
 def test_any_design_is_sound_or_refused_with_a_reason(body, legs, brace, tilt, kind, foot, scale):
     data = {
-        "body": dict(
-            zip(("length_mm", "depth_mm", "thickness_mm"), (scale * v for v in body), strict=True)
-        ),
+        "body": dict(zip(("length_mm", "depth_mm", "thickness_mm"), (scale * v for v in body), strict=True)),
         "legs": {
-            "kind": kind, "tilt_deg": tilt, "foot": foot,
-            "length_mm": scale * legs[0], "contact_spacing_mm": scale * legs[1],
-            "flexible_thickness_mm": scale * legs[2], "braced_thickness_mm": scale * legs[3],
+            "kind": kind,
+            "tilt_deg": tilt,
+            "foot": foot,
+            "length_mm": scale * legs[0],
+            "contact_spacing_mm": scale * legs[1],
+            "flexible_thickness_mm": scale * legs[2],
+            "braced_thickness_mm": scale * legs[3],
             "brace_thickness_mm": scale * brace,
         },
-    }  # fmt: skip
+    }
     try:
         design = Design.model_validate(data)
     except GeometryError as refusal:

@@ -11,11 +11,7 @@ from walkergen.simulation.run import Outcome
 
 PLANE = {"arena": {"kind": "plane"}}
 SHORT = {"run": {"seconds": 0.3, "discard_seconds": 0.05, "runs": 2}}
-HONEST = {one.value for one in Outcome} - {
-    Outcome.FAILED.value,
-    Outcome.INSIDE.value,
-    Outcome.RUNAWAY.value,
-}
+HONEST = {one.value for one in Outcome} - {Outcome.FAILED.value, Outcome.INSIDE.value, Outcome.RUNAWAY.value}
 """Ends that say what happened; an energy error says that the numbers are worth nothing."""
 
 
@@ -40,9 +36,7 @@ def run(tmp_path, monkeypatch):
         (tmp_path / "scene.toml").write_text(toml(tables), encoding="utf-8")
         design = 'name = "hostile"\n'
         for name, values in (walker or {}).items():
-            design += "".join(
-                [f"[{name}]\n", *(f"{k} = {json.dumps(v)}\n" for k, v in values.items())]
-            )
+            design += "".join([f"[{name}]\n", *(f"{k} = {json.dumps(v)}\n" for k, v in values.items())])
         (tmp_path / "walker.toml").write_text(design, encoding="utf-8")
         words = ["simulate", "walker.toml", "--scene", "scene.toml", "--tilt", "10", "--json"]
         return CliRunner().invoke(command_line, words, catch_exceptions=True)
@@ -74,28 +68,23 @@ REFUSED = {
         r"arena.gap_mm = 8: the walker is 8 mm deep and needs 8.042 mm; widen the lane",
     ),
     "a plane between walls": ({"arena": {"gap_mm": 8.5}}, "gap_mm = 8.5 has no meaning on a plane"),
-    "corners as high as legs": (
-        {"feet": {"unevenness_um": 7.6e3}}, r"feet.unevenness_um = 7600: must lie in 0..750",
-    ),
+    "corners as high as legs": ({"feet": {"unevenness_um": 7.6e3}}, r"feet.unevenness_um = 7600: must lie in 0..750"),
     "a band reversed": (
         {"plate": {"noise_ratio": 0.3, "noise_low_hz": 400.0, "noise_high_hz": 20.0}},
         "noise_low_hz = 400 must lie below noise_high_hz = 20",
     ),
     "a band beyond what steps resolve": (
-        {"plate": {"noise_ratio": 0.3, "noise_high_hz": 20_001.0}}, "plate.noise_high_hz = 20001",
+        {"plate": {"noise_ratio": 0.3, "noise_high_hz": 20_001.0}},
+        "plate.noise_high_hz = 20001",
     ),
     "a band without frequencies": (
         {"plate": {"noise_ratio": 0.3, "noise_low_hz": 100.0, "noise_high_hz": 100.1}},
         "plate.noise_low_hz = 100, noise_high_hz = 100.1",
     ),
-    "cliffs": (
-        {"plate": {"roughness_um": 100.0, "roughness_length_mm": 0.1}}, "plate.roughness_um = 100",
-    ),
-    "steps over contacts": (
-        {"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 7.*leave the key out",
-    ),
+    "cliffs": ({"plate": {"roughness_um": 100.0, "roughness_length_mm": 0.1}}, "plate.roughness_um = 100"),
+    "steps over contacts": ({"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 7.*leave the key out"),
     "a plane for a planar model": ({"legs": {"model": "compliant"}}, "arena.kind = 'plane'"),
-}  # fmt: skip
+}
 """Scenes, and what the one line says."""
 
 RUNS = {
@@ -106,7 +95,9 @@ RUNS = {
     "label 1": {"contact": {"restitution": 1.0}},
     "smallest label": {"contact": {"restitution": 0.02}},
     "smallest label, hysteretic": {
-        "contact": {"restitution": 0.02}, "feet": {"damping": "hysteretic"}, "run": {"seconds": 0.1}
+        "contact": {"restitution": 0.02},
+        "feet": {"damping": "hysteretic"},
+        "run": {"seconds": 0.1},
     },
     "friction 1e6": {"contact": {"friction": 1e6}},
     "no friction": {"contact": {"friction": 0.0}},
@@ -114,19 +105,15 @@ RUNS = {
     "noise up to 5 kHz": {"plate": {"noise_ratio": 0.3, "noise_high_hz": 5_000.0}},
     "noise of 100 times the drive": {"plate": {"noise_ratio": 100.0}},
     "a plane as large as the walker": {"arena": {"length_mm": 28.0, "width_mm": 8.0}},
-    "a lane too narrow to turn in": {
-        "arena": {"kind": "lane", "gap_mm": 8.05}, "legs": {"model": "space"}
-    },
-    "a lane without end across": {
-        "arena": {"kind": "lane", "gap_mm": 1e6}, "legs": {"model": "space"}
-    },
+    "a lane too narrow to turn in": {"arena": {"kind": "lane", "gap_mm": 8.05}, "legs": {"model": "space"}},
+    "a lane without end across": {"arena": {"kind": "lane", "gap_mm": 1e6}, "legs": {"model": "space"}},
     "a plate of 1e9 g": {"drive": {"frequency_hz": 90.0, "gamma": 1e9}},
     "a plate of 1 GHz": {"drive": {"frequency_hz": 1e9, "gamma": 1.8}, "run": {"seconds": 0.02}},
     "a plate of 10 mHz": {"drive": {"frequency_hz": 0.01, "gamma": 1.8}},
     "legs undamped": {"legs": {"damping_ratio": 0.0}},
     "legs overdamped": {"legs": {"damping_ratio": 10.0}},
     "the coarsest step": {"run": {"step_us": 7.6}},
-}  # fmt: skip
+}
 """Scenes at the edge of what is allowed."""
 
 

@@ -67,10 +67,13 @@ def test_corner_alone_rebounds_with_its_label(damping, label):
     """Braced, without friction: one mass on one foot, whichever corner lands."""
     plan = weightless(
         plan_of(
-            10, "braced", contact={"restitution": label, "friction": 0.0},
-            feet={"damping": damping}, run={"step_us": 0.05},
+            10,
+            "braced",
+            contact={"restitution": label, "friction": 0.0},
+            feet={"damping": damping},
+            run={"step_us": 0.05},
         )
-    )  # fmt: skip
+    )
     W = mobility(plan.world.walker)
     for pitch, roll in ((1e-5, 2e-5), (-1e-5, 2e-5), (2e-5, -1e-5)):
         _, events, _ = land(plan, (0.0, -1.0, 0.0), pitch, roll, clearance=1e-4)
@@ -83,11 +86,7 @@ def test_corner_alone_rebounds_with_its_label(damping, label):
 
 def four_corners(label, step_us):
     """Errors of the rebound on four corners at once, over the places of a landing in a step."""
-    plan = weightless(
-        plan_of(
-            0, "braced", contact={"restitution": label, "friction": 0.0}, run={"step_us": step_us}
-        )
-    )
+    plan = weightless(plan_of(0, "braced", contact={"restitution": label, "friction": 0.0}, run={"step_us": step_us}))
     walker, H = plan.world.walker, mobility(plan.world.walker)[0::3, 0::3]
     # All corners move as one mass: M / 4 on each damper, which is made for the mass 1 / H_nn
     ratio = feet.damping_ratio(label) * math.sqrt(4.0 / (walker.mass * H[0, 0]))
@@ -110,9 +109,7 @@ def test_walker_on_four_corners_rebounds_as_its_mass_says_to_second_order(label,
 
 def elastic_errors(step_us):
     """Relative changes of the energy in 18 elastic landings, from twelve heights."""
-    plan = plan_of(
-        10, contact={"restitution": 1.0, "friction": 0.0}, legs=SLIP_FREE, run={"step_us": step_us}
-    )
+    plan = plan_of(10, contact={"restitution": 1.0, "friction": 0.0}, legs=SLIP_FREE, run={"step_us": step_us})
     errors = []
     for i in range(12):
         state = plan.start(0.2 + 0.0013 * i, 1e-4, 0.0, 1e-4)
@@ -256,18 +253,13 @@ def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
     step = 1e-6
     ahead, behind = (shown(plan, moved(plan, state, t))[2] for t in (step, -step))
     expected = (ahead - behind) / (2.0 * step)
-    found = [
-        work.R @ point_velocity(state, work.now, work.points, walker.shift, walker.leg[k], 2, k)
-        for k in range(4)
-    ]
+    found = [work.R @ point_velocity(state, work.now, work.points, walker.shift, walker.leg[k], 2, k) for k in range(4)]
     # 1e-6 mm/s: third order in the step of the differences, 1e-5 rad, and their rounding
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
     # The same by the frozen rows through which contacts act
     frame = frozen(world, state, work)
     motion = np.concatenate([work.motion, state[LEGS + 4 : LEGS + 8]])
-    np.testing.assert_allclose(
-        (work.J @ motion).reshape(4, 3), expected @ frame.T, rtol=0, atol=1e-6
-    )
+    np.testing.assert_allclose((work.J @ motion).reshape(4, 3), expected @ frame.T, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize(("tilt", "twists"), [(0, True), (10, True), (35, True), (10, False)])
@@ -279,9 +271,7 @@ def test_inverse_mass_at_the_corners_is_that_of_volumes(tilt, twists):
     # axis for a box's; level cuts of a tilted leg change that by (s tan(tilt) / l)^2, 1e-4 and
     # 1.4e-3 at 10 and 35 deg, of which 2e-5 and 3e-4 show at the corners
     slanted = 1e-9 + twists * (0.5 * 0.4 / 7.5 * math.tan(math.radians(tilt))) ** 2
-    np.testing.assert_allclose(
-        mobility(plan.world.walker), expected, rtol=0, atol=slanted * abs(expected).max()
-    )
+    np.testing.assert_allclose(mobility(plan.world.walker), expected, rtol=0, atol=slanted * abs(expected).max())
 
 
 @pytest.mark.parametrize("tilt", [0, 10])
@@ -302,20 +292,13 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     M = rival.mass_matrix()
     momentum = M @ nu
     share = 1e-12 if tilt == 0 else 1e-4  # level cuts, as above
-    assert plan.energy(state) == pytest.approx(
-        0.5 * nu @ momentum + walker.mass * 9806.65 * state[C_Y], rel=share
-    )
+    assert plan.energy(state) == pytest.approx(0.5 * nu @ momentum + walker.mass * 9806.65 * state[C_Y], rel=share)
     # C carries the momentum, W the angular momentum about C
     np.testing.assert_allclose(
-        walker.mass * work.R.T @ state[V_X : V_X + 3],
-        momentum[:3],
-        rtol=0,
-        atol=3.0 * share * abs(momentum).max(),
+        walker.mass * work.R.T @ state[V_X : V_X + 3], momentum[:3], rtol=0, atol=3.0 * share * abs(momentum).max()
     )
     about_C = momentum[3:6] + np.cross(walker.centre, momentum[:3])
-    np.testing.assert_allclose(
-        walker.inertia @ state[W_X : W_X + 3], about_C, rtol=0, atol=share * abs(about_C).max()
-    )
+    np.testing.assert_allclose(walker.inertia @ state[W_X : W_X + 3], about_C, rtol=0, atol=share * abs(about_C).max())
     frame = frozen(world, state, work)
     expected = rival.mobility(frame @ work.R)
     slanted = 1e-9 if tilt == 0 else 5e-5
@@ -324,9 +307,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
 
 @pytest.mark.parametrize("tilt", [0, 10, 35])
 def test_walker_held_in_its_plane_has_the_inverse_mass_of_the_planar_model(tilt):
-    plan = plan_of(
-        tilt, arena={"kind": "lane"}, effects={"roll_and_yaw": False, "leg_twist": False}
-    )
+    plan = plan_of(tilt, arena={"kind": "lane"}, effects={"roll_and_yaw": False, "leg_twist": False})
     W = mobility(plan.world.walker).reshape(2, 2, 3, 2, 2, 3)
     # A foot is both its corners together: each carries half of its force
     feet_together = W.mean(axis=(1, 4))

@@ -23,41 +23,35 @@ CORNERS = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
 
 @pytest.mark.parametrize("friction", [0.0, 1e3])
 @pytest.mark.parametrize(("tilt", "label"), [(10, 0.3), (10, 0.8), (35, 0.5)])
-def test_corner_at_its_physical_stiffness_lands_as_by_an_independent_integration(
-    tilt, label, friction
-):
+def test_corner_at_its_physical_stiffness_lands_as_by_an_independent_integration(tilt, label, friction):
     """Hinge and twist move during the contact; a corner that sticks, or rubs without friction."""
     plan = weightless(
-        plan_of(
-            tilt, contact={"restitution": label, "friction": friction}, legs=FREE,
-            run={"step_us": 0.1},
-        )
-    )  # fmt: skip
+        plan_of(tilt, contact={"restitution": label, "friction": friction}, legs=FREE, run={"step_us": 0.1})
+    )
     walker, rival = plan.world.walker, Walker(plan.case.design, plan.case.mass)
     velocity, rubs = np.array([-0.3, -1.0, 0.2]), [1.0, float(friction > 0.0)]
     for pitch, roll in CORNERS:
         _, events, found = land(plan, velocity, 2e-5 * pitch, 2e-5 * roll, clearance=1e-4)
         corner = int(events[0, 1])
         expected = rival.landing(
-            corner, walker.spring[corner] * rubs, np.array([walker.damper[corner], 0.0]),
-            walker.stiffness, velocity,
-        )  # fmt: skip
+            corner, walker.spring[corner] * rubs, np.array([walker.damper[corner], 0.0]), walker.stiffness, velocity
+        )
         # 4e-4: a pose of 2e-5 rad changes the corner's inverse mass by 2e-4, as far as it shows
         # without friction; slanted legs' twist and steps of 0.3 % of the contact add 1e-4
-        np.testing.assert_allclose(
-            found, expected, rtol=0, atol=4e-4 * math.sqrt(expected @ expected)
-        )
+        np.testing.assert_allclose(found, expected, rtol=0, atol=4e-4 * math.sqrt(expected @ expected))
 
 
 def stiff(tilt, label, friction):
     """Plan of one landing within which the legs do not move: loose legs on stiff feet."""
     plan = weightless(
         plan_of(
-            tilt, contact={"restitution": label, "friction": friction}, legs=FREE,
+            tilt,
+            contact={"restitution": label, "friction": friction},
+            legs=FREE,
             feet={"damping": "hysteretic", "stiffness_ratio": 10.0, "tangential_ratio": 1000.0},
             run={"step_us": 0.02},
         )
-    )  # fmt: skip
+    )
     walker = plan.world.walker
     walker = walker._replace(stiffness=0.0 * walker.stiffness)
     return plan._replace(world=plan.world._replace(walker=walker))
@@ -68,16 +62,13 @@ def compared(plan, velocity, signs, law):
     contact = plan.scene.contact
     _, events, found = land(plan, velocity, 1e-4 * signs[0], 1e-4 * signs[1])
     corner = 3 * int(events[0, 1])
-    W = Walker(plan.case.design, plan.case.mass).mobility()[
-        corner : corner + 3, corner : corner + 3
-    ]
+    W = Walker(plan.case.design, plan.case.mass).mobility()[corner : corner + 3, corner : corner + 3]
     approach = np.array([velocity[1], velocity[0], velocity[2]])
     return found, keller(W, contact.friction, approach, contact.restitution, law)
 
 
 @pytest.mark.parametrize(
-    ("tilt", "friction"),
-    [(10, 0.1), (10, 0.25), (10, 0.5), (20, 0.25), (20, 0.6), (35, 0.5), (35, 1.0)],
+    ("tilt", "friction"), [(10, 0.1), (10, 0.25), (10, 0.5), (20, 0.25), (20, 0.6), (35, 0.5), (35, 1.0)]
 )
 @pytest.mark.parametrize("label", [0.3, 0.8])
 def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
@@ -88,9 +79,7 @@ def test_stiff_corner_obeys_kellers_equation(tilt, friction, label):
         found, expected = compared(plan, velocity, signs, "stronge")
         # 2 %: slip that turns back strains a tangential spring of 1000 k_n first, which counts most
         # where friction has undone most of the impulse; 0.3 % by a pose of 1e-4 rad
-        np.testing.assert_allclose(
-            found, expected, rtol=0, atol=2e-2 * math.sqrt(expected @ expected)
-        )
+        np.testing.assert_allclose(found, expected, rtol=0, atol=2e-2 * math.sqrt(expected @ expected))
 
 
 def test_hysteretic_feet_restore_energy_not_impulse():
@@ -113,9 +102,7 @@ def speed(tilt, label, model, seconds, **tables):
     design = Design().variant(tilt_deg=float(tilt))
     contact = {"restitution": label, "friction": 0.25} | tables.pop("contact", {})
     run = {"seconds": seconds, "discard_seconds": 0.5, "runs": 8}
-    scene = Scene.model_validate(
-        {"contact": contact, "legs": {"model": model}, "run": run} | tables
-    )
+    scene = Scene.model_validate({"contact": contact, "legs": {"model": model}, "run": run} | tables)
     plan = prepare(scene, design, solids.mass_of(design))
     summary, _ = ensemble.measure(plan, lambda *progress: None, 1)
     return summary.speed_mm_s, summary.speed_se_mm_s
@@ -134,8 +121,7 @@ def test_stiff_feet_in_the_plane_run_as_the_planar_model(label, seconds):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("tilt", "label", "expected"),
-    [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)],
+    ("tilt", "label", "expected"), [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)]
 )
 def test_elastic_feet_in_the_plane_run_as_another_integrator_says(tilt, label, expected):
     found, error = speed(tilt, label, "space", 3.0, **HELD)

@@ -107,9 +107,14 @@ class Corner:
             leaves.terminal = turns.terminal = True
             leaves.direction = turns.direction = -1.0
             path = solve_ivp(
-                lambda t, z, slides=slides: self.slopes(z, slides), (0.0, 1.0), z, "DOP853",
-                rtol=1e-10, atol=1e-13, events=[leaves, turns],
-            )  # fmt: skip
+                lambda t, z, slides=slides: self.slopes(z, slides),
+                (0.0, 1.0),
+                z,
+                "DOP853",
+                rtol=1e-10,
+                atol=1e-13,
+                events=[leaves, turns],
+            )
             z = path.y[:, -1]
             if len(path.t_events[0]):
                 return z[6:9]

@@ -46,9 +46,7 @@ def read(tmp_path, text, units=Units()):  # noqa: B008
 
 
 TURNING = HEADER + "".join(
-    f"{n},{who},,,,{0.01 * n:g},{n},{who + 2 * n},{6.2 + 0.1 * n},8.9,0.01,0.02\n"
-    for who in (0, 3)
-    for n in range(3)
+    f"{n},{who},,,,{0.01 * n:g},{n},{who + 2 * n},{6.2 + 0.1 * n},8.9,0.01,0.02\n" for who in (0, 3) for n in range(3)
 )
 
 

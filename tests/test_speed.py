@@ -24,12 +24,16 @@ def ideal(tilt_deg, m_over_M=None):
 @pytest.mark.parametrize(
     ("tilt", "mode", "back", "front"),
     [
-        (5, "paper", 5.506, 4.977), (5, "coulomb", 5.249, 4.753),
-        (10, "paper", 4.203, 3.790), (10, "coulomb", 4.203, 3.790),
-        (20, "paper", 2.458, 2.296), (20, "coulomb", 2.458, 2.296),
-        (35, "paper", 1.335, 1.297), (35, "coulomb", 1.335, 1.297),
+        (5, "paper", 5.506, 4.977),
+        (5, "coulomb", 5.249, 4.753),
+        (10, "paper", 4.203, 3.790),
+        (10, "coulomb", 4.203, 3.790),
+        (20, "paper", 2.458, 2.296),
+        (20, "coulomb", 2.458, 2.296),
+        (35, "paper", 1.335, 1.297),
+        (35, "coulomb", 1.335, 1.297),
     ],
-)  # fmt: skip
+)
 def test_known_values(tilt, mode, back, front):
     """docs/physics.md section 4, e = 0.9, mu = 0.1; given to three decimals."""
     found = factors(ideal(tilt), 0.9, 0.1, mode)
@@ -41,10 +45,7 @@ def test_known_values(tilt, mode, back, front):
 def test_equation_15_does_not_vanish_at_tilt_zero_but_coulomb_does(e, friction, value):
     """docs/physics.md section 4: eq. 15 gives 5.2 w (fitted) and 12 w (measured) there."""
     feet_at_zero = feet(ideal(0.0))
-    printed = [
-        0.5 * (1 + e) * (friction * H.xx - H.xy) / (H.yy - e * friction * H.xy)
-        for H in feet_at_zero
-    ]
+    printed = [0.5 * (1 + e) * (friction * H.xx - H.xy) / (H.yy - e * friction * H.xy) for H in feet_at_zero]
     assert np.mean(printed) == pytest.approx(value, abs=0.05 * value)
     # Mode paper takes the sign from H_xy: each foot has that size, back and front cancel.
     ours = factors(ideal(0.0), e, friction, "paper")
@@ -139,11 +140,10 @@ def test_speed_does_not_depend_on_scale_or_density():
     for length, mass in ((1e-3, 1.0), (1e3, 1.0), (1.0, 1e6)):
         legs = tuple(
             LegMass(
-                leg.m * mass, leg.j * mass * length**2,
-                *(length * vector for vector in (leg.anchor, leg.c_A, leg.c_T)),
+                leg.m * mass, leg.j * mass * length**2, *(length * vector for vector in (leg.anchor, leg.c_A, leg.c_T))
             )
             for leg in one.legs
-        )  # fmt: skip
+        )
         scaled = MassProperties(one.M * mass, one.J * mass * length**2, legs, False)
         for law in LAWS:
             expected = factors(one, 0.8, 0.25, law=law)
@@ -165,12 +165,16 @@ def test_vectorised_equals_one_by_one():
 @pytest.mark.parametrize(
     ("e", "mu", "mode", "law"),
     [
-        (-0.1, 0.1, "coulomb", "poisson"), (1.1, 0.1, "coulomb", "poisson"),
-        (np.nan, 0.1, "coulomb", "poisson"), (0.5, -1.0, "coulomb", "poisson"),
-        (0.5, np.inf, "coulomb", "poisson"), (0.5, 0.1, "exact", "poisson"),
-        (0.5, 0.1, "coulomb", "hooke"), (0.5, 0.1, "paper", "newton"),
+        (-0.1, 0.1, "coulomb", "poisson"),
+        (1.1, 0.1, "coulomb", "poisson"),
+        (np.nan, 0.1, "coulomb", "poisson"),
+        (0.5, -1.0, "coulomb", "poisson"),
+        (0.5, np.inf, "coulomb", "poisson"),
+        (0.5, 0.1, "exact", "poisson"),
+        (0.5, 0.1, "coulomb", "hooke"),
+        (0.5, 0.1, "paper", "newton"),
     ],
-)  # fmt: skip
+)
 def test_unusable_numbers_are_refused(e, mu, mode, law):
     with pytest.raises(TheoryError):
         factor(InverseMass(1.0, -0.1, 1.0), e, mu, mode, law)

@@ -21,9 +21,10 @@ def analysed(walker, seeds, walkers=8, seconds=20.0, headed=True):
 @pytest.mark.parametrize(("walker", "headed"), [(SLOW, False), (FAST, True)])
 def test_diffusion_besides_the_run_counts_for_diffusivity_and_is_no_noise(walker, headed):
     truth = {
-        "diffusivity": walker.diffusivity, "translational_diffusion": walker.diffusion,
+        "diffusivity": walker.diffusivity,
+        "translational_diffusion": walker.diffusion,
         "ballistic_speed": walker.speed,
-    }  # fmt: skip
+    }
     inside = {name: [] for name in truth}
     for found in analysed(walker, 20, headed=headed):
         for name, expected in truth.items():
@@ -91,8 +92,7 @@ def test_the_misfit_is_about_one_where_the_law_holds_and_large_where_it_does_not
     roamer = SLOW._replace(speed=60.0, diffusion=0.0)
     wide, roaming = 40.0, film(1, 16, 40.0, roamer, 1 / 30, headed=False)
     folded = tuple(
-        t._replace(position=np.abs((t.position + wide) % (4 * wide) - 2 * wide) - wide)
-        for t in roaming.tracks
+        t._replace(position=np.abs((t.position + wide) % (4 * wide) - 2 * wide) - wide) for t in roaming.tracks
     )
     found = motion.analyse(roaming._replace(tracks=folded))
     assert found.msd_fit.misfit > max(fit.misfit for fit in fits)

@@ -32,9 +32,7 @@ def test_a_mean_of_equal_weights_has_the_textbook_error_and_interval():
     assert mean.freedom == pytest.approx(4.0)
     low, high = mean.interval(0.95)
     # 2.776: Student's t of 4 degrees of freedom, from printed tables
-    assert (low, high) == pytest.approx(
-        (mean.value - 2.776 * mean.se, mean.value + 2.776 * mean.se), rel=1e-3
-    )
+    assert (low, high) == pytest.approx((mean.value - 2.776 * mean.se, mean.value + 2.776 * mean.se), rel=1e-3)
 
 
 def test_a_mean_over_unequal_times_weighs_them_and_covers_the_truth():

@@ -38,9 +38,7 @@ def path(tmp_path):
 
 
 def writer(path, first):
-    return subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(path), str(first)], stdout=subprocess.PIPE, text=True
-    )
+    return subprocess.Popen([sys.executable, "-c", WRITER, str(path), str(first)], stdout=subprocess.PIPE, text=True)
 
 
 def test_records_come_back_to_the_last_bit(path):
@@ -194,9 +192,19 @@ def test_the_text_of_a_record_is_plain_json(path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "null", "[]", "{}", "{", "1", '{"speed_mm_s": NaN, "status": "ok"}', '{"runs": [1]}',
-     '{"speed_mm_s": Infinity}', "[" * 100_000],
-)  # fmt: skip
+    [
+        "",
+        "null",
+        "[]",
+        "{}",
+        "{",
+        "1",
+        '{"speed_mm_s": NaN, "status": "ok"}',
+        '{"runs": [1]}',
+        '{"speed_mm_s": Infinity}',
+        "[" * 100_000,
+    ],
+)
 def test_a_spoilt_record_is_none_and_made_anew(path, text):
     store = Store(path)
     store.put([("a", RECORD), ("b", RECORD)])

@@ -92,18 +92,7 @@ def made_runs(runs, blocks, rng):
     """Runs of independent block speeds with mean 10 and standard deviation 2."""
     speeds = rng.normal(10.0, 2.0, (runs, blocks))
     return [
-        RunResult(
-            k,
-            Outcome.OK,
-            0.1 * blocks,
-            row.mean(),
-            0.1,
-            row,
-            np.zeros((0, 3)),
-            0.0,
-            record.new(3),
-            0.0,
-        )
+        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, np.zeros((0, 3)), 0.0, record.new(3), 0.0)
         for k, row in enumerate(speeds)
     ]
 
@@ -123,9 +112,7 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
         assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))]
-)
+@pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])
 def test_errors_are_read(text, expected):
     assert tolerance.parse(text) == expected
 
@@ -213,10 +200,7 @@ def test_what_auto_trusts_counts_as_true():
 
 
 def test_planar_rungs_of_a_noisy_plane_run_in_a_lane_without_noise():
-    survey = survey_of(
-        model="auto", arena={"kind": "plane"}, plate={"noise_ratio": 0.2},
-        feet={"unevenness_um": 5.0},
-    )  # fmt: skip
+    survey = survey_of(model="auto", arena={"kind": "plane"}, plate={"noise_ratio": 0.2}, feet={"unevenness_um": 5.0})
     assert [setting.model for setting in survey.simpler] == ["rigid", "relaxed", "compliant"]
     for setting in survey.simpler:
         assert survey.plan(setting).resolved.model == setting.model
@@ -254,9 +238,7 @@ def test_orders_in_space_are_those_claimed():
 
 @pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])
 def test_a_console_has_few_columns_of_a_ladder_and_no_rows_of_a_long_one(rungs, shown):
-    settings = [
-        Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)
-    ]
+    settings = [Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)]
     ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
     made = report.of([ladder], None, 1.0, None, "walker", Path("here"))
     assert [len(table.columns) for table in made.shown()] == [5] * shown

@@ -77,12 +77,7 @@ def test_rocking_block_follows_an_independent_integration(gamma, friction, slip)
     assert go(w, plate, Contact(0.5, friction, 0), state, 0.03)[0] == OK
     assert (state[MODE_BACK] != OPEN) & (state[MODE_FRONT] == OPEN)
     truth = solve_ivp(
-        independent_motion(w, plate, friction, slip),
-        (0.0, 0.03),
-        start,
-        method="DOP853",
-        rtol=1e-12,
-        atol=1e-12,
+        independent_motion(w, plate, friction, slip), (0.0, 0.03), start, method="DOP853", rtol=1e-12, atol=1e-12
     )
     assert state[:6] == pytest.approx(truth.y[:, -1], abs=1e-8)  # both to about 1e-10
 

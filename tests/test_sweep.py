@@ -88,9 +88,7 @@ def walks(draw, model, effects, wide=False):
     scale = draw(st.sampled_from([1.0, 1.0, 1.0, 1e-3, 1e-2, 10.0, 1e3]))
     flexible = model in ("relaxed", "compliant") or draw(st.booleans())
     body_length = scale * draw(st.floats(10.0, 80.0))
-    tilt_deg = draw(
-        st.one_of(st.sampled_from([0.0, 1e-12, -1e-12, 1e-6, 85.0, -85.0]), st.floats(-50, 50))
-    )
+    tilt_deg = draw(st.one_of(st.sampled_from([0.0, 1e-12, -1e-12, 1e-6, 85.0, -85.0]), st.floats(-50, 50)))
     length = body_length * draw(st.floats(0.05, 0.5))
     thickness = length * draw(st.floats(0.01, 0.4))
     # What the legs leave of the body for the distance of their feet; a little beyond is refused.
@@ -105,16 +103,13 @@ def walks(draw, model, effects, wide=False):
             "kind": "flexible" if flexible else "braced",
             "tilt_deg": tilt_deg,
             "length_mm": length,
-            "contact_spacing_mm": max(room, 0.2 * body_length)
-            * draw(between((0.01, 1.02), (0.3, 1.02), wide)),
+            "contact_spacing_mm": max(room, 0.2 * body_length) * draw(between((0.01, 1.02), (0.3, 1.02), wide)),
             "flexible_thickness_mm": thickness,
             "braced_thickness_mm": thickness,
             "brace_thickness_mm": thickness * draw(st.floats(0.1, 1.05)),
             "foot": draw(st.sampled_from(["flat", "square", "round"])),
         },
-        "material": {
-            "density_g_cm3": draw(decades(-2, 2)), "youngs_modulus_gpa": draw(decades(-4, 4))
-        },
+        "material": {"density_g_cm3": draw(decades(-2, 2)), "youngs_modulus_gpa": draw(decades(-4, 4))},
         "weighed": {},
         "drive": {
             "frequency_hz": draw(st.floats(5.0, 2000.0)),
@@ -135,15 +130,11 @@ def walks(draw, model, effects, wide=False):
         "plate": {"slope_deg": draw(st.one_of(st.just(0.0), st.floats(-30.0, 30.0)))},
         "scene_legs": {
             "model": model,
-            "damping_ratio": draw(
-                st.one_of(
-                    st.sampled_from([0.0, 0.05]), between((0.0, 10.0), (0.0, 3.0), wide)
-                )
-            ),
+            "damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), between((0.0, 10.0), (0.0, 3.0), wide))),
         },
         "effects": {"second_harmonic": draw(effects), "plate_slope": draw(effects)},
         "run": {"step_us": 30.0, "discard_seconds": 0.0},
-    }  # fmt: skip
+    }
     if draw(st.integers(0, 3)) == 0:
         tables["weighed"]["body_mass_g"] = scale**3 * draw(decades(-2, 2))
         tables["weighed"]["leg_mass_g"] = tables["weighed"]["body_mass_g"] * draw(decades(-5, 2))
@@ -166,14 +157,12 @@ def fastest_swing(plan):
 
 def built(tables):
     """Design, scene and plan of an example, or raises InputError."""
-    design = config.validate(
-        {key: tables[key] for key in ("body", "legs", "material", "weighed")}, Design, "sweep"
-    )
+    design = config.validate({key: tables[key] for key in ("body", "legs", "material", "weighed")}, Design, "sweep")
     scene = config.validate(
-        {key: tables[key] for key in ("drive", "contact", "plate", "effects", "run")}
-        | {"legs": tables["scene_legs"]},
-        Scene, "sweep",
-    )  # fmt: skip
+        {key: tables[key] for key in ("drive", "contact", "plate", "effects", "run")} | {"legs": tables["scene_legs"]},
+        Scene,
+        "sweep",
+    )
     shape = solids.build(design)
     weighed = solids.weigh(design, shape)
     if scene.legs.model == "compliant":
@@ -199,17 +188,13 @@ def check_refusal(error, tables):
         else:
             fields |= {f"{name}.{key}" for key in value}
     for line in str(error).splitlines():
-        named = re.search(
-            r"\b([a-z]+(\[\d+\])?(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: ")
-        )
+        named = re.search(r"\b([a-z]+(\[\d+\])?(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: "))
         assert named, line
         assert named[1] in fields | {"drive"}, line
 
 
 def check_solid(design, shape):
-    whole, body, *legs = (
-        mass.weigh(part, 1.0).volume for part in (shape.walker, shape.body, *shape.legs)
-    )
+    whole, body, *legs = (mass.weigh(part, 1.0).volume for part in (shape.walker, shape.body, *shape.legs))
     # Round feet are polygons: the union against its own parts; coordinates carry 16 digits.
     assert whole == pytest.approx(body + sum(legs), rel=1e-11)
     assert body == pytest.approx(math.prod(design.size), rel=1e-12)
@@ -244,10 +229,13 @@ def impacts_may_gain(plan):
         return False
     walker = plan.world.walker
     excess = [
-        [1 / walker.mass + y * y / walker.inertia - foot.xx, -x * y / walker.inertia - foot.xy,
-         1 / walker.mass + x * x / walker.inertia - foot.yy]
+        [
+            1 / walker.mass + y * y / walker.inertia - foot.xx,
+            -x * y / walker.inertia - foot.xy,
+            1 / walker.mass + x * x / walker.inertia - foot.yy,
+        ]
         for (x, y), foot in zip(walker.feet, walker.flexible, strict=True)
-    ]  # fmt: skip
+    ]
     return any(np.linalg.eigvalsh([[xx, xy], [xy, yy]]).max() > 0.0 for xx, xy, yy in excess)
 
 
@@ -261,9 +249,7 @@ def largest_at_once(times, values):
 
 
 def check_motion(design, scene, weighed, plan, result):
-    unresolved = plan.resolved.model == "compliant" and (
-        1e-6 * scene.run.step_us * fastest_swing(plan) > RESOLVED
-    )
+    unresolved = plan.resolved.model == "compliant" and (1e-6 * scene.run.step_us * fastest_swing(plan) > RESOLVED)
     assert result.outcome in ENDINGS | ({Outcome.ENERGY} if unresolved else set()) | (
         {Outcome.RUNAWAY} if impacts_may_gain(plan) else set()
     ), result.outcome
@@ -292,9 +278,7 @@ def check_motion(design, scene, weighed, plan, result):
     assert (F_y >= 0.0).all()
     # The impulses of a landing are sums of many, and those of both feet solve one system: rounding
     # of the largest component at that instant.
-    worst = (np.abs(F_x) - limit - 1e-9 * largest_at_once(times, np.hypot(F_x, F_y))).max(
-        initial=-1.0
-    )
+    worst = (np.abs(F_x) - limit - 1e-9 * largest_at_once(times, np.hypot(F_x, F_y))).max(initial=-1.0)
     assert worst <= 0.0, worst
     # Sliding that jams is stopped on feet whose normal speed is rounding.
     assert v_y.max(initial=-1.0) <= 1e-12 * scene.drive.peak_speed, v_y.max()
@@ -371,13 +355,16 @@ FOUND = {
         "ok",
         pinned(
             body={"length_mm": 31.587548992361302, "thickness_mm": 3.8677313301036182},
-            legs={"tilt_deg": -1.1, "length_mm": 9.760665784700837, "foot": "round",
-                  "contact_spacing_mm": 27.924423785901528,
-                  "flexible_thickness_mm": 3.288365568090941},
+            legs={
+                "tilt_deg": -1.1,
+                "length_mm": 9.760665784700837,
+                "foot": "round",
+                "contact_spacing_mm": 27.924423785901528,
+                "flexible_thickness_mm": 3.288365568090941,
+            },
             weighed={"body_mass_g": 1.2744359371459175, "leg_mass_g": 31.63353335052381},
             drive={"frequency_hz": 5.0},
-            contact={"restitution": 0.4577920141208508, "friction": 0.7434384115773104,
-                     "law": "stronge"},
+            contact={"restitution": 0.4577920141208508, "friction": 0.7434384115773104, "law": "stronge"},
             scene_legs={"model": "rigid"},
         ),
     ),
@@ -394,12 +381,19 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 0.1, "depth_mm": 0.005, "thickness_mm": 0.06562929326774312},
-            legs={"tilt_deg": -16.492017579482038, "length_mm": 0.049999999999999996,
-                  "contact_spacing_mm": 0.06435120223105012, "foot": "round",
-                  "flexible_thickness_mm": 0.0008884658956879748},
+            legs={
+                "tilt_deg": -16.492017579482038,
+                "length_mm": 0.049999999999999996,
+                "contact_spacing_mm": 0.06435120223105012,
+                "foot": "round",
+                "flexible_thickness_mm": 0.0008884658956879748,
+            },
             weighed={"body_mass_g": 1e-6, "leg_mass_g": 1e-6},
-            drive={"frequency_hz": 6.562929326774312, "second_harmonic_ratio": 0.9099002638365152,
-                   "second_harmonic_phase_deg": 180.1054753560967},
+            drive={
+                "frequency_hz": 6.562929326774312,
+                "second_harmonic_ratio": 0.9099002638365152,
+                "second_harmonic_phase_deg": 180.1054753560967,
+            },
             contact={"restitution": 1e-9, "friction": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
         ),
@@ -408,9 +402,13 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 0.01, "depth_mm": 0.001, "thickness_mm": 0.007},
-            legs={"tilt_deg": 0.0, "length_mm": 0.00375,
-                  "contact_spacing_mm": 0.0044140625000000005, "flexible_thickness_mm": 0.001171875,
-                  "foot": "flat"},
+            legs={
+                "tilt_deg": 0.0,
+                "length_mm": 0.00375,
+                "contact_spacing_mm": 0.0044140625000000005,
+                "flexible_thickness_mm": 0.001171875,
+                "foot": "flat",
+            },
             material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 0.0011547819846894581},
             drive={"frequency_hz": 122.0, "gamma": 11.0},
             contact={"restitution": 0.0, "friction": 0.0, "law": "poisson"},
@@ -424,8 +422,13 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 0.48132, "depth_mm": 0.001, "thickness_mm": 0.075907},
-            legs={"tilt_deg": -37.133, "length_mm": 0.16007, "contact_spacing_mm": 0.20785,
-                  "flexible_thickness_mm": 0.06362, "foot": "square"},
+            legs={
+                "tilt_deg": -37.133,
+                "length_mm": 0.16007,
+                "contact_spacing_mm": 0.20785,
+                "flexible_thickness_mm": 0.06362,
+                "foot": "square",
+            },
             material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 0.0025485},
             drive={"frequency_hz": 5.0, "gamma": 15.428},
             contact={"restitution": 1.0, "friction": 0.88738, "law": "poisson"},
@@ -439,8 +442,13 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 285.58, "depth_mm": 27.755, "thickness_mm": 52.781},
-            legs={"tilt_deg": -36.139, "length_mm": 85.818, "contact_spacing_mm": 172.52,
-                  "flexible_thickness_mm": 0.85818, "foot": "flat"},
+            legs={
+                "tilt_deg": -36.139,
+                "length_mm": 85.818,
+                "contact_spacing_mm": 172.52,
+                "flexible_thickness_mm": 0.85818,
+                "foot": "flat",
+            },
             material={"density_g_cm3": 10.0, "youngs_modulus_gpa": 161.48},
             weighed={"body_mass_g": 42.927, "leg_mass_g": 0.0014131},
             drive={"frequency_hz": 247.7, "gamma": 1.0},
@@ -455,15 +463,21 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 0.1, "depth_mm": 0.10926674349438197, "thickness_mm": 0.0025},
-            legs={"tilt_deg": 1e-08, "length_mm": 0.04341160473563344,
-                  "contact_spacing_mm": 0.028516483452350402,
-                  "flexible_thickness_mm": 0.004945055143678487, "foot": "square"},
-            material={"density_g_cm3": 0.9547540534355297,
-                      "youngs_modulus_gpa": 0.3566880363554641},
+            legs={
+                "tilt_deg": 1e-08,
+                "length_mm": 0.04341160473563344,
+                "contact_spacing_mm": 0.028516483452350402,
+                "flexible_thickness_mm": 0.004945055143678487,
+                "foot": "square",
+            },
+            material={"density_g_cm3": 0.9547540534355297, "youngs_modulus_gpa": 0.3566880363554641},
             weighed={"body_mass_g": 3.566880363554641e-07, "leg_mass_g": 3.566880363554641e-07},
-            drive={"frequency_hz": 244.05948159735212, "gamma": 1.000000001,
-                   "second_harmonic_ratio": 0.6495474605916366,
-                   "second_harmonic_phase_deg": 2.3916354370775e-06},
+            drive={
+                "frequency_hz": 244.05948159735212,
+                "gamma": 1.000000001,
+                "second_harmonic_ratio": 0.6495474605916366,
+                "second_harmonic_phase_deg": 2.3916354370775e-06,
+            },
             contact={"restitution": 4e-15, "friction": 0.9547540534355297, "law": "poisson"},
             plate={"slope_deg": 0.6495474605916366},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
@@ -475,8 +489,13 @@ FOUND = {
         "leg folded",
         pinned(
             body={"length_mm": 0.1, "depth_mm": 0.001, "thickness_mm": 0.067188},
-            legs={"tilt_deg": 0.0, "length_mm": 0.005, "contact_spacing_mm": 0.073619,
-                  "flexible_thickness_mm": 5e-05, "foot": "flat"},
+            legs={
+                "tilt_deg": 0.0,
+                "length_mm": 0.005,
+                "contact_spacing_mm": 0.073619,
+                "flexible_thickness_mm": 5e-05,
+                "foot": "flat",
+            },
             material={"density_g_cm3": 3.4283, "youngs_modulus_gpa": 0.00097534},
             weighed={"body_mass_g": 1e-06, "leg_mass_g": 9.7534e-10},
             drive={"frequency_hz": 7.5, "gamma": 51.28},
@@ -490,11 +509,18 @@ FOUND = {
     "legs of 23 GHz that keep the rates of an impact over the step": (
         None,
         pinned(
-            body={"length_mm": 0.07320754259443953, "depth_mm": 0.0096518165721802,
-                  "thickness_mm": 0.006475299517995902},
-            legs={"tilt_deg": 0.31879239824865824, "length_mm": 0.00397930778872772,
-                  "contact_spacing_mm": 0.05452390598509685,
-                  "flexible_thickness_mm": 0.0012685730733380748, "foot": "flat"},
+            body={
+                "length_mm": 0.07320754259443953,
+                "depth_mm": 0.0096518165721802,
+                "thickness_mm": 0.006475299517995902,
+            },
+            legs={
+                "tilt_deg": 0.31879239824865824,
+                "length_mm": 0.00397930778872772,
+                "contact_spacing_mm": 0.05452390598509685,
+                "flexible_thickness_mm": 0.0012685730733380748,
+                "foot": "flat",
+            },
             material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 332.0985148975011},
             weighed={"body_mass_g": 1.2139578050364861e-11, "leg_mass_g": 3.617200557491966e-15},
             drive={"frequency_hz": 5.0, "gamma": 6.0},
@@ -509,8 +535,13 @@ FOUND = {
         None,
         pinned(
             body={"length_mm": 0.74248, "depth_mm": 0.15955, "thickness_mm": 0.0005},
-            legs={"tilt_deg": -21.352, "length_mm": 0.037124, "contact_spacing_mm": 0.24013,
-                  "flexible_thickness_mm": 0.0037124, "foot": "round"},
+            legs={
+                "tilt_deg": -21.352,
+                "length_mm": 0.037124,
+                "contact_spacing_mm": 0.24013,
+                "flexible_thickness_mm": 0.0037124,
+                "foot": "round",
+            },
             material={"density_g_cm3": 1.0023, "youngs_modulus_gpa": 4.5578},
             weighed={"body_mass_g": 1.6262e-06, "leg_mass_g": 3.0157e-10},
             drive={"frequency_hz": 889.8, "gamma": 1.0},
@@ -521,7 +552,7 @@ FOUND = {
             run={"step_us": 2.8096, "seconds": 0.010115},
         ),
     ),
-}  # fmt: skip
+}
 """What nightly sweeps found: the outcome (None: any physical one), and the walker."""
 
 

@@ -25,8 +25,7 @@ def columns(error=1.0, missing=(), doubtful=(), **keys):
     speed = sum(10.0**power * place for power, place in enumerate(places)) + 1.0
     for row in missing:
         speed[row] = np.nan
-    status = ["refused" if row in missing else "slow" if row in doubtful else "ok"
-              for row in range(len(speed))]  # fmt: skip
+    status = ["refused" if row in missing else "slow" if row in doubtful else "ok" for row in range(len(speed))]
     values = {
         names[key]: [values[place] for place in column]
         for (key, values), column in zip(keys.items(), places, strict=True)
@@ -50,13 +49,11 @@ def said(found):
 
 def lines_of(axes):
     """Lines that join points, with their places."""
-    return [line for line in axes.lines if line.get_linestyle() not in ("None", "none")
-            and len(line.get_xdata()) > 2]  # fmt: skip
+    return [line for line in axes.lines if line.get_linestyle() not in ("None", "none") and len(line.get_xdata()) > 2]
 
 
 def marks_of(axes, marker):
-    return [line for line in axes.lines
-            if line.get_marker() == marker and line.get_linestyle() == "None"]  # fmt: skip
+    return [line for line in axes.lines if line.get_marker() == marker and line.get_linestyle() == "None"]
 
 
 def test_one_key_is_a_line_with_its_bounds_as_bars():
@@ -155,18 +152,19 @@ def test_two_keys_are_a_map_with_labelled_contours():
 
 
 def test_a_map_hatches_what_failed_and_leaves_out_what_is_not_there():
-    table = columns(tilt=list(range(6)), mu=[0.1 * step for step in range(1, 8)],
-                    missing=[0, 9], doubtful=[20])  # fmt: skip
+    table = columns(tilt=list(range(6)), mu=[0.1 * step for step in range(1, 8)], missing=[0, 9], doubtful=[20])
     inside = np.arange(42) < 36  # as when it was killed
     table = Columns(
         {key: np.array(values)[inside].tolist() for key, values in table.keys.items()},
-        table.value[inside], table.low[inside], table.high[inside], table.status[:36],
-    )  # fmt: skip
+        table.value[inside],
+        table.low[inside],
+        table.high[inside],
+        table.status[:36],
+    )
     found, (axes,) = drawn(table)
     (mesh,) = [one for one in axes.collections if isinstance(one, QuadMesh)]
     assert np.ma.getmaskarray(mesh.get_array()).sum() == 6 + 2
-    (hatched,) = [one for one in axes.collections if isinstance(one, PolyCollection)
-                  and one.get_hatch()]  # fmt: skip
+    (hatched,) = [one for one in axes.collections if isinstance(one, PolyCollection) and one.get_hatch()]
     centres = [path.vertices[:4].mean(axis=0) for path in hatched.get_paths()]
     np.testing.assert_allclose(centres, [[0, 0.1], [1, 0.3]])
     (rings,) = marks_of(axes, "o")
@@ -177,9 +175,7 @@ def test_a_map_hatches_what_failed_and_leaves_out_what_is_not_there():
 def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], drive=list(range(10, 80, 10)))
     found, panels_ = drawn(table)
-    assert [axes.get_title() for axes in panels_] == [
-        f"friction {friction}" for friction in (0.1, 0.2, 0.3)
-    ]
+    assert [axes.get_title() for axes in panels_] == [f"friction {friction}" for friction in (0.1, 0.2, 0.3)]
     meshes = [one for axes in panels_ for one in axes.collections if isinstance(one, QuadMesh)]
     assert len(meshes) == 3
     assert {mesh.get_clim() for mesh in meshes} == {(table.value.min(), table.value.max())}
@@ -192,10 +188,7 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
 def test_three_keys_with_few_values_are_small_multiples_of_lines():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], law=["poisson", "newton"])
     found, panels_ = drawn(table)
-    assert [axes.get_title() for axes in panels_] == [
-        "law of restitution poisson",
-        "law of restitution newton",
-    ]
+    assert [axes.get_title() for axes in panels_] == ["law of restitution poisson", "law of restitution newton"]
     assert [len(lines_of(axes)) for axes in panels_] == [3, 3]
     assert said(found) == ["friction 0.1", "0.2", "0.3"]
     assert len({axes.get_ylim() for axes in panels_}) == 1
@@ -240,9 +233,11 @@ def test_samples_of_more_keys_are_a_panel_each():
     table = cloud(40, TILT, MU, DRIVE, "legs.length_mm", missing=[3], doubtful=[5])
     _, panels_ = drawn(table)
     assert [axes.get_xlabel() for axes in panels_] == [
-        "tilt of the legs (deg)", "friction", "peak speed of the plate (mm/s)",
+        "tilt of the legs (deg)",
+        "friction",
+        "peak speed of the plate (mm/s)",
         "length of the legs (mm)",
-    ]  # fmt: skip
+    ]
     for axes in panels_:
         assert not lines_of(axes)
         assert sum(len(one.get_xdata()) for one in marks_of(axes, "o")) == 39
@@ -301,8 +296,7 @@ def test_axes_are_named_in_words_with_units(key, label):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_all_letters_can_be_read_at_the_width_of_a_column(count):
-    keys = {"tilt": list(range(7)), "mu": [0.1 * step for step in range(1, 8)],
-            "law": ["poisson", "newton"]}  # fmt: skip
+    keys = {"tilt": list(range(7)), "mu": [0.1 * step for step in range(1, 8)], "law": ["poisson", "newton"]}
     table = columns(**dict(list(keys.items())[:count]), missing=[3], doubtful=[5])
     found, _ = drawn(table, "a long title of a sweep " * 8)
     shown = [one for one in found.findobj(Text) if one.get_text() and one.get_visible()]

@@ -34,11 +34,15 @@ points = 8
 "scene.contact.friction" = [0.1, 0.3]
 "material.density_g_cm3" = "1:1.5"
 """
-NESTED = QUOTED.replace('"scene.drive.gamma"', "scene.drive.gamma").replace(
-    '"marks.kind"', "marks.kind"
-)
-for _key in ("legs.tilt_deg", "legs.kind", "scene.contact.law", "scene.contact.friction",
-             "legs.length_mm", "material.density_g_cm3"):  # fmt: skip
+NESTED = QUOTED.replace('"scene.drive.gamma"', "scene.drive.gamma").replace('"marks.kind"', "marks.kind")
+for _key in (
+    "legs.tilt_deg",
+    "legs.kind",
+    "scene.contact.law",
+    "scene.contact.friction",
+    "legs.length_mm",
+    "material.density_g_cm3",
+):
     NESTED = NESTED.replace(f'"{_key}"', _key)
 
 
@@ -67,18 +71,18 @@ def mistakes(read, tmp_path):
 @pytest.mark.parametrize("text", [QUOTED, NESTED])
 def test_a_file_says_all_that_a_sweep_needs(read, tmp_path, text):
     found = read(text)
-    assert (found.design, found.scene, found.printer) == (
-        "koumakis2016", "scenes/mine.toml", "ender3"
-    )  # fmt: skip
+    assert (found.design, found.scene, found.printer) == ("koumakis2016", "scenes/mine.toml", "ender3")
     assert (found.model, found.error, found.seed) == ("compliant", Tolerance(0.05, True), 3)
     assert found.keep == ("speed", "masses")
     assert found.folder == tmp_path
     assert found.constants == {"scene.drive.gamma": 2.2, "marks.kind": "none"}
     axes, sample = found.space
     assert set(axes) == {
-        Axis("legs.tilt_deg", (0, 15, 30, 45)), Axis("legs.kind", ("flexible", "braced")),
-        Axis("scene.contact.law", ("poisson", "newton")), Axis("legs.length_mm", (7.5,)),
-    }  # fmt: skip
+        Axis("legs.tilt_deg", (0, 15, 30, 45)),
+        Axis("legs.kind", ("flexible", "braced")),
+        Axis("scene.contact.law", ("poisson", "newton")),
+        Axis("legs.length_mm", (7.5,)),
+    }
     assert axes[0].key == "legs.tilt_deg"
     spans = (Span("scene.contact.friction", 0.1, 0.3), Span("material.density_g_cm3", 1.0, 1.5))
     assert sample == Sample(spans, 8, "latin", 3)
@@ -162,23 +166,23 @@ def test_a_mistake_in_bounds_is_named_with_its_line(mistakes, line, told):
         ("[sample]\npoints = 4\n[sample.between]", ":3: sample.between: 0 entries"),
         ("[sample]\npoints = 4", ":1: sample.between is missing"),
         ('[sample]\npoints = 0\nbetween = {"legs.tilt_deg" = [1, 2]}', ":2: sample.points = 0"),
-        ('[sample]\npoints = 4\nmethod = "halton"\nbetween = {"legs.tilt_deg" = [1, 2]}',
-         ":3: sample.method = 'halton': must be one of 'sobol', 'latin'"),
+        (
+            '[sample]\npoints = 4\nmethod = "halton"\nbetween = {"legs.tilt_deg" = [1, 2]}',
+            ":3: sample.method = 'halton': must be one of 'sobol', 'latin'",
+        ),
         ("", ": the file sets nothing; write [grid]"),
         ("grid = [", ": not valid TOML"),
         ('[grid]\n"legs.tilt_deg" = 1\nlegs.tilt_deg = 2', ":2: grid.legs.tilt_deg: given twice"),
         ('[set]\n"legs.foot" = 1\n[grid]\n"legs.foot" = 1', ":4: grid.legs.foot: is in [set] too"),
     ],
-)  # fmt: skip
+)
 def test_any_other_mistake_is_a_line(mistakes, text, told):
     (found,) = mistakes(text)
     assert found.startswith(f"sweep.toml{told}")
 
 
 def test_all_mistakes_are_told_at_once(mistakes):
-    found = mistakes(
-        'error = "much"\n[set]\n"legs.a" = 1\n[grid]\n"legs.b" = 1\n"legs.tilt_deg" = ""\n'
-    )
+    found = mistakes('error = "much"\n[set]\n"legs.a" = 1\n[grid]\n"legs.b" = 1\n"legs.tilt_deg" = ""\n')
     assert len(found) == 4
     assert sorted(line.split(":")[1] for line in found) == ["1", "3", "5", "6"]
 

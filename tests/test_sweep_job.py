@@ -57,8 +57,18 @@ def request_of(*texts, **choices):
 
 
 def test_the_table_holds_the_predictions(home):
-    swept("--set", TILTS, "--set", GAMMAS, "--keep", "speed,masses,printability",
-          "--printer", "prusa-mk3s", "--out", "map")  # fmt: skip
+    swept(
+        "--set",
+        TILTS,
+        "--set",
+        GAMMAS,
+        "--keep",
+        "speed,masses,printability",
+        "--printer",
+        "prusa-mk3s",
+        "--out",
+        "map",
+    )
     rows = rows_of(home / "map" / "table.csv")
     assert len(rows) == 30
     one = request_of().point({"legs.tilt_deg": 14, "scene.drive.gamma": 2.2})
@@ -154,8 +164,7 @@ def test_an_edited_row_is_named_kept_and_not_trusted(home, monkeypatch):
 
 
 def test_a_walker_that_stands_as_built_is_turned_anew_at_every_point(home):
-    built = ("--set", "stance=as built", "--set", "legs[1].foot=square",
-             "--set", "legs[2].foot=square")  # fmt: skip
+    built = ("--set", "stance=as built", "--set", "legs[1].foot=square", "--set", "legs[2].foot=square")
     swept("unequal-legs", *built, "--set", "legs[1].length_mm=6,9", "--out", "one")
     for row in rows_of(home / "one" / "table.csv"):
         length = f"legs[1].length_mm={row['legs[1].length_mm']}"
@@ -225,8 +234,7 @@ def test_two_sweeps_do_not_write_one_folder(home):
 
 def test_samples_are_the_same_for_a_seed(home):
     for name in ("one", "two"):
-        swept("--set", "legs.tilt_deg=2:40", "--set", "legs.length_mm=5:10", "--sample", "sobol:16",
-              "--out", name)  # fmt: skip
+        swept("--set", "legs.tilt_deg=2:40", "--set", "legs.length_mm=5:10", "--sample", "sobol:16", "--out", name)
     one, two = ((home / name / "table.csv").read_bytes() for name in ("one", "two"))
     assert one == two
     tilts = [float(row["legs.tilt_deg"]) for row in rows_of(home / "one" / "table.csv")]
@@ -246,16 +254,18 @@ def test_parquet_holds_the_table(home):
 
 
 def test_a_full_disk_is_one_line_and_loses_no_point(home):
-    program = "\n".join([
-        "import resource, signal, sys",
-        "from walkergen.cli import main",
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))",
-        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)",
-        "sys.argv[1:] = ['sweep', '--set', 'legs.tilt_deg=0:40:0.1', '--no-pictures',",
-        "                '--out', 'one']",
-        "if __name__ == '__main__':",
-        "    main()",
-    ])  # fmt: skip
+    program = "\n".join(
+        [
+            "import resource, signal, sys",
+            "from walkergen.cli import main",
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))",
+            "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)",
+            "sys.argv[1:] = ['sweep', '--set', 'legs.tilt_deg=0:40:0.1', '--no-pictures',",
+            "                '--out', 'one']",
+            "if __name__ == '__main__':",
+            "    main()",
+        ]
+    )
     (home / "full.py").write_text(program)
     found = subprocess.run([sys.executable, "full.py"], capture_output=True, text=True, check=False)
     assert found.returncode == 1
@@ -273,8 +283,18 @@ def killed(folder, seconds):
     """A sweep in a process of its own, killed so long after its first rows; the rows it left."""
     path = folder / "table.csv"
     path.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "walkergen", "sweep", "--set", ENDLESS_ENOUGH,
-               "--no-pictures", "--quiet", "--out", str(folder)]  # fmt: skip
+    command = [
+        sys.executable,
+        "-m",
+        "walkergen",
+        "sweep",
+        "--set",
+        ENDLESS_ENOUGH,
+        "--no-pictures",
+        "--quiet",
+        "--out",
+        str(folder),
+    ]
     started = subprocess.Popen(command, start_new_session=True)
     until = time.monotonic() + 60.0
     while (not path.exists() or path.stat().st_size < 3000) and time.monotonic() < until:
@@ -313,8 +333,13 @@ def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
 
     def measured(one):
         half = widths[one.design.tilt_deg] * (8 / one.scene.run.runs) ** 0.5
-        return {"status": "ok", "speed_mm_s": 10.0, "low_95_mm_s": 10.0 - half,
-                "high_95_mm_s": 10.0 + half, "runs": one.scene.run.runs}  # fmt: skip
+        return {
+            "status": "ok",
+            "speed_mm_s": 10.0,
+            "low_95_mm_s": 10.0 - half,
+            "high_95_mm_s": 10.0 + half,
+            "runs": one.scene.run.runs,
+        }
 
     clock = iter(np.arange(0.0, 100.0))
     monkeypatch.setattr("walkergen.points.run.evaluate", measured)
@@ -361,8 +386,7 @@ def test_rows_are_kept_for_pictures_and_for_python_alone(home):
     assert bare.facts["points"] == len(whole.table) == 10
     assert whole.table.rows == found.table.rows
     assert list(whole["table"]) == list(found["table"])
-    assert whole.facts["files"] == [str(home / "one" / "table.csv"),
-                                    str(home / "one" / "table.parquet")]  # fmt: skip
+    assert whole.facts["files"] == [str(home / "one" / "table.csv"), str(home / "one" / "table.parquet")]
 
 
 def test_a_job_reports_its_progress(home):

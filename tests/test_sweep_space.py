@@ -45,17 +45,19 @@ def unlike(draw, leg, thickness, tilt, length, depth):
     foot = draw(st.sampled_from(["flat", "flat", "square", "round"]))
     for number in range(count):
         place = (number + draw(st.floats(0.3, 0.7))) / count - 0.5
-        legs.append({
-            "along_mm": 0.9 * place * length,
-            "foot": foot,
-            "across_mm": depth * draw(st.sampled_from([0.0, 0.0, -0.25, 0.25])),
-            "width_mm": depth * draw(st.floats(0.1, 0.5)),
-            "tilt_deg": tilt * draw(st.sampled_from([1.0, 1.0, 1.0, -1.0, -1.0, 0.5])),
-            "length_mm": leg,
-            "thickness_mm": thickness * draw(st.floats(0.5, 1.5)),
-            "brace_thickness_mm": 0.4 * thickness,
-            "kind": draw(st.sampled_from(["flexible", "flexible", "braced"])),
-        })  # fmt: skip
+        legs.append(
+            {
+                "along_mm": 0.9 * place * length,
+                "foot": foot,
+                "across_mm": depth * draw(st.sampled_from([0.0, 0.0, -0.25, 0.25])),
+                "width_mm": depth * draw(st.floats(0.1, 0.5)),
+                "tilt_deg": tilt * draw(st.sampled_from([1.0, 1.0, 1.0, -1.0, -1.0, 0.5])),
+                "length_mm": leg,
+                "thickness_mm": thickness * draw(st.floats(0.5, 1.5)),
+                "brace_thickness_mm": 0.4 * thickness,
+                "kind": draw(st.sampled_from(["flexible", "flexible", "braced"])),
+            }
+        )
         if draw(st.booleans()):
             legs[-1]["friction"] = draw(st.floats(0.0, 1.0))
     return legs
@@ -76,9 +78,7 @@ def walkers(draw, plates):
     flexible = draw(st.sampled_from([True, True, True, False]))
     lane = draw(st.booleans())
     tables = {
-        "body": {
-            "length_mm": length, "depth_mm": depth, "thickness_mm": scale * draw(st.floats(0.5, 8))
-        },
+        "body": {"length_mm": length, "depth_mm": depth, "thickness_mm": scale * draw(st.floats(0.5, 8))},
         "legs": {
             "kind": "flexible" if flexible else "braced",
             "tilt_deg": tilt,
@@ -90,10 +90,7 @@ def walkers(draw, plates):
         },
         "material": {"youngs_modulus_gpa": 3.0 * draw(decades(-2, 2))},
         "weighed": {},
-        "drive": {
-            "frequency_hz": 1.0 / period,
-            "gamma": draw(st.one_of(st.just(1.0), st.floats(0.2, 10.0))),
-        },
+        "drive": {"frequency_hz": 1.0 / period, "gamma": draw(st.one_of(st.just(1.0), st.floats(0.2, 10.0)))},
         "contact": {
             "restitution": draw(st.one_of(st.sampled_from([0.02, 1.0]), st.floats(0.01, 1.0))),
             "friction": draw(st.one_of(st.just(0.0), st.floats(0.0, 1.0), decades(-3, 3))),
@@ -115,7 +112,7 @@ def walkers(draw, plates):
             "plate_slope": True,  # also at 0: a kernel for all examples
         },
         "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
-    }  # fmt: skip
+    }
     if draw(st.booleans()):
         tables["legs"] = draw(unlike(leg, thickness, tilt, length, depth))
     if draw(st.integers(0, 3)) == 0:
@@ -137,10 +134,7 @@ def walkers(draw, plates):
         body = scale**3 * draw(decades(-1, 1))
         tables["weighed"] = {"body_mass_g": body, "leg_mass_g": body * draw(decades(-4, 1))}
     if draw(plates):
-        tables["plate"] |= {
-            "noise_ratio": draw(st.floats(0.0, 1.0)),
-            "roughness_um": draw(st.floats(0.0, 20.0)),
-        }
+        tables["plate"] |= {"noise_ratio": draw(st.floats(0.0, 1.0)), "roughness_um": draw(st.floats(0.0, 20.0))}
         tables["effects"] |= {"plate_noise": True, "plate_roughness": True}
     return tables
 
@@ -148,14 +142,12 @@ def walkers(draw, plates):
 def built(tables):
     """Plan of an example, with as many steps as it may take, or raises InputError."""
     design = config.validate(
-        {key: tables[key] for key in ("body", "legs", "material", "weighed", "stance")
-         if key in tables},
-        Design, "sweep",
-    )  # fmt: skip
-    keys = ("drive", "contact", "plate", "arena", "feet", "effects", "run")
-    scene = config.validate(
-        {key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep"
+        {key: tables[key] for key in ("body", "legs", "material", "weighed", "stance") if key in tables},
+        Design,
+        "sweep",
     )
+    keys = ("drive", "contact", "plate", "arena", "feet", "effects", "run")
+    scene = config.validate({key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep")
     plan = prepare(scene, design, solids.mass_of(design))
     seconds = min(scene.run.seconds, MOST_STEPS * plan.world.options.step)
     return plan.lasting(seconds=seconds)

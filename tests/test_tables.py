@@ -8,16 +8,7 @@ import pytest
 from walkergen.files.columns import records
 from walkergen.files.tables import csv_text
 
-FORMULAS = [
-    "=1+1",
-    "@SUM(A1)",
-    "+cmd|' /C calc'!A0",
-    "-2+3",
-    "\t=1",
-    "'=1",
-    "''@x",
-    "=HYPERLINK(1)",
-]
+FORMULAS = ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3", "\t=1", "'=1", "''@x", "=HYPERLINK(1)"]
 PLAIN = ["walker", "-5", "+3.5", "-inf", "'quoted'", "", "é", 'a "b", c']
 
 

@@ -139,9 +139,7 @@ def test_force_and_torque_are_what_the_potential_loses():
             lost = [acting.potential(on, *(C + s * 1e-4 * R @ e), R) for s in (1.0, -1.0)]
             assert pull[i] == pytest.approx((lost[1] - lost[0]) / 2e-4, rel=1e-6, abs=1e-2)
             cross = np.cross(np.eye(3), e)
-            turns = [
-                acting.potential(on, *C, R @ (np.eye(3) + s * 1e-5 * cross)) for s in (1.0, -1.0)
-            ]
+            turns = [acting.potential(on, *C, R @ (np.eye(3) + s * 1e-5 * cross)) for s in (1.0, -1.0)]
             assert pull[3 + i] == pytest.approx((turns[1] - turns[0]) / 2e-5, rel=1e-5, abs=1.0)
 
 

@@ -10,18 +10,7 @@ from walkergen.simulation import record
 from walkergen.simulation.compliant import steps
 from walkergen.simulation.compliant.chain import energy
 from walkergen.simulation.record import CONTACT_TIME
-from walkergen.simulation.world import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
-    OK,
-    PITCH,
-    SPIN,
-    V_X,
-    V_Y,
-    Contact,
-    X,
-    Y,
-)
+from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, OK, PITCH, SPIN, V_X, V_Y, Contact, X, Y
 from walkergen.theory.impact import Law
 
 
@@ -104,9 +93,7 @@ def test_step_may_be_long_where_nothing_happens():
     world = world_of(walker, drive, Contact(0.0, 0.25, 0), options)
     state = hinged_state(walker, 0.0, drive=drive)
     tally = record.new(state.size)
-    assert (
-        OMEGA * options.step < 0.1 < options.step * math.sqrt(1e6 * legs.stiffness / legs.inertia)
-    )
+    assert OMEGA * options.step < 0.1 < options.step * math.sqrt(1e6 * legs.stiffness / legs.inertia)
     assert steps.advance(world, state, 0.1, tally) == OK
     assert tally.sums[CONTACT_TIME] > 0.0
     assert np.all(np.abs(state[9:11]) < 1e-6)

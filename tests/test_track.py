@@ -132,11 +132,16 @@ def seen_of(x, y, axis, mark=None, frames=None, ratio=3.0):
     """A walker in frames, y up."""
     none = np.full(len(x), np.nan)
     blobs = Blobs(
-        np.asarray(x), -np.asarray(y), np.full(len(x), 900.0),
+        np.asarray(x),
+        -np.asarray(y),
+        np.full(len(x), 900.0),
         (np.asarray(axis) + 0.5 * np.pi) % np.pi - 0.5 * np.pi,
-        np.full(len(x), 56.0), np.full(len(x), 56.0 / ratio),
-        none if mark is None else np.angle(np.exp(1j * np.asarray(mark))), none, none,
-    )  # fmt: skip
+        np.full(len(x), 56.0),
+        np.full(len(x), 56.0 / ratio),
+        none if mark is None else np.angle(np.exp(1j * np.asarray(mark))),
+        none,
+        none,
+    )
     return Seen(np.arange(len(x)) if frames is None else np.asarray(frames), blobs)
 
 
@@ -206,10 +211,26 @@ def test_a_walker_that_jumps_is_refused_with_numbers():
 def write_film(path, frames, fps=25):
     high, wide = frames[0].shape
     words = [
-        imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt",
-        "gray", "-s", f"{wide}x{high}", "-r", str(fps), "-i", "-", "-c:v", "libx264", "-crf", "12",
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-loglevel",
+        "error",
+        "-y",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "gray",
+        "-s",
+        f"{wide}x{high}",
+        "-r",
+        str(fps),
+        "-i",
+        "-",
+        "-c:v",
+        "libx264",
+        "-crf",
+        "12",
         str(path),
-    ]  # fmt: skip
+    ]
     subprocess.run(words, input=b"".join(one.tobytes() for one in frames), check=True)
 
 
@@ -309,15 +330,12 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     (one,) = made.walkers
     assert one.seen.frames.tolist() == list(range(13))
     theta = shot.poses.heading[:: movie.TRAIL]
-    truth = shot.track[:: movie.TRAIL] + shot.base[0] * np.column_stack(
-        [np.cos(theta), np.sin(theta)]
-    )
+    truth = shot.track[:: movie.TRAIL] + shot.base[0] * np.column_stack([np.cos(theta), np.sin(theta)])
     apart = (one.position - one.position.mean(axis=0)) - (truth - truth.mean(axis=0))
     assert np.abs(apart).max() < 0.3 * scale  # a fraction of a pixel
     assert np.degrees(np.abs(one.headed.theta - theta)).max() < 1.5
     # The same functions measure the same motion of both.
-    rows = [np.column_stack([place, turn]) for place, turn in
-            ((one.position, one.headed.theta), (truth, theta))]  # fmt: skip
+    rows = [np.column_stack([place, turn]) for place, turn in ((one.position, one.headed.theta), (truth, theta))]
     filmed, run = (motion.analyse(tracks.of_places([row], 0.04, lane=False)) for row in rows)
     steps = [found.estimates["parallel_mean"] for found in (filmed, run)]
     assert steps[0].value == pytest.approx(steps[1].value, rel=0.01)

@@ -46,9 +46,7 @@ def test_every_third_frame_is_a_coarser_film_without_gaps(tmp_path):
     assert [len(one.position) for one in found.tracks] == [3, 3]
 
 
-@pytest.mark.parametrize(
-    ("column", "angle"), [("theta", np.pi / 6), ("theta_deg", 30.0)], ids=["rad", "deg"]
-)
+@pytest.mark.parametrize(("column", "angle"), [("theta", np.pi / 6), ("theta_deg", 30.0)], ids=["rad", "deg"])
 def test_y_down_turns_positions_and_headings_over(tmp_path, column, angle):
     text = f"frame,particle,x,y,{column}\n0,0,1,2,{angle}\n1,0,1,4,\n"
     (up,) = read(tmp_path, text).tracks
@@ -79,8 +77,15 @@ def test_bad_rows_are_counted_named_and_left_out(tmp_path):
     found = read(tmp_path, text)
     assert found.bad_rows == 7
     assert np.count_nonzero(~np.isnan(found.tracks[0].position[:, 0])) == 3
-    for told in ("7 bad rows", "line 3: x is 'abc'", "line 4: y is missing", "line 6", "line 7",
-                 "line 9", "and 2 more"):  # fmt: skip
+    for told in (
+        "7 bad rows",
+        "line 3: x is 'abc'",
+        "line 4: y is missing",
+        "line 6",
+        "line 7",
+        "line 9",
+        "and 2 more",
+    ):
         assert told in found.note, found.note
 
 
@@ -96,9 +101,7 @@ def test_many_rows_are_read_in_pieces(tmp_path, monkeypatch):
     found = read(tmp_path, "frame,particle,x,y\n" + rows)
     assert found.note == "1 bad row left out: line 7: y is 'x', not a number"
     seen = ~np.isnan(found.tracks[0].position[:, 0])
-    np.testing.assert_allclose(
-        found.tracks[0].position[seen, 0], [0.5 * n * n for n in range(10) if n != 5]
-    )
+    np.testing.assert_allclose(found.tracks[0].position[seen, 0], [0.5 * n * n for n in range(10) if n != 5])
 
 
 @pytest.mark.parametrize(
@@ -123,11 +126,7 @@ def test_many_rows_are_read_in_pieces(tmp_path, monkeypatch):
         ("frame,particle,x,y\n0,0,a,1\n1,0,b,1\n", FILM, "2 bad rows left out: line 2"),
         ("frame,particle,x,y\n0.5,0,1,1\n", FILM, "whole number"),
         ("frame,particle,x,y\n0,0,1,1\n1,0,1,1\n900000000,0,1,1\n", FILM, "mistyped"),
-        (
-            "frame,particle,x,y,plate_speed_mm_s\n0,0,1,1,3\n1,0,1,1,4\n",
-            FILM,
-            "number the particle",
-        ),
+        ("frame,particle,x,y,plate_speed_mm_s\n0,0,1,1,3\n1,0,1,1,4\n", FILM, "number the particle"),
     ],
 )
 def test_unusable_files_are_refused_in_one_line(tmp_path, text, units, hint):
@@ -187,7 +186,4 @@ def test_a_place_without_a_heading_counts(tmp_path):
     found = read(tmp_path, text, Units())
     assert found.bad_rows == 0
     np.testing.assert_allclose(found.tracks[0].heading, [0.1, np.nan, 0.2])
-    assert (
-        read(tmp_path, "t_s,x_mm,y_mm,theta_rad\n0,0,0,\n1,1,1,\n", Units()).tracks[0].heading
-        is None
-    )
+    assert read(tmp_path, "t_s,x_mm,y_mm,theta_rad\n0,0,0,\n1,1,1,\n", Units()).tracks[0].heading is None

@@ -13,10 +13,7 @@ SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 
 INTERVAL = 0.02
 
-EXACT = Walker(
-    speed=SPEED, drift=DRIFT, turn=TURN, turn_sd=SCATTER, rate=D_R,
-    noise=0.0, heading_noise=0.0, lost=0.0,
-)  # fmt: skip
+EXACT = Walker(speed=SPEED, drift=DRIFT, turn=TURN, turn_sd=SCATTER, rate=D_R, noise=0.0, heading_noise=0.0, lost=0.0)
 
 
 def wanderers(seed, walkers=16, seconds=8.0, scatter=SCATTER, diffusion=D_R, noise=0.0):
@@ -35,9 +32,12 @@ def diffusion_of(tracks, noise2=Estimate(0.0, 0.0)):  # noqa: B008
 def test_drift_turning_and_scatter_are_those_put_in():
     found = motion.analyse(wanderers(1, seconds=10.0))
     for name, expected in (
-        ("speed", SPEED), ("sideways_speed", DRIFT), ("turning_bias", TURN),
-        ("turning_scatter", SCATTER), ("rotational_diffusion", D_R),
-    ):  # fmt: skip
+        ("speed", SPEED),
+        ("sideways_speed", DRIFT),
+        ("turning_bias", TURN),
+        ("turning_scatter", SCATTER),
+        ("rotational_diffusion", D_R),
+    ):
         one = found.estimates[name]
         assert one.value is not None, (name, one.reason)
         assert abs(one.value - expected) < 3.5 * one.se, (name, one)
@@ -105,9 +105,7 @@ QUICK = {(0.95, 8.0), (0.5, 0.0), (0.5, 60.0)}
 @pytest.mark.parametrize(
     ("kept", "gap"),
     [
-        pytest.param(
-            kept, gap, id=f"{kept}-{name}", marks=[pytest.mark.slow] * ((kept, gap) not in QUICK)
-        )
+        pytest.param(kept, gap, id=f"{kept}-{name}", marks=[pytest.mark.slow] * ((kept, gap) not in QUICK))
         for kept in (0.95, 0.85, 0.75, 0.5)
         for name, gap in GAPS.items()
     ],
@@ -117,8 +115,7 @@ def test_frames_that_are_missing_change_neither_diffusion_nor_scatter(kept, gap)
     scores = []
     for seed in range(20):
         found = motion.analyse(film(seed, 10, 20.0, walker, 0.04)).estimates
-        truth = (("rotational_diffusion", 0.8), ("turning_scatter", SCATTER),
-                 ("persistence_rate", 0.8))  # fmt: skip
+        truth = (("rotational_diffusion", 0.8), ("turning_scatter", SCATTER), ("persistence_rate", 0.8))
         scores.append([(found[name].value - true) / found[name].se for name, true in truth])
     scores = np.array(scores)
     # Means of 20 scores are off by 0.22, and by another 0.3 as errors grow with the variances.
@@ -180,9 +177,7 @@ def test_local_exponents_follow_the_curvature():
 
 
 def _exact_exponent(lag):
-    up, down = (
-        walks.squared(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001)
-    )
+    up, down = (walks.squared(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001))
     return np.log(up / down) / (2 * np.log(1.001))
 
 

@@ -32,8 +32,7 @@ def test_an_input_without_deviation_is_known():
 
 
 def test_draws_have_the_moments_written_and_stay_in_range():
-    known = (Input("wide", 3.0, 0.3), Input("cut", 0.9, 0.2, 0.0, 1.0), Input("fold", 0.0, 5.0,
-             folded=True))  # fmt: skip
+    known = (Input("wide", 3.0, 0.3), Input("cut", 0.9, 0.2, 0.0, 1.0), Input("fold", 0.0, 5.0, folded=True))
     wide, cut, fold = uncertain.draws(known, 1024, seed=3).T
     assert wide.mean() == pytest.approx(3.0, abs=1e-3)  # points of a lattice: far below 0.3/32
     assert wide.std() == pytest.approx(0.3, rel=0.01)
@@ -55,10 +54,14 @@ def test_draws_depend_on_the_seed_alone():
 
 def test_values_reach_scene_design_and_masses():
     values = {
-        "contact.friction": 0.3, "legs.thickness_mm": 0.44, "legs.damping_ratio": 0.08,
-        "material.youngs_modulus_gpa": 2.5, "body mass": 1.1, "leg mass": 0.9,
+        "contact.friction": 0.3,
+        "legs.thickness_mm": 0.44,
+        "legs.damping_ratio": 0.08,
+        "material.youngs_modulus_gpa": 2.5,
+        "body mass": 1.1,
+        "leg mass": 0.9,
         "feet.unevenness_um": 4.0,
-    }  # fmt: skip
+    }
     scene, design, mass = uncertain.applied(SCENE, DESIGN, values)
     plain = solids.mass_of(DESIGN)
     assert (scene.contact.friction, scene.feet.unevenness_um) == (0.3, 4.0)
@@ -79,9 +82,9 @@ def test_nothing_changed_is_the_design_itself():
 def test_shares_of_a_product_are_those_of_the_closed_form():
     """f = a + 2 b + a c with unit normals: variances 1, 4 and 1 (of the product), 6 in all."""
     known = tuple(Input(name, 0.0, 1.0, -np.inf) for name in "abc")
-    found = {one.name: one for one in uncertain.shares(
-        known, lambda x: x[:, 0] + 2.0 * x[:, 1] + x[:, 0] * x[:, 2], seed=4
-    )}  # fmt: skip
+    found = {
+        one.name: one for one in uncertain.shares(known, lambda x: x[:, 0] + 2.0 * x[:, 1] + x[:, 0] * x[:, 2], seed=4)
+    }
     expected = {"a": (1 / 6, 2 / 6), "b": (4 / 6, 4 / 6), "c": (0.0, 1 / 6)}
     for name, (first, total) in expected.items():
         share = found[name]
@@ -119,6 +122,4 @@ def test_members_of_a_family_share_draws_that_nobody_can_change():
 def test_quantiles_of_a_normal_input_are_those_of_scipy():
     shares = np.r_[1e-300, 1e-12, np.linspace(0.001, 0.999, 999), 1.0 - 1e-15]
     standard = Input("x", 0.0, 1.0, -np.inf)
-    assert uncertain.quantiles(standard, shares) == pytest.approx(
-        ndtri(shares), rel=1e-13, abs=1e-15
-    )
+    assert uncertain.quantiles(standard, shares) == pytest.approx(ndtri(shares), rel=1e-13, abs=1e-15)

@@ -63,9 +63,7 @@ def test_bounds_hold_another_print_as_often_as_they_say():
 
 def _analysed_bounds(seed):
     _, halves = _synthetic(64, seed, statistical=4.0)
-    low2, low1, high1, high2 = uncertain.bounds(
-        halves.mean(axis=1), uncertain.statistical_error(halves)
-    )
+    low2, low1, high1, high2 = uncertain.bounds(halves.mean(axis=1), uncertain.statistical_error(halves))
     return (low2, high2), (low1, high1)
 
 
@@ -115,8 +113,7 @@ def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
     assert low <= found["speed_low_68_mm_s"] < found["speed_mm_s"] < high
     assert "extrapolated by Student's t" in found["notes"][0]  # 16 draws
     names = {one["name"] for one in found["shares"]}
-    assert names == {"contact.restitution", "contact.friction", "legs.thickness_mm", "body mass",
-                     "leg mass"}  # fmt: skip
+    assert names == {"contact.restitution", "contact.friction", "legs.thickness_mm", "body mass", "leg mass"}
     assert (out / "uncertain.png").read_bytes()[:4] == b"\x89PNG"
     lines = (out / "draws.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + found["draws"]
@@ -132,10 +129,12 @@ def test_equal_seeds_give_equal_bytes(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "told"),
-    [(("--draws", "3"), "--draws 3: must lie in 16..4096"),
-     (("--runs", "8"), "--runs 8: not with --uncertain"),
-     (("--error", "5%"), "--error 5%: not with --uncertain")],
-)  # fmt: skip
+    [
+        (("--draws", "3"), "--draws 3: must lie in 16..4096"),
+        (("--runs", "8"), "--runs 8: not with --uncertain"),
+        (("--error", "5%"), "--error 5%: not with --uncertain"),
+    ],
+)
 def test_what_contradicts_it_is_refused(words, told):
     result = CliRunner().invoke(command_line, [*QUICK, *words])
     assert isinstance(result.exception, InputError)

@@ -40,22 +40,35 @@ CLOCKS = ("cpu_s", "wall_s")
         ("rigid", "stronge", 0.8, 0.05),
     ],
 )
-def test_motion_is_the_same_without_the_compiler(
-    tmp_path, monkeypatch, model, law, restitution, seconds
-):
+def test_motion_is_the_same_without_the_compiler(tmp_path, monkeypatch, model, law, restitution, seconds):
     """A drop and its first landings by every planar model; what is compared is each digit."""
     scene = SCENE.format(law=law, restitution=restitution, seconds=seconds)
     (tmp_path / "short.toml").write_text(scene)
     legs = "braced" if model == "rigid" else "flexible"
-    words = ["simulate", "koumakis2016", "--scene", "short.toml", "--legs", legs, "--model", model,
-             "--rate", "20000", "--json", "--trajectory"]  # fmt: skip
+    words = [
+        "simulate",
+        "koumakis2016",
+        "--scene",
+        "short.toml",
+        "--legs",
+        legs,
+        "--model",
+        model,
+        "--rate",
+        "20000",
+        "--json",
+        "--trajectory",
+    ]
     monkeypatch.chdir(tmp_path)
     compiled = CliRunner().invoke(command_line, [*words, "compiled.csv"], catch_exceptions=False)
     plain = subprocess.run(
         [sys.executable, "-m", "walkergen", *words, "plain.csv"],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=False,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
         timeout=300,  # 1 to 4 s measured: one that never ends fails
-    )  # fmt: skip
+    )
     assert plain.returncode == 0, plain.stderr
     one, other = json.loads(compiled.stdout), json.loads(plain.stdout)
     assert one["impacts_per_s"] * seconds >= 3
@@ -70,9 +83,13 @@ def test_walkers_collide_by_closed_forms_without_the_compiler():
     chosen = "head_on or corner or glancing or rough"
     words = ["-q", "-n0", "-m", "slow", "-k", chosen, "tests/test_crowd.py"]
     tested = subprocess.run(
-        [sys.executable, "-m", "pytest", *words], cwd=Path(__file__).parent.parent,
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=False,
+        [sys.executable, "-m", "pytest", *words],
+        cwd=Path(__file__).parent.parent,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
         timeout=300,  # 7 s measured
-    )  # fmt: skip
+    )
     assert tested.returncode == 0, tested.stdout
     assert "7 passed" in tested.stdout

@@ -23,13 +23,7 @@ from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.compliant import steps
-from walkergen.simulation.compliant.chain import (
-    LOOSE,
-    chain_of,
-    energy,
-    free_acceleration,
-    mobility_of,
-)
+from walkergen.simulation.compliant.chain import LOOSE, chain_of, energy, free_acceleration, mobility_of
 from walkergen.simulation.compliant.contact import Instant, both_feet, restitutions
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.relaxed import state as relaxed
@@ -80,8 +74,9 @@ def test_three_bodies_on_unlike_hinges():
     np.testing.assert_allclose(
         [W.bb_xx, W.bb_xy, W.bb_yy, W.ff_xx, W.ff_xy, W.ff_yy, W.bf_xx, W.bf_xy, W.bf_yx, W.bf_yy],
         expected[[0, 0, 1, 2, 2, 3, 0, 0, 1, 1], [0, 1, 1, 2, 3, 3, 2, 3, 2, 3]],
-        rtol=0, atol=1e-11 * W.bb_xx,
-    )  # fmt: skip
+        rtol=0,
+        atol=1e-11 * W.bb_xx,
+    )
     a, _ = rival.acceleration(*rival.coordinates(state), 0.0)
     found = free_acceleration(world, state, chain)
     np.testing.assert_allclose(found, a[[0, 1, 2, 5, 8]], rtol=1e-10, atol=1e-10 * abs(a).max())
@@ -97,9 +92,7 @@ def test_landing_of_either_foot_is_that_of_an_independent_integration(foot):
         """Plastic impact of a foot that slides on: its friction in full."""
         hinges, _ = rival.hinges(p, v)
         rows = rival.foot(p, v, foot)[1]
-        H = np.column_stack(
-            [rows @ rival.solve(hinges, np.zeros(4), row, hinges)[0] for row in rows]
-        )
+        H = np.column_stack([rows @ rival.solve(hinges, np.zeros(4), row, hinges)[0] for row in rows])
         w = rows[1] @ v - SHAKEN.amplitude * SHAKEN.omega * math.cos(rival.phase(t))
         normal = -w / (H[1, 1] - mu * H[1, 0])
         return normal * np.array([-mu, 1.0])
@@ -156,8 +149,10 @@ def test_mirror_image_of_relaxed_feet(kind):
 def test_order_of_the_legs_in_the_file_does_not_matter(model):
     scene = Scene.model_validate({"legs": {"model": model}})
     design = unlike_design()
-    own = [leg.model_copy(update={"friction": mu, "restitution": e})
-           for leg, mu, e in zip(design.legs, (0.1, 0.6), (0.3, 0.9), strict=True)]  # fmt: skip
+    own = [
+        leg.model_copy(update={"friction": mu, "restitution": e})
+        for leg, mu, e in zip(design.legs, (0.1, 0.6), (0.3, 0.9), strict=True)
+    ]
     found = []
     for legs in (own, own[::-1]):
         changed = design.model_copy(update={"legs": legs})
@@ -227,9 +222,7 @@ def test_unlike_restitutions_create_no_energy_where_feet_throw_each_other_down()
         assert lost > -1e-9 * before
 
 
-@pytest.mark.parametrize(
-    ("feet", "expected"), [(LEVELS, -0.451), (((-6.5, -9.0), (6.5, -9.0)), -0.420)]
-)
+@pytest.mark.parametrize(("feet", "expected"), [(LEVELS, -0.451), (((-6.5, -9.0), (6.5, -9.0)), -0.420)])
 def test_rigid_walker_of_two_materials_has_the_speed_of_small_steps(feet, expected):
     """Rival: the fixed-step simulator of tests/test_balance.py, 8 runs of 10 s."""
     pair = Contact(0.8, 0.1, 0), Contact(0.8, 0.6, 0)
@@ -237,9 +230,7 @@ def test_rigid_walker_of_two_materials_has_the_speed_of_small_steps(feet, expect
     ratios = []
     for seed in range(2):
         rng = np.random.default_rng(seed)
-        start = relaxed.start(
-            relaxed_world(walker, SHAKEN, pair), 0.14, 1e-3 * rng.uniform(-1, 1), rng.uniform(0, 6)
-        )
+        start = relaxed.start(relaxed_world(walker, SHAKEN, pair), 0.14, 1e-3 * rng.uniform(-1, 1), rng.uniform(0, 6))
         go(walker, SHAKEN, pair, start, 0.5)
         tally, x = record.new(start.size, event_room=20_000), start[X]
         assert go(walker, SHAKEN, pair, start, 4.0, tally=tally)[0] == OK

@@ -15,10 +15,11 @@ OUTLINE = np.array([(-14.0, -4.0), (14.0, -4.0), (14.0, 4.0), (-14.0, 4.0)])
 
 GROUNDS = {
     "disc:120": shapely.Point(0, 0).buffer(60.0, quad_segs=2000),
-    "ring:160,60": shapely.Point(0, 0).buffer(80.0, quad_segs=2000).difference(
-        shapely.Point(0, 0).buffer(30.0, quad_segs=2000)),
+    "ring:160,60": shapely.Point(0, 0)
+    .buffer(80.0, quad_segs=2000)
+    .difference(shapely.Point(0, 0).buffer(30.0, quad_segs=2000)),
     "rectangle:200x100": shapely.box(-100, -50, 100, 50),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("words", GROUNDS)

@@ -95,8 +95,7 @@ def exact_moments(mesh, density):
                     second[i][j] += six * (both + same) / 120
         centre = [value / volume for value in first]
         tensor = np.zeros((3, 3))
-        moved = [[second[i][j] - volume * centre[i] * centre[j] for j in range(3)]
-                 for i in range(3)]  # fmt: skip
+        moved = [[second[i][j] - volume * centre[i] * centre[j] for j in range(3)] for i in range(3)]
         trace = moved[0][0] + moved[1][1] + moved[2][2]
         for i in range(3):
             for j in range(3):
@@ -118,8 +117,7 @@ def test_trimesh_agrees(tmp_path):
 def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     """Items of one solid with one part number, which trimesh's reader would take for one."""
     built = [solids.build(Design().variant(tilt_deg=tilt)).walker for tilt in (10.0, 30.0)]
-    items = [export.Item(0, "a", 5.0, 5.0), export.Item(0, "a", 50.0, 5.0),
-             export.Item(1, "b", 5.0, 60.0)]  # fmt: skip
+    items = [export.Item(0, "a", 5.0, 5.0), export.Item(0, "a", 50.0, 5.0), export.Item(1, "b", 5.0, 60.0)]
     shapes = [export.Solid("ten", built[0]), export.Solid("thirty", built[1])]
     path = tmp_path / "plate.3mf"
     path.write_bytes(export.threemf_bytes(shapes, items, "plate"))
@@ -128,8 +126,7 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     single = 1.24e-3 * (28 * 8 * 3 + 2 * 7.5 * 0.4 * 8)
     assert [part.mass_g for part in found.parts] == pytest.approx([single] * 3, rel=EXACT)
     assert found.total.mass_g == pytest.approx(3 * single, rel=EXACT)
-    np.testing.assert_allclose(found.parts[1].centre_mm - found.parts[0].centre_mm, (45.0, 0, 0),
-                               atol=1e-4)  # fmt: skip
+    np.testing.assert_allclose(found.parts[1].centre_mm - found.parts[0].centre_mm, (45.0, 0, 0), atol=1e-4)
     # Rival for Steiner's theorem: all the surfaces weighed as one mesh about one origin
     from walkergen.shapes import meshes
     from walkergen.walker import mass
@@ -140,16 +137,21 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     np.testing.assert_allclose(found.total.centre_mm, whole.centre, rtol=1e-12)
 
 
-UNITS = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8,
-         "meter": 1000.0}  # fmt: skip
+UNITS = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
 
 
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_3mf_names_its_unit(tmp_path, unit):
     import lib3mf
 
-    enum = {"micron": "MicroMeter", "millimeter": "MilliMeter", "centimeter": "CentiMeter",
-            "inch": "Inch", "foot": "Foot", "meter": "Meter"}[unit]  # fmt: skip
+    enum = {
+        "micron": "MicroMeter",
+        "millimeter": "MilliMeter",
+        "centimeter": "CentiMeter",
+        "inch": "Inch",
+        "foot": "Foot",
+        "meter": "Meter",
+    }[unit]
     model = lib3mf.get_wrapper().CreateModel()
     model.SetUnit(getattr(lib3mf.ModelUnit, enum))
     wrapper = lib3mf.get_wrapper()
@@ -175,9 +177,7 @@ def test_scale_and_density_enter_as_powers(tmp_path):
     path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
     one, other = make.weigh(path, 1.0, 1.0).total, make.weigh(path, 3.0, 25.4).total
     assert other.mass_g == pytest.approx(3.0 * 25.4**3 * one.mass_g, rel=1e-12)
-    np.testing.assert_allclose(
-        other.tensor_g_mm2, 3.0 * 25.4**5 * one.tensor_g_mm2, rtol=1e-10, atol=1e-2
-    )
+    np.testing.assert_allclose(other.tensor_g_mm2, 3.0 * 25.4**5 * one.tensor_g_mm2, rtol=1e-10, atol=1e-2)
 
 
 def test_the_command_prints_what_the_job_finds(tmp_path):
@@ -201,9 +201,7 @@ def test_unsound_meshes_and_senseless_numbers_are_refused(tmp_path):
         make.weigh(tmp_path / "none.stl", 1.24, 1.0)
     for flag, value in (("--density", "0"), ("--density", "nan"), ("--scale", "-1")):
         with pytest.raises(InputError, match=f"{flag} .*: must lie in"):
-            CliRunner().invoke(
-                command_line, ["weigh", str(path), flag, value], catch_exceptions=False
-            )
+            CliRunner().invoke(command_line, ["weigh", str(path), flag, value], catch_exceptions=False)
 
 
 TETRAHEDRON = (
@@ -219,9 +217,7 @@ def nested(tmp_path, levels, inner):
     objects = [f"<object id='1' type='model'>{TETRAHEDRON}</object>"]
     for number in range(2, levels + 2):
         parts = f"<component objectid='{inner(number)}'/>" * 10
-        objects.append(
-            f"<object id='{number}' type='model'><components>{parts}</components></object>"
-        )
+        objects.append(f"<object id='{number}' type='model'><components>{parts}</components></object>")
     model = (
         "<?xml version='1.0' encoding='UTF-8'?><model unit='millimeter' "
         "xmlns='http://schemas.microsoft.com/3dmanufacturing/core/2015/02'><resources>"

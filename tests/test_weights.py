@@ -56,9 +56,7 @@ def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
 
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
-@pytest.mark.parametrize(
-    "line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"]
-)
+@pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
 def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
     path = tmp_path / "weights.csv"
     weights.write_template(tmp_path, ["x"])
@@ -86,8 +84,7 @@ def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
 
 
 @pytest.mark.parametrize(
-    "cells",
-    ["grams,body_g\n{},0.95,0.87", "grams,leg_g\n{},0.95,0.04", "body_g,leg_g\n{},0.87,0.04"],
+    "cells", ["grams,body_g\n{},0.95,0.87", "grams,leg_g\n{},0.95,0.04", "body_g,leg_g\n{},0.87,0.04"]
 )
 def test_two_masses_of_three_give_the_same_prediction(read, cells):
     member = predicted(read("part," + cells.format(TEN) + "\n"))[1]
@@ -143,10 +140,14 @@ def names_of_family():
     "name",
     [
         "walker_t15.0_flexible_s0.50",  # of another thickness
-        "walker_t15.00_flexible_s0.40", "walker_t80.0_flexible_s0.40", "walker_t1.5.0_flexible_s1",
-        "walker_t15.0_soft_s0.40", "duck_t15.0_flexible_s0.40", "walker_t15.0_flexible_s0.40-0",
+        "walker_t15.00_flexible_s0.40",
+        "walker_t80.0_flexible_s0.40",
+        "walker_t1.5.0_flexible_s1",
+        "walker_t15.0_soft_s0.40",
+        "duck_t15.0_flexible_s0.40",
+        "walker_t15.0_flexible_s0.40-0",
     ],
-)  # fmt: skip
+)
 def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
     with pytest.raises(InputError, match=r":2: part .* is not among"):
         read(f"part,grams\n{name},0.9\n{TEN},0.9\n")
@@ -156,10 +157,7 @@ def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
     ("text", "told"),
     [
         ("part,grams\nwalker_t5_flexible_s0.40,1", f":2: part .* did you mean {FIVE}"),
-        (
-            "part,grams\n\nzzz,1",
-            ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t05.0",
-        ),
+        ("part,grams\n\nzzz,1", ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t05.0"),
         (f"part,grams\n{FIVE}-0,1", ":2: part"),
         (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number in"),
         (f"part,grams\n{FIVE},nan", ":2: grams = 'nan'"),
@@ -223,7 +221,5 @@ def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
     mine = path.read_bytes()
     assert weights.write_template(tmp_path, [FIVE]) is None
     assert path.read_bytes() == mine
-    path.write_text(
-        weights.template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"])
-    )
+    path.write_text(weights.template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
     assert weights.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours

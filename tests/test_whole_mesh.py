@@ -58,9 +58,7 @@ def test_a_lower_cut_leaves_stumps_on_the_body():
     limb, walker = design.limbs[0], solids.build(design).walker
     found = whole_mesh.cut_legs(walker, 0.99 * -limb.anchor_to_foot[1])
     total = mass.weigh(walker, DENSITY).mass
-    masses = [
-        mass.weigh(mesh, DENSITY).mass for mesh in (found.body, *(f.mesh for f in found.legs))
-    ]
+    masses = [mass.weigh(mesh, DENSITY).mass for mesh in (found.body, *(f.mesh for f in found.legs))]
     assert sum(masses) == pytest.approx(total, rel=1e-13)
     assert masses[1] == pytest.approx(0.99 * 7.5 * 0.4 * 8.0 * DENSITY, rel=1e-10)
     for leg in found.legs:

@@ -89,9 +89,7 @@ def test_a_family_is_made_without_it(tmp_path):
         "sys.argv = 'walkergen family koumakis2016 --tilt 10 --no-pictures'.split()\n"
         "from walkergen.cli import main; main()\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     names = {path.suffix for path in (tmp_path / "out" / "koumakis2016" / "plates").iterdir()}
     assert names == {".stl", ".csv", ".md", ".ini", ".json"}

@@ -14,23 +14,29 @@ from walkergen.files import tables, words
 @pytest.mark.parametrize(
     ("value", "digits", "told"),
     [
-        (260.0, 2, "260"), (264.0, 2, "260"), (0.26, 2, "0.26"), (12345.0, 3, "12300"),
-        (9.99e5, 2, "1000000"), (7.035e-20, 4, "0"), (-0.0, 3, "0"), (0.00012345, 3, "0.000123"),
-        (-260.0, 2, "-260"), (2.5e-5, 2, "0.000025"), (3e-9, 2, "3e-09"), (3.2e9, 2, "3.2e+09"),
+        (260.0, 2, "260"),
+        (264.0, 2, "260"),
+        (0.26, 2, "0.26"),
+        (12345.0, 3, "12300"),
+        (9.99e5, 2, "1000000"),
+        (7.035e-20, 4, "0"),
+        (-0.0, 3, "0"),
+        (0.00012345, 3, "0.000123"),
+        (-260.0, 2, "-260"),
+        (2.5e-5, 2, "0.000025"),
+        (3e-9, 2, "3e-09"),
+        (3.2e9, 2, "3.2e+09"),
         (1.0, 3, "1"),
     ],
-)  # fmt: skip
+)
 def test_numbers_have_exponents_only_far_from_one(value, digits, told):
     assert words.number(value, digits) == told
 
 
 @pytest.mark.parametrize(
     ("low", "high", "told"),
-    [
-        (None, None, "any value"), (0.2, None, "above 0.2"), (None, 0.3, "below 0.3"),
-        (0.25, 1234.6, "0.25 to 1235"),
-    ],
-)  # fmt: skip
+    [(None, None, "any value"), (0.2, None, "above 0.2"), (None, 0.3, "below 0.3"), (0.25, 1234.6, "0.25 to 1235")],
+)
 def test_spans_name_the_end_that_is_known(low, high, told):
     assert words.span(low, high) == told
 
@@ -38,10 +44,15 @@ def test_spans_name_the_end_that_is_known(low, high, told):
 @pytest.mark.parametrize(
     ("seconds", "told"),
     [
-        (0.26, "260 ms"), (1.0, "1 s"), (100.0, "100 s"), (600.0, "10 min"), (7300.0, "2 h"),
-        (2.6e-5, "26 us"), (3e8, "9.5 years"),
+        (0.26, "260 ms"),
+        (1.0, "1 s"),
+        (100.0, "100 s"),
+        (600.0, "10 min"),
+        (7300.0, "2 h"),
+        (2.6e-5, "26 us"),
+        (3e8, "9.5 years"),
     ],
-)  # fmt: skip
+)
 def test_durations_have_units_that_suit_them(seconds, told):
     assert words.duration(seconds) == told
 

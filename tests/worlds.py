@@ -77,9 +77,14 @@ def unlike_design(mirrored=False, kind="flexible"):
     """Two legs that share nothing but the level of their feet; or their mirror image."""
     legs = [
         {"tilt_deg": 10.0, "length_mm": 7.5, "thickness_mm": 0.4, "along_mm": -5.0},
-        {"tilt_deg": -5.0, "thickness_mm": 0.55, "width_mm": 5.0, "along_mm": 8.0,
-         "length_mm": 7.5 * math.cos(math.radians(10)) / math.cos(math.radians(5))},
-    ]  # fmt: skip
+        {
+            "tilt_deg": -5.0,
+            "thickness_mm": 0.55,
+            "width_mm": 5.0,
+            "along_mm": 8.0,
+            "length_mm": 7.5 * math.cos(math.radians(10)) / math.cos(math.radians(5)),
+        },
+    ]
     if kind == "braced":
         legs = [leg | {"kind": kind, "thickness_mm": 1.0} for leg in legs]
     if mirrored:

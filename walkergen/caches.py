@@ -99,8 +99,11 @@ def announce(place: Path) -> None:
     if name in _announced or name not in COMPILING_S or parent_process():
         return
     _announced.add(name)
-    print(f"compiling kernels ({name}), once, about {COMPILING_S[name]} s of a core: none of this "
-          "version are kept", file=sys.stderr, flush=True)  # fmt: skip
+    print(
+        f"compiling kernels ({name}), once, about {COMPILING_S[name]} s of a core: none of this version are kept",
+        file=sys.stderr,
+        flush=True,
+    )
 
 
 def checked_files(plain: Any) -> Any:

@@ -118,9 +118,13 @@ class Card(Section):
 
     @model_validator(mode="after")
     def _possible(self) -> "Card":
-        for key in ("velocity_relaxation_s", "rotational_diffusion_rad2_s",
-                    "translational_diffusion_mm2_s", "turning_relaxation_s",
-                    "turning_sd_rad_s"):  # fmt: skip
+        for key in (
+            "velocity_relaxation_s",
+            "rotational_diffusion_rad2_s",
+            "translational_diffusion_mm2_s",
+            "turning_relaxation_s",
+            "turning_sd_rad_s",
+        ):
             number = getattr(self, key)
             if number is not None and number.value < 0:
                 raise ValueError(f"{key}.value = {number.value:g} must be >= 0")

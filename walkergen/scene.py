@@ -67,10 +67,7 @@ class Contact(Section):
     def origin(self) -> str:
         """Words on where the numbers come from."""
         prior = PRIORS[self.prior].words
-        named = [
-            name for name in ("restitution", "friction")
-            if {name, f"{name}_sd"} & self.model_fields_set
-        ]  # fmt: skip
+        named = [name for name in ("restitution", "friction") if {name, f"{name}_sd"} & self.model_fields_set]
         if not named:
             return prior
         return "contact as given" if len(named) == 2 else f"{named[0]} as given, else {prior}"
@@ -206,8 +203,7 @@ class Run(Section):
     """Duration, number and step of the simulated runs."""
 
     gone: ClassVar[Mapping[str, str]] = {
-        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); "
-        "leave the key out"
+        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); leave the key out"
     }
 
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
@@ -276,9 +272,7 @@ class Scene(Section):
 
     def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this scene with values set anew, of which some of the drive exclude others."""
-        keys = {
-            key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")
-        }
+        keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
         if keys and isinstance(data.get("drive"), dict):
             data["drive"] = self.drive.set_anew(data["drive"], keys)
         return data

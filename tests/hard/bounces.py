@@ -25,11 +25,7 @@ BOUNCES = {"relaxed": 500_000, "rigid": 500_000, "compliant": 50_000}
 def _ball(model: str, restitution: float, friction: float = 0.0) -> Plan:
     """An upright walker over a plate at rest: dropped level, it bounces like a ball."""
     plan = plan_of(
-        model,
-        0.0,
-        drive=STILL,
-        run={"step_us": STEP_US},
-        contact={"restitution": restitution, "friction": friction},
+        model, 0.0, drive=STILL, run={"step_us": STEP_US}, contact={"restitution": restitution, "friction": friction}
     )
     return with_legs(plan, 1.0, 0.0) if model == "compliant" else plan
 
@@ -124,13 +120,7 @@ def _springs(model: str) -> Iterator[Check]:
     """Check that undamped legs keep their energy in chaos: e = 1, no friction, plate at rest."""
     for tilt in (0.0, 20.0):
         plan = with_legs(
-            plan_of(
-                model,
-                tilt,
-                drive=STILL,
-                run={"step_us": STEP_US},
-                contact={"restitution": 1.0, "friction": 0.0},
-            ),
+            plan_of(model, tilt, drive=STILL, run={"step_us": STEP_US}, contact={"restitution": 1.0, "friction": 0.0}),
             1.0,
             0.0,
         )
@@ -139,9 +129,7 @@ def _springs(model: str) -> Iterator[Check]:
         before = plan.energy(state) - rest
         outcome, tally = advance(plan, state, 0.5)
         drift = abs((plan.energy(state) - rest) / before - 1.0)
-        yield exactly(
-            f"tilt {tilt:g}: runs on, with impacts", outcome is Outcome.OK and tally.counts[0] > 50
-        )
+        yield exactly(f"tilt {tilt:g}: runs on, with impacts", outcome is Outcome.OK and tally.counts[0] > 50)
         yield Check(
             f"tilt {tilt:g}: energy after 0.5 s, relative",
             drift,
@@ -163,13 +151,7 @@ def _grazing(model: str) -> Iterator[Check]:
     reason = "a double root is found down to the rounding of a height, far below 1e-9 mm"
     if model == "compliant":
         offset, reason = 1e-5, "within one step a gap may dip by a h^2 / 8 = 2e-6 mm unseen"
-    plan = plan_of(
-        model,
-        0.0,
-        drive=shaken(3.0),
-        run={"step_us": 30.0},
-        contact={"restitution": 0.5, "friction": 0.0},
-    )
+    plan = plan_of(model, 0.0, drive=shaken(3.0), run={"step_us": 30.0}, contact={"restitution": 0.5, "friction": 0.0})
     shaker = plan.world.drive
     touch, before = 1.2, 1.5e-3
     for sign in (1.0, -1.0):

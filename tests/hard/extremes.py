@@ -173,12 +173,7 @@ def _damping(model: str) -> Iterator[Check]:
             lowest = min(lowest, float(state[ANGLE_BACK]))
         swing = 0.5 * plan.world.walker.legs[0].stiffness * 0.05**2
         off = abs(plan.energy(state) - before + total.sums[record.DAMPING_LOSS]) / swing
-        yield Check(
-            f"ratio {ratio:g}: energy unaccounted for, over the swing's",
-            off,
-            1e-2,
-            "a kick of second order",
-        )
+        yield Check(f"ratio {ratio:g}: energy unaccounted for, over the swing's", off, 1e-2, "a kick of second order")
         if ratio >= 1.0:
             yield exactly(
                 f"ratio {ratio:g}: no swing back beyond the body's own",

@@ -25,11 +25,7 @@ def _friction(model: str) -> Iterator[Check]:
 def _no_friction(model: str) -> Iterator[Check]:
     for e in (0.0, 0.8):
         plan = plan_of(
-            model,
-            20.0,
-            drive=shaken(1.8),
-            run={"step_us": 10.0},
-            contact={"restitution": e, "friction": 0.0},
+            model, 20.0, drive=shaken(1.8), run={"step_us": 10.0}, contact={"restitution": e, "friction": 0.0}
         )
         state = plan.start(0.03, 0.0, 1.0)
         state[PITCH] += 0.01
@@ -68,21 +64,14 @@ def _jams(model: str) -> Iterator[Check]:
         )
     forward, backward = ({held[way, fall] for fall in (0.0, -1e-3)} for way in (10.0, -10.0))
     yield exactly(
-        "the jammed way stops at once, the other slides on",
-        len(forward) == len(backward) == 1 and forward != backward,
+        "the jammed way stops at once, the other slides on", len(forward) == len(backward) == 1 and forward != backward
     )
 
 
 def _stops(model: str) -> Iterator[Check]:
     """Check sliding on a plate at rest: over v^2 / (2 mu g), then at rest for good."""
     mu, speed = 0.25, 60.0
-    plan = plan_of(
-        model,
-        10.0,
-        drive=STILL,
-        run={"step_us": 30.0},
-        contact={"restitution": 0.0, "friction": mu},
-    )
+    plan = plan_of(model, 10.0, drive=STILL, run={"step_us": 30.0}, contact={"restitution": 0.0, "friction": mu})
     if model == "compliant":
         plan = with_legs(plan, 1e4, 1.0)
     far = speed**2 / (2.0 * mu * GRAVITY)
@@ -95,17 +84,10 @@ def _stops(model: str) -> Iterator[Check]:
         limit, reason = 2e-6, "it falls by the tolerance of a gap before it stands: 1e-8 s"
         if model == "compliant":
             limit, reason = 2e-2, "legs of finite stiffness give, and bounce when let go"
-        yield Check(
-            f"{'forward' if way > 0 else 'backward'}: way, relative",
-            abs(gone / far - 1),
-            limit,
-            reason,
-        )
+        yield Check(f"{'forward' if way > 0 else 'backward'}: way, relative", abs(gone / far - 1), limit, reason)
         yield exactly(
             "stands on both feet, at rest",
-            outcome is Outcome.OK
-            and abs(state[V_X]) < 1e-6
-            and state[MODE_BACK] == STICK == state[MODE_FRONT],
+            outcome is Outcome.OK and abs(state[V_X]) < 1e-6 and state[MODE_BACK] == STICK == state[MODE_FRONT],
         )
 
 

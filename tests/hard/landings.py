@@ -6,16 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from hard import (
-    COMPLIANT,
-    EVERY,
-    THREE_COORDINATES,
-    drawn,
-    energy_error,
-    fall_time,
-    lift,
-    with_legs,
-)
+from hard import COMPLIANT, EVERY, THREE_COORDINATES, drawn, energy_error, fall_time, lift, with_legs
 from walkergen.jobs.trust.selftest.case import Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, plan_of, shaken
 from walkergen.simulation.compliant.chain import LOOSE, chain_of
@@ -87,13 +78,7 @@ def _both_feet(model: str) -> Iterator[Check]:
 def _a_rounding_apart(model: str) -> Iterator[Check]:
     """Check an upright walker pitched by 1e-13 rad: feet 1e-12 mm apart must land together."""
     for pitch in (1e-13, -1e-13):
-        plan = plan_of(
-            model,
-            0.0,
-            drive=STILL,
-            run={"step_us": 10.0},
-            contact={"restitution": 0.5, "friction": 0.25},
-        )
+        plan = plan_of(model, 0.0, drive=STILL, run={"step_us": 10.0}, contact={"restitution": 0.5, "friction": 0.25})
         state = plan.start(0.03, 0.0, 0.5 * math.pi)
         state[PITCH], state[V_Y] = pitch, 0.0
         lift(plan, state, 0.03)

@@ -47,9 +47,7 @@ def _short_rebounds(model: str) -> Iterator[Check]:
             contact = {"restitution": e, "friction": 0.1}
             plan = _plan(shape, {}, seconds, drive=shaken(1.8), contact=contact)
             step = 1e6 * part * plan.world.options.step
-            plan = _plan(
-                shape, {}, seconds, drive=shaken(1.8), contact=contact, run={"step_us": step}
-            )
+            plan = _plan(shape, {}, seconds, drive=shaken(1.8), contact=contact, run={"step_us": step})
             runs = [simulate(plan, number) for number in range(8)]
             yield exactly(
                 f"{shape['tilt_deg']:g} deg, {step:.3g} us: all runs end well",
@@ -77,13 +75,20 @@ def _sinking(model: str) -> Iterator[Check]:
     """Check that no foot sinks on a plate at rest, by steps too long for the legs' dampers."""
     for tilt, thickness, length, spacing, body, e, mu, ratio in SINKING:
         shape = {
-            "tilt_deg": tilt, "flexible_thickness_mm": thickness, "length_mm": length,
+            "tilt_deg": tilt,
+            "flexible_thickness_mm": thickness,
+            "length_mm": length,
             "contact_spacing_mm": spacing,
-        }  # fmt: skip
+        }
         plan = _plan(
-            shape, body, 1.0, drive=STILL, contact={"restitution": e, "friction": mu},
-            legs={"damping_ratio": ratio}, run={"step_us": 30.0},
-        )  # fmt: skip
+            shape,
+            body,
+            1.0,
+            drive=STILL,
+            contact={"restitution": e, "friction": mu},
+            legs={"damping_ratio": ratio},
+            run={"step_us": 30.0},
+        )
         rng, lowest, ends = np.random.default_rng(1), 0.0, []
         for _ in range(DROPS):
             state = _dropped(plan, rng)
@@ -93,9 +98,7 @@ def _sinking(model: str) -> Iterator[Check]:
             ends.append(outcome)
         told = f"{tilt:g} deg, damping ratio {ratio:g}"
         yield exactly(f"{told}: no failure", set(ends) <= {Outcome.OK, Outcome.TOPPLED})
-        yield Check(
-            f"{told}: deepest foot, mm", -lowest, 1e-8, "a landing is lifted to first order"
-        )
+        yield Check(f"{told}: deepest foot, mm", -lowest, 1e-8, "a landing is lifted to first order")
 
 
 CASES = [

@@ -28,9 +28,7 @@ DEEPEST_STEPPED, DEEPEST = 4e-3, 1e-9
 legs lighter by 1e-9 swing back many times within it; by events, rounding."""
 
 
-def survives(
-    plan: Plan, seconds: float, about: str, limit: tuple[float, str] | None = None
-) -> Iterator[Check]:
+def survives(plan: Plan, seconds: float, about: str, limit: tuple[float, str] | None = None) -> Iterator[Check]:
     """A tilted drop: a physical end, finite, over the plate, every energy accounted for."""
     state = plan.start(0.03, 0.0, 1.0)
     state[PITCH] += 2e-3
@@ -46,18 +44,11 @@ def survives(
         if outcome is not Outcome.OK:
             break
     finite = bool(np.isfinite(state).all() and np.isfinite(total.sums).all())
-    yield exactly(
-        f"{about}: a physical end ({outcome.value}), finite", outcome in ENDINGS and finite
-    )
+    yield exactly(f"{about}: a physical end ({outcome.value}), finite", outcome in ENDINGS and finite)
     yield exactly(f"{about}: phase stays in one turn", turned)
     stepped = plan.resolved.model == "compliant"
     allowed, reason = limit or (STEPPED if stepped else EXACT)
-    yield Check(
-        f"{about}: energy unaccounted for",
-        energy_error(plan, before, state, total),
-        allowed,
-        reason,
-    )
+    yield Check(f"{about}: energy unaccounted for", energy_error(plan, before, state, total), allowed, reason)
     yield Check(
         f"{about}: foot below the plate, mm",
         -lowest,

@@ -8,15 +8,7 @@ import numpy as np
 
 from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
 from walkergen.jobs.trust.selftest.case import Case, Check
-from walkergen.jobs.trust.selftest.scenes import (
-    STILL,
-    Array,
-    advance,
-    design_of,
-    plan_of,
-    scene_of,
-    shaken,
-)
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, design_of, plan_of, scene_of, shaken
 from walkergen.jobs.trust.selftest.scenes import masses as masses_of
 from walkergen.simulation.compliant.chain import chain_of, mobility_of
 from walkergen.simulation.model import Plan
@@ -75,10 +67,7 @@ def _upright(model: str) -> Iterator[Check]:
             advance(plan, state, seconds)
             drift = max(abs(state[X]), abs(state[PITCH]))
             yield Check(
-                f"e = {e:g}, mu = {mu:g}: drift or pitch after {seconds:g} s",
-                drift,
-                0.0 if exact else 1e-9,
-                reason,
+                f"e = {e:g}, mu = {mu:g}: drift or pitch after {seconds:g} s", drift, 0.0 if exact else 1e-9, reason
             )
 
 
@@ -142,9 +131,7 @@ def _scaled(model: str, scale: float) -> Plan:
     }
     design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     scene = scene_of(
-        model,
-        drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8},
-        run={"step_us": 10.0 * math.sqrt(scale)},
+        model, drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}, run={"step_us": 10.0 * math.sqrt(scale)}
     )
     return prepare(scene, design, masses_of(design))
 

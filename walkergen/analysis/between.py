@@ -100,14 +100,10 @@ def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
         most = math.sqrt(max(total * free / least - noise, 0.0))
         return Estimate(None, None, f"not resolved: below {most:.2g} {unit} (95 %)")
     value = math.sqrt(total - noise)
-    return Estimate(
-        value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise, root=True
-    )
+    return Estimate(value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise, root=True)
 
 
-def of_walkers(
-    tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]
-) -> list[Alone]:
+def of_walkers(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
     """Every walker by itself.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
@@ -138,9 +134,7 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
     if not frame.headed:
         moved, lag = moments.direction(track, step), frame.first_lag
         products = np.conj(moved[:-lag]) * moved[lag:]
-        motion = _Series(
-            products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True
-        )
+        motion = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
         return {"lane_speed": along, "speed": motion, "motion_speed": motion}
     assert track.heading is not None
     near, far = (_mean_known(moments.ahead(track, turn, out)) for out in (0, 1))
@@ -151,10 +145,12 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
     heading = np.exp(1j * track.heading)
     turned = np.angle(heading[1:] * np.conj(heading[:-1]))
     return {
-        "lane_speed": along, "speed": ahead, "body_speed": ahead,
+        "lane_speed": along,
+        "speed": ahead,
+        "body_speed": ahead,
         "sideways_speed": _Series(moved.imag, ones, unit, speeds.imag),
         "turning_bias": _Series(turned, ones, 1.0 / interval, np.zeros(0)),
-    }  # fmt: skip
+    }
 
 
 def _mean_known(values: moments.Complex) -> moments.Complex:
@@ -169,9 +165,7 @@ def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
-    sums = (
-        np.add.reduceat(values, np.unique(edges), axis=1).T if present.any() else np.zeros((0, 2))
-    )
+    sums = np.add.reduceat(values, np.unique(edges), axis=1).T if present.any() else np.zeros((0, 2))
     if not math.isfinite(series.unit):
         return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
     if not len(sums):
@@ -197,9 +191,7 @@ def _unresolved(sums: npt.NDArray[Any], unit: float) -> str:
     The modulus of a mean that is all noise would be a speed above 0.
     """
     whole, count = sums.sum(axis=0)
-    left_out = (
-        (whole - sums[:, 0]).real / (count - sums[:, 1]).real if len(sums) > 1 else sums[:, 0]
-    )
+    left_out = (whole - sums[:, 0]).real / (count - sums[:, 1]).real if len(sums) > 1 else sums[:, 0]
     product, error = (whole / count).real, statistics.jackknife_error(left_out[:, None])[0]
     if product > SIGNIFICANT * error:
         return ""
@@ -250,14 +242,10 @@ def compare(alone: Sequence[Alone]) -> Together | None:
     errors = [speed.se for speed in speeds if speed.se is not None]
     if len(errors) < len(speeds):
         reason = next(speed.reason for speed in speeds if speed.reason)
-        return Together(
-            len(walkers), means, Estimate(None, None, reason), "no error within a track is known"
-        )
+        return Together(len(walkers), means, Estimate(None, None, reason), "no error within a track is known")
     noise = float(np.mean(np.square(errors)))
     inside = sum(min(speed.freedom, statistics.FEWEST_SAMPLES) for speed in speeds)
-    scatter = spread(
-        np.array([walker.values["speed"] for walker in walkers]), noise, inside, "mm/s"
-    )
+    scatter = spread(np.array([walker.values["speed"] for walker in walkers]), noise, inside, "mm/s")
     return Together(len(walkers), means, scatter, _limit(scatter, noise))
 
 
@@ -266,9 +254,10 @@ def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, E
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
         name: mean._replace(se=math.hypot(mean.se, relative * mean.value))
-        if name in CORRECTED and mean.se is not None and mean.value is not None else mean
+        if name in CORRECTED and mean.se is not None and mean.value is not None
+        else mean
         for name, mean in means.items()
-    }  # fmt: skip
+    }
 
 
 def _over_walkers(values: Array) -> Estimate:

@@ -50,10 +50,8 @@ def measure(tracks: Tracks) -> Delay:
         series = [
             (velocity, unit)
             for whole, headings in series
-            for velocity, unit in zip(
-                np.array_split(whole, cuts), _cut(headings, cuts), strict=True
-            )
-        ]  # fmt: skip
+            for velocity, unit in zip(np.array_split(whole, cuts), _cut(headings, cuts), strict=True)
+        ]
     longest = max((len(velocity) for velocity, _ in series), default=0) // 4
     none = np.zeros(0)
     if len(series) < FEWEST_SAMPLES or longest < 4:
@@ -70,11 +68,7 @@ def measure(tracks: Tracks) -> Delay:
     end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
     lost = at_once - 0.5 * (mean[:, end] + mean[:, end - 1])
     areas = tracks.interval * function[:, :end].sum(axis=1)
-    curve = Curve(
-        tracks.interval * (lags.astype(float) + 0.5),
-        function[0],
-        statistics.jackknife_error(function[1:]),
-    )
+    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], statistics.jackknife_error(function[1:]))
     return Delay(_mean(areas, lost), end * tracks.interval, curve)
 
 
@@ -96,9 +90,7 @@ def _mean(areas: Array, lost: Array) -> Estimate:
     """Half of the areas over what was lost of the correlation, first of all samples."""
     error = float(statistics.jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
-        return Estimate(
-            None, None, "headings hardly turn, or no speed along them is known: film for longer"
-        )
+        return Estimate(None, None, "headings hardly turn, or no speed along them is known: film for longer")
     delays = 0.5 * areas / lost
     se = float(statistics.jackknife_error(delays[1:, None])[0])
     return Estimate(float(delays[0]), se, "", len(delays) - 2.0)

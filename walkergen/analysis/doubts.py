@@ -36,9 +36,15 @@ def of(tracks: Tracks, groups: Sequence[Sequence[Track]], fitted: Fitted | None)
         *(_flipping(tracks.tracks) + _turned(groups) if headed else ()),
         *_jumps(tracks),
         *_fragments(tracks.tracks),
-        *(("the squared displacement follows another law: diffusivity, crossover, ballistic speed "
-           "and noise are those of the best fit, see msd.csv",) if poor else ()),
-    ]  # fmt: skip
+        *(
+            (
+                "the squared displacement follows another law: diffusivity, crossover, ballistic speed "
+                "and noise are those of the best fit, see msd.csv",
+            )
+            if poor
+            else ()
+        ),
+    ]
 
 
 def of_scale(share: float | None) -> str:
@@ -48,8 +54,7 @@ def of_scale(share: float | None) -> str:
     """
     if share is None:
         return (
-            "the scale's error is not known and in no number: give the scale with its error, as "
-            "--mm-per-px 0.05+-0.001"
+            "the scale's error is not known and in no number: give the scale with its error, as --mm-per-px 0.05+-0.001"
         )
     if not share:
         return ""
@@ -100,9 +105,7 @@ def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
         return []
     if abs(angle) > 135.0:
         return ["walkers run backwards along their headings: is theta turned by 180 deg?"]
-    return [
-        f"walkers run at {angle:.0f} deg to their headings: is theta, or x and y, turned by 90?"
-    ]
+    return [f"walkers run at {angle:.0f} deg to their headings: is theta, or x and y, turned by 90?"]
 
 
 def _jumps(tracks: Tracks) -> list[str]:

@@ -27,16 +27,30 @@ FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
 
 UNITS = {
-    "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
-    "speed_scatter": "mm_s", "sideways_speed": "mm_s",
-    "turning_bias": "rad_s", "turning_scatter": "rad_s",
+    "speed": "mm_s",
+    "body_speed": "mm_s",
+    "lane_speed": "mm_s",
+    "motion_speed": "mm_s",
+    "speed_scatter": "mm_s",
+    "sideways_speed": "mm_s",
+    "turning_bias": "rad_s",
+    "turning_scatter": "rad_s",
     "rotational_diffusion": "rad2_s",
-    "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
-    "turning_memory": "s", "heading_noise": "rad", "ballistic_speed": "mm_s",
-    "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
+    "persistence_rate": "per_s",
+    "persistence_time": "s",
+    "persistence_length": "mm",
+    "turning_memory": "s",
+    "heading_noise": "rad",
+    "ballistic_speed": "mm_s",
+    "diffusivity": "mm2_s",
+    "translational_diffusion": "mm2_s",
+    "crossover_time": "s",
     "localisation_noise": "mm",
-    "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
-}  # fmt: skip
+    "parallel_mean": "mm",
+    "parallel_sd": "mm",
+    "orthogonal_mean": "mm",
+    "orthogonal_sd": "mm",
+}
 """Names of all estimates, and the unit of each as keys write it.
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
@@ -50,10 +64,7 @@ displacements, which also lose direction where walkers turn apart. Its error, an
 time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
 """
 
-FITS = (
-    "amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first",
-    "shortened",
-)  # fmt: skip
+FITS = ("amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first", "shortened")
 """Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
 mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
 (rad^2) that of the headings' noise, `shortened` the share of a speed that displacements along
@@ -64,10 +75,7 @@ NEAR, FAR = 1.5, -0.5
 """Weights of displacements along headings half a sample and one and a half from their middles, that
 extrapolate to none."""
 
-HEADED = (
-    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory",
-    "heading_noise",
-)  # fmt: skip
+HEADED = ("body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory", "heading_noise")
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
 TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
@@ -286,14 +294,16 @@ def of_spread(spread: Spread, interval: float) -> dict[str, float]:
     """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
     speed2, offset = spread.mean_square, spread.offset
     return {
-        "msd_speed2": speed2, "msd_rate": spread.rate, "msd_offset": offset,
+        "msd_speed2": speed2,
+        "msd_rate": spread.rate,
+        "msd_offset": offset,
         "msd_first": offset + 4.0 * spread.diffusion * interval,
         "ballistic_speed": math.sqrt(max(speed2, 0.0)),
         "diffusivity": spread.diffusivity,
         "translational_diffusion": math.nan if spread.smooth_rate else spread.diffusion,
         "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
         "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
-    }  # fmt: skip
+    }
 
 
 def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:

@@ -28,16 +28,8 @@ def of(motion: Motion) -> dict[str, Any]:
         },
         "walkers": [
             {"particle": walker.particle, "seen_s": walker.seconds}
-            | {
-                key: value
-                for name in OF_WALKERS
-                for key, value in _keyed(name, walker.of(name)).items()
-            }
-            | (
-                {"refused": walker.estimates["speed"].reason}
-                if walker.estimates["speed"].reason
-                else {}
-            )
+            | {key: value for name in OF_WALKERS for key, value in _keyed(name, walker.of(name)).items()}
+            | ({"refused": walker.estimates["speed"].reason} if walker.estimates["speed"].reason else {})
             for walker in motion.walkers
         ],
         "particles": motion.particles,
@@ -79,10 +71,7 @@ def _keyed(name: str, estimate: Estimate) -> dict[str, float | None]:
     """An estimate by keys that carry its unit."""
     low, high = ends(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
-    return {
-        f"{name}_{UNITS[name]}": estimate.value,
-        f"{name}_se_{UNITS[name]}": estimate.se,
-    } | bounds
+    return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds
 
 
 def _fit(motion: Motion) -> dict[str, float | None] | None:
@@ -99,10 +88,9 @@ def _fit(motion: Motion) -> dict[str, float | None] | None:
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
     return [
-        {name: None if math.isnan(value) else float(value)
-         for name, value in zip(names, point, strict=True)}
+        {name: None if math.isnan(value) else float(value) for name, value in zip(names, point, strict=True)}
         for point in zip(*curve, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:

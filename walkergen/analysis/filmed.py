@@ -90,9 +90,7 @@ def with_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
     filmed = np.array([int(line) in names for line in table.lines], bool)
     both = filmed & ~np.isnan(_column(table, SPEED))
     if both.any():
-        raise InputError(
-            f"{path}:{table.lines[both][0]}: both {SPEED} and {TRACKS}: leave one blank"
-        )
+        raise InputError(f"{path}:{table.lines[both][0]}: both {SPEED} and {TRACKS}: leave one blank")
     films: dict[str, _Film] = {}
     walkers: list[_Walker] = []
     for at in map(int, np.flatnonzero(filmed)):
@@ -108,9 +106,7 @@ def with_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
     bad = table.bad | _unknown(table, walkers, known)
     notes = [note for film in films.values() for note in _notes(film, walkers)]
     joined = joined._replace(bad=bad)
-    return joined.without(
-        np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"
-    ), tuple(notes)  # fmt: skip
+    return joined.without(np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"), tuple(notes)
 
 
 def _names(path: Path) -> dict[int, str]:
@@ -129,10 +125,7 @@ def _film(path: Path) -> _Film:
     """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
     read = tracks.read(path, tracks.Units())
     measured = motion.analyse(read)
-    plates = {
-        track.particle: math.nan if track.plate_speed is None else track.plate_speed
-        for track in read.tracks
-    }
+    plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
     speeds = {walker.particle: walker.of("speed") for walker in measured.walkers}
     mean = measured.estimates["speed"]
     notes = [*measured.doubts, doubts.of_scale(read.scale_se), read.note]
@@ -154,8 +147,7 @@ def _of_row(film: _Film, at: int, number: float, path: Path, table: Columns) -> 
         seen = ", ".join(map(str, list(film.speeds)[:10]))
         more = " ..." if len(film.speeds) > 10 else ""
         raise InputError(
-            f"{path}:{table.lines[at]}: {PARTICLE} = {number:g}: must be a walker of {film.name}: "
-            f"{seen}{more}"
+            f"{path}:{table.lines[at]}: {PARTICLE} = {number:g}: must be a walker of {film.name}: {seen}{more}"
         )
 
 
@@ -180,22 +172,15 @@ def _joined(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
     plate = _column(table, PLATE)[at]
     own = {
         SPEED: np.array([walker.speed for walker in known], float),
-        ERROR: np.array([
-            walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)
-        ], float),
+        ERROR: np.array([walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)], float),
         PLATE: np.where(np.isnan(plate), of_film, plate),
-    }  # fmt: skip
-    names = dict.fromkeys((*table.values, *own))
-    values = {
-        name: np.append(_column(rest, name), own.get(name, _column(table, name)[at]))
-        for name in names
     }
+    names = dict.fromkeys((*table.values, *own))
+    values = {name: np.append(_column(rest, name), own.get(name, _column(table, name)[at])) for name in names}
     return Columns(values, np.append(rest.lines, table.lines[at]), {})
 
 
-def _unknown(
-    table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]
-) -> dict[int, str]:
+def _unknown(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]) -> dict[int, str]:
     """Reasons, by line, why rows have no walker with a speed."""
     having = {walker.at for walker in known}
     lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}

@@ -92,8 +92,7 @@ def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | fl
     """Predicted speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
     mean = 0.5 * (
-        factor(speeds.back, e, mu, speeds.mode, speeds.law)
-        + factor(speeds.front, e, mu, speeds.mode, speeds.law)
+        factor(speeds.back, e, mu, speeds.mode, speeds.law) + factor(speeds.front, e, mu, speeds.mode, speeds.law)
     )
     return speeds.plate_speed * mean
 
@@ -125,8 +124,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     knowledge = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
     errors = knowledge.errors
     intervals = {
-        name: _interval(speeds, fixed, values, name, errors[name], least, scale)
-        for name in (free if profiles else ())
+        name: _interval(speeds, fixed, values, name, errors[name], least, scale) for name in (free if profiles else ())
     }
     chi2 = p_value = None
     if speeds.se is not None:
@@ -136,13 +134,10 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     notes = [*_unseen(knowledge), *_aligned(knowledge, values, intervals)]
     notes += _hazy(knowledge, values, intervals)
     notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
-    predicted = values["impact_speed_factor"] * unit_speeds(
-        speeds, values["restitution"], values["friction"]
-    )
+    predicted = values["impact_speed_factor"] * unit_speeds(speeds, values["restitution"], values["friction"])
     return ContactFit(
-        values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value,
-        predicted, notes,
-    )  # fmt: skip
+        values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value, predicted, notes
+    )
 
 
 def _errors(speeds: Speeds) -> Array:
@@ -270,10 +265,7 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
     width = np.where(widths > 0, widths, 1.0)
     least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
     return _Knowledge(
-        {
-            name: None if gone else float(error)
-            for name, gone, error in zip(free, undetermined, widths, strict=True)
-        },
+        {name: None if gone else float(error) for name, gone, error in zip(free, undetermined, widths, strict=True)},
         covariance,
         covariance / np.outer(width, width),
         [name for name, gone in zip(free, unseen, strict=True) if gone],
@@ -283,16 +275,11 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
 
 
 def _unseen(knowledge: _Knowledge) -> list[str]:
-    return [
-        f"{name}: none of these speeds depends on it; measure other tilts, or fix it"
-        for name in knowledge.unseen
-    ]
+    return [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
 
 
 def _aligned(
-    knowledge: _Knowledge,
-    values: Mapping[str, float],
-    intervals: Mapping[str, tuple[float | None, float | None]],
+    knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
     """Note on parameters of which only a combination is known."""
     if knowledge.level > ALIGNED or len(knowledge.together) < 2:
@@ -306,9 +293,7 @@ def _aligned(
 
 
 def _hazy(
-    knowledge: _Knowledge,
-    values: Mapping[str, float],
-    intervals: Mapping[str, tuple[float | None, float | None]],
+    knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
     """Notes on parameters that the speeds depend on, but too weakly for their errors."""
     return [
@@ -318,9 +303,7 @@ def _hazy(
     ]
 
 
-def _vague(
-    value: float, error: float | None, interval: tuple[float | None, float | None] | None
-) -> bool:
+def _vague(value: float, error: float | None, interval: tuple[float | None, float | None] | None) -> bool:
     if error is None:
         return True
     low, high = interval or (value - error, value + error)

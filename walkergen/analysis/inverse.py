@@ -74,9 +74,7 @@ def measured(
     options = ((flag, value), (f"{flag}-sd", sd))
     for (name, number), (other, missing) in (options, options[::-1]):
         if missing is None:
-            raise InputError(
-                f"{name} {number:g}: needs {other} as well, the number's standard error"
-            )
+            raise InputError(f"{name} {number:g}: needs {other} as well, the number's standard error")
         if number is not None and not LEAST <= number <= most:
             raise InputError(f"{name} {number:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None

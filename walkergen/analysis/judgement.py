@@ -71,9 +71,7 @@ def judge(
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
     """
     errors = {name: _error(replicates, name) for name in values}
-    refused = _meaningless(frame) | _unresolved(
-        _Numbers(values, errors, len(replicates) - 1), frame, fitted, longest_s
-    )
+    refused = _meaningless(frame) | _unresolved(_Numbers(values, errors, len(replicates) - 1), frame, fitted, longest_s)
     if len(replicates) < FEWEST_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
         refused = dict.fromkeys(UNITS, few)
@@ -120,10 +118,7 @@ class _Numbers(NamedTuple):
 
     def positive(self, *names: str) -> bool:
         """Whether all are larger than 0, beyond what chance makes of it."""
-        return all(
-            resolved(Estimate(self.values[name], self.errors[name], "", self.freedom))
-            for name in names
-        )
+        return all(resolved(Estimate(self.values[name], self.errors[name], "", self.freedom)) for name in names)
 
     def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
         """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
@@ -132,9 +127,7 @@ class _Numbers(NamedTuple):
         return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
 
 
-def _unresolved(
-    numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float
-) -> dict[str, str]:
+def _unresolved(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float) -> dict[str, str]:
     """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
     if frame.lane or fitted is None:
         reason = "the spread about the mean run is too small to tell"
@@ -174,9 +167,7 @@ def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -
     return dict.fromkeys(("persistence_time", "persistence_length"), reason)
 
 
-def _unresolved_spread(
-    numbers: _Numbers, first_s: float, fitted: Fitted, longest_s: float
-) -> dict[str, str]:
+def _unresolved_spread(numbers: _Numbers, first_s: float, fitted: Fitted, longest_s: float) -> dict[str, str]:
     """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
@@ -196,9 +187,7 @@ def _unresolved_spread(
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
     smooth = fitted.spreads[0].smooth_rate
     if smooth:
-        refused["translational_diffusion"] = (
-            f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
-        )
+        refused["translational_diffusion"] = f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
     turned = numbers.values["msd_rate"] * longest_s > DECAYED
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
     if not (turned and numbers.positive(*needed)):

@@ -42,9 +42,7 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     sums = np.zeros(len(near))
     for axis in range(position.shape[1]):
         values, squared = (fft.rfft(about_drift[:, axis] ** power, size) for power in (1, 2))
-        spread = (
-            correlate(weight, squared) + correlate(squared, weight) - 2 * correlate(values, values)
-        )
+        spread = correlate(weight, squared) + correlate(squared, weight) - 2 * correlate(values, values)
         shift = correlate(weight, values) - correlate(values, weight)
         run = drift[axis] * near
         sums += spread + run * (2 * shift + run * count)

@@ -53,16 +53,17 @@ def _shorter(memory: Estimate, seconds: float) -> bool:
     return memory.value + errors * memory.se < seconds
 
 
-def _joined(
-    at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]
-) -> list[dict[str, float]]:
+def _joined(at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
     """Numbers of walkers without memory, but for the persistence, which is that with one.
 
     The memory itself is there to name a bound.
     """
     names = "persistence_rate", "persistence_time", "turning_memory"
     return [
-        {**plain, **{name: late[name] for name in names},
-         "persistence_length": abs(plain["speed"]) * late["persistence_time"]}
+        {
+            **plain,
+            **{name: late[name] for name in names},
+            "persistence_length": abs(plain["speed"]) * late["persistence_time"],
+        }
         for plain, late in zip(at_once, lasting, strict=True)
-    ]  # fmt: skip
+    ]

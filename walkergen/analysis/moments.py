@@ -134,9 +134,7 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     if lane:
         drift = mean_step * times[:, None]
         about_mean, _ = lagged.squares(track.position - drift, grid.square_lags)
-    turn, turn_pairs = lagged.products(
-        headings * np.exp(-1j * mean_step * times[: len(headings)]), grid.turn_lags
-    )
+    turn, turn_pairs = lagged.products(headings * np.exp(-1j * mean_step * times[: len(headings)]), grid.turn_lags)
     return Moments(
         run(track),
         _sum_and_number(ahead(track, mean_step, 0)),

@@ -14,17 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import (
-    between,
-    doubts,
-    estimates,
-    judgement,
-    lagged,
-    memory,
-    moments,
-    spreads,
-    turning,
-)
+from walkergen.analysis import between, doubts, estimates, judgement, lagged, memory, moments, spreads, turning
 from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
@@ -125,9 +115,8 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: Estimate(None, None, reason) for name in UNITS}
     return whole._replace(
-        estimates=refused, method=analyses[0].method, msd_fit=None,
-        by_plate_speed=tuple(speeds), line=line,
-    )  # fmt: skip
+        estimates=refused, method=analyses[0].method, msd_fit=None, by_plate_speed=tuple(speeds), line=line
+    )
 
 
 def _analyse(tracks: Tracks, lag_s: float) -> Motion:
@@ -161,10 +150,16 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
     own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, own_s, False, False,
+        grid,
+        tracks.interval,
+        tracks.lane,
+        headed,
+        own_s,
+        False,
+        False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
-    )  # fmt: skip
+    )
     frame, numbers = memory.choose(both, frame)
     longest = length // FITTED
     numbers, fit = _with_fit(numbers, both, frame, longest)
@@ -172,19 +167,20 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     together = between.compare(alone)
     if headed:
         shortened = judgement.measured(numbers, "shortened")
-        alone = [
-            walker._replace(estimates=between.corrected(walker.estimates, shortened))
-            for walker in alone
-        ]
+        alone = [walker._replace(estimates=between.corrected(walker.estimates, shortened)) for walker in alone]
         if together is not None:
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
     unlike = memory.numbers(without_one, frame)
     judged = judgement.judge(
-        numbers[0], numbers[1:], frame, fit,
-        _with_fit(unlike, without_one, frame, longest)[0][1:], longest * tracks.interval,
-    )  # fmt: skip
+        numbers[0],
+        numbers[1:],
+        frame,
+        fit,
+        _with_fit(unlike, without_one, frame, longest)[0][1:],
+        longest * tracks.interval,
+    )
     if in_pieces:
         judged |= _means(alone, together, frame)
     elif together is not None and not (headed or tracks.lane):
@@ -193,9 +189,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     judged["speed_scatter"] = together.scatter if together else lone
     if on_plane:
         judged["turning_scatter"] = turning.scatter(turnings)
-        judged["rotational_diffusion"] = turning.diffusion(
-            turnings, judgement.measured(numbers, "heading_variance")
-        )
+        judged["rotational_diffusion"] = turning.diffusion(turnings, judgement.measured(numbers, "heading_variance"))
     correlation = _curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     return Motion(
         estimates=judged,
@@ -224,9 +218,7 @@ def _with_fit(
         return numbers, None
     fitted = frame.grid.square_lags <= longest
     lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
-    squares = [
-        np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums
-    ]
+    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums]
     fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
     return [
         sample | estimates.of_spread(spread, frame.interval)
@@ -314,9 +306,7 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _means(
-    alone: Sequence[Alone], together: Together | None, frame: Frame
-) -> Mapping[str, Estimate]:
+def _means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Estimate]:
     """Means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
@@ -343,9 +333,7 @@ def _unlike(judged: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
-def _method(
-    frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float
-) -> str:
+def _method(frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float) -> str:
     if frame.lane:
         speed = "along the lane"
     elif frame.headed:

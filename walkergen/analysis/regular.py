@@ -20,10 +20,7 @@ def at_regular_times(table: Columns, time: str, heading: str) -> tuple[Columns, 
     variance of its noise.
     """
     order = np.lexsort((table.values[time], table.values["particle"]))
-    table = Columns(
-        {name: values[order] for name, values in table.values.items()}, table.lines[order],
-        table.bad,
-    )  # fmt: skip
+    table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
     steps, near = _steps(table, time)
     if not near.any():
         return table, ""

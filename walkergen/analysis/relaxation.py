@@ -111,9 +111,7 @@ def leaning(tracks: Tracks, relaxed: float) -> Estimate:
     rows = []
     for track in tracks.tracks:
         skip = math.ceil(SETTLED * relaxed / tracks.interval)
-        rest = _unexplained(
-            track, _followed(track, relaxed / tracks.interval), skip, tracks.interval
-        )
+        rest = _unexplained(track, _followed(track, relaxed / tracks.interval), skip, tracks.interval)
         heading = np.exp(1j * _headings(track))
         turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
         if not len(rest) or np.isnan(turned).all():
@@ -153,8 +151,7 @@ def fluctuations(
     removed = 2.0 * diffusion.value / seconds
     total, pairs = (np.sum(parts, axis=0) for parts in zip(*sums, strict=True))
     whole, *without = [
-        (total - own).real / (axes * np.maximum(pairs - number, 1.0)) + removed
-        for own, number in [(0.0, 0.0), *sums]
+        (total - own).real / (axes * np.maximum(pairs - number, 1.0)) + removed for own, number in [(0.0, 0.0), *sums]
     ]
     errors = statistics.jackknife_error(np.array(without))
     curve = Curve(interval * lags.astype(float), whole, errors)
@@ -172,9 +169,7 @@ def fluctuations(
     return _unresolved(whole[0], np.array(without)[:, 0], diffusion, interval, curve)
 
 
-def _unresolved(
-    square: float, squares: Array, diffusion: Estimate, interval: float, curve: Curve
-) -> Relaxation:
+def _unresolved(square: float, squares: Array, diffusion: Estimate, interval: float, curve: Curve) -> Relaxation:
     """Relaxation within a sample: the time with which spread and diffusion of an
     Ornstein-Uhlenbeck process agree.
     """
@@ -186,9 +181,7 @@ def _unresolved(
         more = _time_of(square, diffusion.value + diffusion.se, interval)
         se = math.hypot(se, more - whole)
     deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(square, 0.0))
-    return Relaxation(
-        Estimate(whole, se, "", len(squares) - 1.0), False, deviation, 0.0, curve
-    )  # fmt: skip
+    return Relaxation(Estimate(whole, se, "", len(squares) - 1.0), False, deviation, 0.0, curve)
 
 
 def _time_of(square: float, diffusion: float, interval: float) -> float:
@@ -205,9 +198,7 @@ def _time_of(square: float, diffusion: float, interval: float) -> float:
     return interval / float(optimize.brentq(excess, 1e-6, 1e9))
 
 
-def _fits(
-    values: Sequence[Array], errors: Array, interval: float, first: int
-) -> list[tuple[float, float]] | None:
+def _fits(values: Sequence[Array], errors: Array, interval: float, first: int) -> list[tuple[float, float]] | None:
     """Height and time (s) of an exponential, of all samples and without each; None where none fits.
 
     Fitted from the first lag to that at which the first values have fallen to FALLEN.
@@ -279,9 +270,7 @@ def _unexplained(track: Track, followed: Complex, skip: int, interval: float) ->
     return np.asarray(np.where(known, moved - share * unit, np.nan))
 
 
-def _diffusion(
-    tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float
-) -> Estimate:
+def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Estimate:
     """Diffusion (mm^2/s) of each axis, from what headings leave unexplained in pieces of tracks.
 
     In each piece of t s that is 4 D t on average, once a share of the way along the headings is
@@ -301,14 +290,10 @@ def _diffusion(
         reason = f"{count} independent pieces of tracks; at least {FEWEST_SAMPLES}: more runs, "
         return Estimate(None, None, f"{reason}or film for longer")
     values = np.concatenate(shares)
-    return Estimate(
-        float(values.mean()), float(values.std(ddof=1)) / math.sqrt(count), "", float(count)
-    )  # fmt: skip
+    return Estimate(float(values.mean()), float(values.std(ddof=1)) / math.sqrt(count), "", float(count))
 
 
-def _pieces(
-    track: Track, followed: Complex, skip: int, size: int, interval: float
-) -> tuple[Complex, Complex, Array]:
+def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: float) -> tuple[Complex, Complex, Array]:
     """Ways of a track in pieces of about `size` samples, those along its heading, and times, s."""
     place = moments.planar(track)
     count = max((len(place) - 1 - skip) // max(size, 1), 0)
@@ -326,6 +311,4 @@ def _pieces(
 
 def _unknown(reason: str) -> Relaxation:
     none = np.zeros(0)
-    return Relaxation(
-        Estimate(None, None, reason), False, math.nan, 0.0, Curve(none, none, none)
-    )  # fmt: skip
+    return Relaxation(Estimate(None, None, reason), False, math.nan, 0.0, Curve(none, none, none))

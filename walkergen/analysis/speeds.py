@@ -85,10 +85,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     se = table.values.get("speed_se_mm_s")
     return Measured(
         table.values["tilt_deg"],
-        [
-            kind if np.isnan(code) else KINDS[int(code)]
-            for code in table.values.get("legs", unknown)
-        ],
+        [kind if np.isnan(code) else KINDS[int(code)] for code in table.values.get("legs", unknown)],
         table.values["speed_mm_s"],
         None if se is None or np.isnan(se).any() else se,
         np.where(np.isnan(plate), plate_speed, plate),

@@ -120,10 +120,12 @@ def _smooth(lag: Array, errors: Array) -> Array:
 def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> bool:
     """Whether a run shows beside diffusion and noise, at any rate that the lags can show."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
-    runs = np.array([
-        [_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
-        for value, error, turn in zip(values, errors, turns, strict=True)
-    ])  # fmt: skip
+    runs = np.array(
+        [
+            [_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
+            for value, error, turn in zip(values, errors, turns, strict=True)
+        ]
+    )
     from scipy.special import stdtrit
 
     error = statistics.jackknife_error(runs[1:])
@@ -158,9 +160,7 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -
     return _linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
 
 
-def _fit_smooth(
-    lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None
-) -> Spread:
+def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
     """The same for a run that sets in smoothly, from the two rates of `start` or from a grid."""
     from scipy.optimize import minimize
 
@@ -181,9 +181,7 @@ def _fit_smooth(
     return _linear(lag, values, errors, rates(finest.x), turn)[0]
 
 
-def _linear(
-    lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
-) -> tuple[Spread, float]:
+def _linear(lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float) -> tuple[Spread, float]:
     """Best parameters of runs at these rates, and the sum of squared residuals.
 
     Beside two runs there is no diffusion, which is the limit of the second one at a high rate.

@@ -161,9 +161,7 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     """Read tracks that have their own times and lengths, on a plane or along a lane."""
     for flag, value in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
         if value is not None:
-            raise InputError(
-                f"{flag} {value:g}: {path} has its own {form.own_columns}; leave it out"
-            )
+            raise InputError(f"{flag} {value:g}: {path} has its own {form.own_columns}; leave it out")
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
@@ -274,9 +272,7 @@ def _film_units(path: Path, units: Units) -> tuple[float, float]:
         if value is None:
             raise InputError(f"{path}: counts frames and pixels; give {flag}, the {what}")
         if not LEAST_UNIT <= value <= LARGEST_UNIT:
-            raise InputError(
-                f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}"
-            )
+            raise InputError(f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
     assert units.fps is not None
     assert units.mm_per_px is not None
     return units.fps, units.mm_per_px
@@ -287,9 +283,7 @@ def _particles(table: Columns) -> Array:
     return table.values.get("particle", np.zeros(len(table.lines)))
 
 
-def _assemble(
-    path: Path, table: Columns, steps: Array, position: Array, heading: Array | None, tick: float
-) -> Tracks:
+def _assemble(path: Path, table: Columns, steps: Array, position: Array, heading: Array | None, tick: float) -> Tracks:
     """Sort rows into tracks, on the coarsest grid of times that holds all of their steps."""
     particle = _particles(table)
     plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
@@ -309,9 +303,7 @@ def _assemble(
         raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
     if len(names) > MOST_PARTICLES:
-        raise InputError(
-            f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks"
-        )
+        raise InputError(f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks")
     groups = np.split(order, starts[1:])
     stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
     stride = max(stride, 1)
@@ -322,9 +314,9 @@ def _assemble(
             f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
         )
     tracks = tuple(
-        _track(
-            path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate
-        )._replace(start=int(steps[group[0]] // stride))
+        _track(path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate)._replace(
+            start=int(steps[group[0]] // stride)
+        )
         for name, group in zip(names, groups, strict=True)
     )
     return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))

@@ -44,9 +44,7 @@ def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
     Samples are `interval` s apart. Turns count as far as they are known: those across a gap where
     headings are as correlated as BRIDGED over its length.
     """
-    units = {
-        track.particle: np.exp(1j * track.heading) for track in tracks if track.heading is not None
-    }
+    units = {track.particle: np.exp(1j * track.heading) for track in tracks if track.heading is not None}
     size = max((len(unit) - 1 for unit in units.values()), default=0) // PIECES
     if not size:
         return []
@@ -69,9 +67,7 @@ def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
     return int(bridged[-1]) if len(bridged) else 1
 
 
-def _turning(
-    particle: int, unit: moments.Complex, size: int, longest: int, interval: float
-) -> Turning | None:
+def _turning(particle: int, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
     """Turning of one walker by its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
     steps = np.diff(seen)
@@ -88,8 +84,7 @@ def _turning(
     fresh = np.append(True, first[1:] != last[:-1])
     starts = fresh | np.append(True, piece[1:] != piece[:-1])
     turned, seconds, ends = (
-        np.bincount(piece, weights)[np.unique(piece)]
-        for weights in (turns, steps * interval, starts)
+        np.bincount(piece, weights)[np.unique(piece)] for weights in (turns, steps * interval, starts)
     )
     if len(turned) < 2:
         return None

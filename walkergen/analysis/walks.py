@@ -67,9 +67,7 @@ class Spread(NamedTuple):
     def diffusivity(self) -> float:
         """Long-time diffusivity, mm^2/s: diffusion + speed2 rate / (2 (rate^2 + turn^2))."""
         runs = ((self.speed2, self.rate), (self.smooth2, self.smooth_rate))
-        return self.diffusion + sum(
-            0.5 * speed2 * rate / (rate**2 + self.turn**2) for speed2, rate in runs if rate
-        )
+        return self.diffusion + sum(0.5 * speed2 * rate / (rate**2 + self.turn**2) for speed2, rate in runs if rate)
 
 
 def squared(lag: Array, spread: Spread) -> Array:

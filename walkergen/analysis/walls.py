@@ -61,17 +61,13 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
         empty = np.full(BINS, np.nan)
         return ByWall(none, none, none, angles, empty, empty, empty)
     sums = np.array([_sums(rows, interval, outline, dish, edges) for rows in runs])
-    share, alignment, turning = (
-        _ratio(sums[:, over], sums[:, under]) for over, under in ((1, 0), (2, 1), (3, 4))
-    )
+    share, alignment, turning = (_ratio(sums[:, over], sums[:, under]) for over, under in ((1, 0), (2, 1), (3, 4)))
     counts, turned, samples = np.split(sums[:, 5:], 3, axis=1)
     density = counts.sum(axis=0) / max(counts.sum(), 1.0) / width
     with np.errstate(invalid="ignore", divide="ignore"):
         rates = turned.sum(axis=0) / samples.sum(axis=0)
         others = (turned.sum(axis=0) - turned) / (samples.sum(axis=0) - samples)
-    return ByWall(
-        share, alignment, turning, angles, density, rates, statistics.jackknife_error(others)
-    )  # fmt: skip
+    return ByWall(share, alignment, turning, angles, density, rates, statistics.jackknife_error(others))
 
 
 def nearest(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:

@@ -22,11 +22,17 @@ NAME = "tracks"
 
 
 def analyse(
-    tracks: Any, *, fps: float | None = None, mm_per_px: float | str | None = None,
-    y_down: bool = False, lane: bool = False, lag_ms: float | None = None,
-    folder: str | os.PathLike[str] | None = None, pictures: bool = True,
+    tracks: Any,
+    *,
+    fps: float | None = None,
+    mm_per_px: float | str | None = None,
+    y_down: bool = False,
+    lane: bool = False,
+    lag_ms: float | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    pictures: bool = True,
     progress: Progress | None = None,
-) -> AnalysisReport:  # fmt: skip
+) -> AnalysisReport:
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
     `tracks` is the path of a CSV file, what `track(...)` or `simulate(...).trajectory()` returns, a

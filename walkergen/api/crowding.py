@@ -19,12 +19,20 @@ PAPER, SCENE = "koumakis2016", "plane-90hz"
 
 
 def crowd(
-    design: Walker | Card = PAPER, scene: Ground = SCENE, *,
-    count: int | Mapping[Name, int] | None = None, packing: float | None = None,
-    arena: str | None = None, seconds: float | None = None, runs: int = RUNS,
-    seed: int | None = None, rate_hz: float = RATE_HZ, threads: int | None = None,
-    out: Name | None = None, progress: Progress | None = None,
-) -> CrowdReport:  # fmt: skip
+    design: Walker | Card = PAPER,
+    scene: Ground = SCENE,
+    *,
+    count: int | Mapping[Name, int] | None = None,
+    packing: float | None = None,
+    arena: str | None = None,
+    seconds: float | None = None,
+    runs: int = RUNS,
+    seed: int | None = None,
+    rate_hz: float = RATE_HZ,
+    threads: int | None = None,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> CrowdReport:
     """Let many walkers run in a dish and meet: order, clusters and packing with their errors.
 
     `count` is a number of walkers of the design, or numbers by the names or paths of several
@@ -42,9 +50,13 @@ def crowd(
         assert not isinstance(total, Mapping)
         crowd_members.check(total, f"count={count!r}")
     values = {
-        "crowd.count": total, "crowd.packing": packing, "crowd.arena_mm": arena,
-        "run.seconds": seconds, "run.runs": runs, "run.seed": seed,
-    }  # fmt: skip
+        "crowd.count": total,
+        "crowd.packing": packing,
+        "crowd.arena_mm": arena,
+        "run.seconds": seconds,
+        "run.runs": runs,
+        "run.seed": seed,
+    }
     ground = scene_of(scene).variant(**{k: v for k, v in values.items() if v is not None})
     flat = [_is_card(source) for source in sources]
     if mixed and any(flat) and not all(flat):

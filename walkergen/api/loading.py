@@ -53,9 +53,7 @@ def load(name: Name, kind: str | None = None) -> Any:
     if kind is None:
         kind = _kind_of(name)
     if kind not in KINDS:
-        raise InputError(
-            f"kind={kind!r}: must be one of {', '.join(map(repr, KINDS))}, or left out"
-        )
+        raise InputError(f"kind={kind!r}: must be one of {', '.join(map(repr, KINDS))}, or left out")
     folder, model = KINDS[kind]
     return shipped.load(name, folder, model)
 

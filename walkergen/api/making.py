@@ -8,15 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from walkergen.analysis import speeds
-from walkergen.api.loading import (
-    Ground,
-    Machine,
-    Walker,
-    members_of,
-    printer_of,
-    scene_of,
-    walker_of,
-)
+from walkergen.api.loading import Ground, Machine, Walker, members_of, printer_of, scene_of, walker_of
 from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
@@ -37,13 +29,24 @@ PRINTER = "prusa-mk3s"
 
 
 def family(
-    design: Walker, folder: str | os.PathLike[str], *, tilt: Iterable[float] | None = None,
-    legs: Kind | Iterable[Kind] | None = None, scene: Ground = SCENE, printer: Machine = PRINTER,
-    mode: Mode = "coulomb", simulate: bool = False, pictures: bool = True, strict: bool = False,
-    copies: int | Mapping[float, int] | None = None, max_parts: int = MOST_PARTS,
-    weights: str | os.PathLike[str] | None = None, measured: str | os.PathLike[str] | None = None,
-    prusaslicer: bool = False, progress: Progress | None = None,
-) -> FamilyReport:  # fmt: skip
+    design: Walker,
+    folder: str | os.PathLike[str],
+    *,
+    tilt: Iterable[float] | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    scene: Ground = SCENE,
+    printer: Machine = PRINTER,
+    mode: Mode = "coulomb",
+    simulate: bool = False,
+    pictures: bool = True,
+    strict: bool = False,
+    copies: int | Mapping[float, int] | None = None,
+    max_parts: int = MOST_PARTS,
+    weights: str | os.PathLike[str] | None = None,
+    measured: str | os.PathLike[str] | None = None,
+    prusaslicer: bool = False,
+    progress: Progress | None = None,
+) -> FamilyReport:
     """Make a family of walkers in a folder: STL files, plates, predicted speeds, pictures.
 
     Tilts (deg) and kinds of legs are by default those of the design's [family]. `copies` is that of
@@ -59,21 +62,32 @@ def family(
     seen, bad = _measured(measured, chosen, ground)
     findings: list[Finding] = []
     job = families.Job(
-        chosen, members, ground, printer_of(printer), mode, pictures, simulate, counts,
-        _whole(max_parts, MOST_PARTS, "max_parts"), prusaslicer, weighed, strict, seen,
-    )  # fmt: skip
+        chosen,
+        members,
+        ground,
+        printer_of(printer),
+        mode,
+        pictures,
+        simulate,
+        counts,
+        _whole(max_parts, MOST_PARTS, "max_parts"),
+        prusaslicer,
+        weighed,
+        strict,
+        seen,
+    )
     report = families.make(job, Path(folder), progress or silent, findings.extend)
-    warnings = [
-        checks.line(finding) for finding in checks.grouped(findings) if finding.level == "warning"
-    ]
+    warnings = [checks.line(finding) for finding in checks.grouped(findings) if finding.level == "warning"]
     warnings += [*unused, *bad]
     return replace(report, warnings=warnings)
 
 
 def _copied(
-    design: Design, tilt: Iterable[float] | None, legs: Kind | Iterable[Kind] | None,
+    design: Design,
+    tilt: Iterable[float] | None,
+    legs: Kind | Iterable[Kind] | None,
     copies: int | Mapping[float, int] | None,
-) -> tuple[list[Design], list[int]]:  # fmt: skip
+) -> tuple[list[Design], list[int]]:
     """Members of a family and the number of copies of each. Raises InputError."""
     if not isinstance(copies, Mapping):
         members = members_of(design, tilt, legs, whole=True)
@@ -83,9 +97,7 @@ def _copied(
         raise InputError("copies: names the tilts: leave tilt out")
     if not copies:
         raise InputError("copies: no tilt: write copies by tilt, {10: 20, 15: 40}")
-    counts = {
-        _tilt(one): _whole(count, MOST_PARTS, f"copies[{one!r}]") for one, count in copies.items()
-    }
+    counts = {_tilt(one): _whole(count, MOST_PARTS, f"copies[{one!r}]") for one, count in copies.items()}
     members = members_of(design, counts, legs, whole=True)
     return members, [counts[member.tilt_deg] for member in members]
 

@@ -30,12 +30,19 @@ Name = str | os.PathLike[str]
 
 
 def fit(
-    speeds: Name, design: Walker = PAPER, scene: Ground = SCENE, *,
+    speeds: Name,
+    design: Walker = PAPER,
+    scene: Ground = SCENE,
+    *,
     model: Literal["prediction", "theory", "compliant", "space"] = "prediction",
-    fix: Mapping[str, float] | None = None, prior: Literal["flat", "scene"] | None = None,
-    predict: Iterable[float] | None = None, mode: Mode = "coulomb",
-    folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> FitReport:  # fmt: skip
+    fix: Mapping[str, float] | None = None,
+    prior: Literal["flat", "scene"] | None = None,
+    predict: Iterable[float] | None = None,
+    mode: Mode = "coulomb",
+    folder: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> FitReport:
     """Learn the contact from a CSV file of speeds, and predict walkers that were not measured.
 
     Columns are those of the command `fit`. `fix` holds parameters, {"friction": 0.25}; `predict`
@@ -45,18 +52,24 @@ def fit(
     path = Path(speeds)
     held = [f"{name}={value!r}" for name, value in (fix or {}).items()]
     ahead = None if predict is None else [float(tilt) for tilt in predict]
-    wish = request.Request(
-        walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures
-    )
+    wish = request.Request(walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures)
     return request.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
 
 
 def calibrate(
-    measurements: Name, design: Walker = PAPER, scene: Ground = SCENE, *,
-    tilt: float | None = None, legs: Kind | None = None,
-    by: Literal["deflection", "ring", "both"] = "both", roll_deg: float = 1.0, drops: int = 24,
-    folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> CalibrationReport:  # fmt: skip
+    measurements: Name,
+    design: Walker = PAPER,
+    scene: Ground = SCENE,
+    *,
+    tilt: float | None = None,
+    legs: Kind | None = None,
+    by: Literal["deflection", "ring", "both"] = "both",
+    roll_deg: float = 1.0,
+    drops: int = 24,
+    folder: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> CalibrationReport:
     """Estimate Young's modulus, density, friction, damping and restitution from a filled form.
 
     The form is that of `walkergen plate --calibration`; `by` says what Young's modulus is by;
@@ -64,29 +77,34 @@ def calibrate(
     out/NAME/calibrate. Raises InputError.
     """
     path = Path(measurements)
-    job = calibrations.Job(
-        one_of(design, tilt, legs), scene_of(scene), float(roll_deg), drops, pictures, by
-    )
+    job = calibrations.Job(one_of(design, tilt, legs), scene_of(scene), float(roll_deg), drops, pictures, by)
     target = _folder(path, folder, "calibrate")
     return calibrations.calibrate(path, job, target, progress or silent)
 
 
-OWN = {
-    "drop": ("tries", "height_mm", "roll_deg", "drops"),
-    "slide": (),
-    "pluck": ("decrement", "decrement_sd"),
-}
+OWN = {"drop": ("tries", "height_mm", "roll_deg", "drops"), "slide": (), "pluck": ("decrement", "decrement_sd")}
 """Tests, with the choices that only they have."""
 
 
 def bench(
-    test: Literal["drop", "slide", "pluck"], design: Walker, scene: Ground = SCENE, *,
-    tilt: float | None = None, legs: Kind | None = None,
-    measured: float | None = None, measured_sd: float | None = None, tries: int | None = None,
-    height_mm: float | None = None, roll_deg: float | None = None, drops: int | None = None,
-    decrement: float | None = None, decrement_sd: float | None = None,
-    folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> BenchReport:  # fmt: skip
+    test: Literal["drop", "slide", "pluck"],
+    design: Walker,
+    scene: Ground = SCENE,
+    *,
+    tilt: float | None = None,
+    legs: Kind | None = None,
+    measured: float | None = None,
+    measured_sd: float | None = None,
+    tries: int | None = None,
+    height_mm: float | None = None,
+    roll_deg: float | None = None,
+    drops: int | None = None,
+    decrement: float | None = None,
+    decrement_sd: float | None = None,
+    folder: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> BenchReport:
     """Simulate a test on a bench, and invert what was `measured`, with its standard error.
 
     Of a "drop" that is the rebound, root of height over height, the mean of `tries`; of a "slide"
@@ -96,8 +114,14 @@ def bench(
     """
     if test not in OWN:
         raise InputError(f"test={test!r}: must be one of {', '.join(map(repr, OWN))}")
-    arguments = {"tries": tries, "height_mm": height_mm, "roll_deg": roll_deg, "drops": drops,
-             "decrement": decrement, "decrement_sd": decrement_sd}  # fmt: skip
+    arguments = {
+        "tries": tries,
+        "height_mm": height_mm,
+        "roll_deg": roll_deg,
+        "drops": drops,
+        "decrement": decrement,
+        "decrement_sd": decrement_sd,
+    }
     for name, value in arguments.items():
         if value is not None and name not in OWN[test]:
             raise InputError(f"{name}={value!r}: test {test!r} has none; leave it out")
@@ -108,9 +132,7 @@ def bench(
     if test == "slide":
         return benches.slid(wish, place, tell)
     if test == "pluck":
-        decay = inverse.measured(
-            decrement, decrement_sd, 1, benches.MOST_DECREMENT, "--decrement"
-        )  # fmt: skip
+        decay = inverse.measured(decrement, decrement_sd, 1, benches.MOST_DECREMENT, "--decrement")
         return benches.plucked(wish, decay, place, tell)
     usual = benches.Drop()
     how = benches.Drop(

@@ -14,9 +14,14 @@ SCENE = "lane-90hz"
 
 
 def predict(
-    design: Walker, scene: Ground = SCENE, tilt: float | Iterable[float] | None = None, *,
-    legs: Kind | Iterable[Kind] | None = None, mode: Mode = "coulomb", uncertain: bool = False,
-) -> PredictReport:  # fmt: skip
+    design: Walker,
+    scene: Ground = SCENE,
+    tilt: float | Iterable[float] | None = None,
+    *,
+    legs: Kind | Iterable[Kind] | None = None,
+    mode: Mode = "coulomb",
+    uncertain: bool = False,
+) -> PredictReport:
     """Predict the speed of a walker or, of several tilts (deg) or kinds of legs, a row each.
 
     If `uncertain`, the report says what the bounds are made of. Raises InputError for what cannot

@@ -12,10 +12,18 @@ from walkergen.walker.limbs import Kind
 
 
 def simulate(
-    design: Walker, scene: Ground = SCENE, *, tilt: float | None = None, legs: Kind | None = None,
-    seconds: float | None = None, runs: int | None = None, model: str | None = None,
-    seed: int | None = None, error: str | None = None, progress: Progress | None = None,
-) -> SimulationReport:  # fmt: skip
+    design: Walker,
+    scene: Ground = SCENE,
+    *,
+    tilt: float | None = None,
+    legs: Kind | None = None,
+    seconds: float | None = None,
+    runs: int | None = None,
+    model: str | None = None,
+    seed: int | None = None,
+    error: str | None = None,
+    progress: Progress | None = None,
+) -> SimulationReport:
     """Bounce a walker on the plate and measure its speed; in space also how it turns.
 
     Measured `seconds` of each of `runs` runs, `model` and `seed` are by default the scene's, tilt

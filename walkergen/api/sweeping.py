@@ -21,12 +21,21 @@ from walkergen.points.store import Store
 
 
 def sweep(
-    design: Walker, scene: Ground | None = None, values: Mapping[str, Any] | None = None, *,
-    between: Mapping[str, tuple[float, float]] | None = None, sample: str | None = None,
-    seed: int = 1, model: str | None = None, error: str | None = None,
-    keep: Sequence[str] | None = None, printer: Machine | None = None, workers: int | None = None,
-    folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
-) -> SweepReport:  # fmt: skip
+    design: Walker,
+    scene: Ground | None = None,
+    values: Mapping[str, Any] | None = None,
+    *,
+    between: Mapping[str, tuple[float, float]] | None = None,
+    sample: str | None = None,
+    seed: int = 1,
+    model: str | None = None,
+    error: str | None = None,
+    keep: Sequence[str] | None = None,
+    printer: Machine | None = None,
+    workers: int | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> SweepReport:
     """Map speeds over all combinations of the `values` of any keys, the last key fastest.
 
     Keys are dotted, those of the scene begin with "scene.": {"legs.tilt_deg": [5, 10],

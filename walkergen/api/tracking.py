@@ -16,15 +16,23 @@ from walkergen.jobs.measure.track.result import Options
 
 
 def track(
-    film: str | os.PathLike[str], *, mm_per_px: float | str | None = None,
+    film: str | os.PathLike[str],
+    *,
+    mm_per_px: float | str | None = None,
     length: float | str | None = None,
-    fps: float | None = None, frames: tuple[int, int | None] = (0, None),
-    region: tuple[int, int, int, int] | None = None, walkers: str | None = None,
-    threshold: float | None = None, width: float | None = None, heading: str = "motion",
-    markers: str | None = None, marker_mm: float | str | None = None,
+    fps: float | None = None,
+    frames: tuple[int, int | None] = (0, None),
+    region: tuple[int, int, int, int] | None = None,
+    walkers: str | None = None,
+    threshold: float | None = None,
+    width: float | None = None,
+    heading: str = "motion",
+    markers: str | None = None,
+    marker_mm: float | str | None = None,
     lens: str | os.PathLike[str] | None = None,
-    folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
-) -> TrackReport | MarkedReport:  # fmt: skip
+    folder: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> TrackReport | MarkedReport:
     """Track walkers in a film from above; give `mm_per_px`, or the `length` of a walker in mm.
 
     Either may bear its standard error, as "0.05±0.001", which then goes with every length.
@@ -43,17 +51,24 @@ def track(
     long, long_se = measured(length, "length")
     bends = None if lens is None else lenses.read(Path(lens))
     wish = Options(
-        mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
-        frames=frames, region=region, walkers=walkers, threshold=threshold,
-        width_px=width, heading=heading, lens=bends,
-    )  # fmt: skip
+        mm_per_px=scale,
+        mm_per_px_se=scale_se,
+        length_mm=long,
+        length_se_mm=long_se,
+        fps=fps,
+        frames=frames,
+        region=region,
+        walkers=walkers,
+        threshold=threshold,
+        width_px=width,
+        heading=heading,
+        lens=bends,
+    )
     side, side_se = measured(marker_mm, "marker_mm")
     if markers is None and side is None:
         return make.track(path, wish, target, tell)
     marked.check_kind(markers or "", "markers=")
     if wish != Options(fps=fps, frames=frames, region=region, lens=bends):
-        raise InputError(
-            "markers: tell it: leave mm_per_px, length, walkers, threshold, width and heading out"
-        )
+        raise InputError("markers: tell it: leave mm_per_px, length, walkers, threshold, width and heading out")
     own = Wish(Wish().marker_mm if side is None else side, side_se, fps, frames, region, bends)
     return marked_report.track(path, own, target, tell)

@@ -54,14 +54,22 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
     (member,) = report.members
     row = member.row._asdict()
     facts = {
-        "name": design.name, "part": member.name, "tilt_deg": design.tilt_deg,
+        "name": design.name,
+        "part": member.name,
+        "tilt_deg": design.tilt_deg,
         "tilt_key": documents.tilt_key(design),
-        "legs": len(design.limbs), "kind": design.kind, "size_mm": list(design.size),
-        "row": row, "speed": str(member.row.speed), "mass_g": float(member.mass.total),
-        "caption": report.caption, "dimensions": list(_dimensions(design)),
-        "centre": _centre(design, member.mass), "loads": list(_loads(design, member.mass)),
+        "legs": len(design.limbs),
+        "kind": design.kind,
+        "size_mm": list(design.size),
+        "row": row,
+        "speed": str(member.row.speed),
+        "mass_g": float(member.mass.total),
+        "caption": report.caption,
+        "dimensions": list(_dimensions(design)),
+        "centre": _centre(design, member.mass),
+        "loads": list(_loads(design, member.mass)),
         "prints": "on its side" if solids.on_side(design) else "legs up",
-    }  # fmt: skip
+    }
     return facts, member.mesh
 
 
@@ -127,10 +135,13 @@ def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[
     count = prediction.POINTS if walker.body.plain else FEWER
     curve = prediction.curve(walker, ground, "coulomb", low, high, count)
     return {
-        "tilt_deg": curve.tilt_deg.tolist(), "speed": curve.speed.tolist(),
-        "low_95": curve.bounds[0].tolist(), "low_68": curve.bounds[1].tolist(),
-        "high_68": curve.bounds[2].tolist(), "high_95": curve.bounds[3].tolist(),
-    }  # fmt: skip
+        "tilt_deg": curve.tilt_deg.tolist(),
+        "speed": curve.speed.tolist(),
+        "low_95": curve.bounds[0].tolist(),
+        "low_68": curve.bounds[1].tolist(),
+        "high_68": curve.bounds[2].tolist(),
+        "high_95": curve.bounds[3].tolist(),
+    }
 
 
 def _end(design: Design, far: float) -> float:

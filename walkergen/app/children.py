@@ -38,9 +38,7 @@ Running = set[asyncio.Future[Any]]
 Result = TypeVar("Result")
 
 
-async def run(
-    running: Running, module: str, words: Sequence[str], sent: Any
-) -> AsyncIterator[Event]:
+async def run(running: Running, module: str, words: Sequence[str], sent: Any) -> AsyncIterator[Event]:
     """Run a module's main with these words; `sent` reaches it as a line of JSON.
 
     Yields {"progress": line} for what it says meanwhile, at last {"output": text} or {"refused":
@@ -49,10 +47,12 @@ async def run(
     task = asyncio.current_task()
     assert task is not None
     if len(running - {task}) >= MOST:
-        yield {"refused": [
-            f"{MOST} runs, searches or files are being made for pages of this server, which is the "
-            "most at once: stop one, or wait until one is done"
-        ]}  # fmt: skip
+        yield {
+            "refused": [
+                f"{MOST} runs, searches or files are being made for pages of this server, which is the "
+                "most at once: stop one, or wait until one is done"
+            ]
+        }
         return
     running.add(task)
     try:
@@ -65,10 +65,16 @@ async def run(
 async def _run(module: str, words: Sequence[str], sent: Any) -> AsyncIterator[Event]:
     try:
         child = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", module, *words, limit=LARGEST_LINE,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            sys.executable,
+            "-m",
+            module,
+            *words,
+            limit=LARGEST_LINE,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
             start_new_session=True,  # its own workers end with it
-        )  # fmt: skip
+        )
     except (OSError, ValueError) as error:  # more or longer words than the system takes
         reason = getattr(error, "strerror", None) or "its words are none of this system"
         yield {"refused": [f"the command cannot be started: {reason}"]}

@@ -45,9 +45,13 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Key of TOML without quotes; such a word is also a value on a command line."""
 
 THINGS: Mapping[str, tuple[str, ...]] = {
-    "export": (), "plate": ("printer.",), "family": ("scene.", "printer."),
-    "predict": ("scene.",), "simulate": ("scene.",), "design": ("scene.", "printer."),
-}  # fmt: skip
+    "export": (),
+    "plate": ("printer.",),
+    "family": ("scene.", "printer."),
+    "predict": ("scene.",),
+    "simulate": ("scene.",),
+    "design": ("scene.", "printer."),
+}
 """Things beside a walker whose files and keys a command takes."""
 
 CHOSEN = (*TILTS, *KINDS)
@@ -103,9 +107,10 @@ class Document(NamedTuple):
         """Values of a scene or a printer by its own keys; of the walker for ""."""
         others = ("scene.", "printer.")
         return {
-            key.removeprefix(prefix): value for key, value in self.values.items()
+            key.removeprefix(prefix): value
+            for key, value in self.values.items()
             if (key.startswith(prefix) if prefix else not key.startswith(others))
-        }  # fmt: skip
+        }
 
     def _read(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
         path = templates.path_of(name, kind)
@@ -120,8 +125,7 @@ def read(data: Any, place: Place) -> Document:
     if not isinstance(data, dict):
         raise InputError(f"{SOURCE}: document: must be a table")
     message = config.validate(data, Message, SOURCE)
-    for kind, name in (("walkers", message.walker), ("scenes", message.scene),
-                       ("printers", message.printer)):  # fmt: skip
+    for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
         if name not in templates.names(kind) and not (kind == "walkers" and name == place.own):
             raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
     values = _located("values", message.values, place.uploads)
@@ -161,9 +165,7 @@ def _located(key: str, value: Any, uploads: Path) -> Any:
         return _whole(value)
     path = uploads / value
     if not UPLOADED.fullmatch(value) or not path.is_file():
-        raise InputError(
-            f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first"
-        )
+        raise InputError(f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first")
     return path.as_posix()
 
 

@@ -19,9 +19,19 @@ from walkergen.walker.design import Family
 from walkergen.walker.limbs import Leg, Legs
 
 UNITS = {
-    "deg": "°", "mm": "mm", "um": "µm", "mm_s": "mm/s", "hz": "Hz", "g": "g", "us": "µs",
-    "g_cm3": "g/cm³", "gpa": "GPa", "percent": "%", "n_per_m": "N/m", "mm2": "mm²",
-}  # fmt: skip
+    "deg": "°",
+    "mm": "mm",
+    "um": "µm",
+    "mm_s": "mm/s",
+    "hz": "Hz",
+    "g": "g",
+    "us": "µs",
+    "g_cm3": "g/cm³",
+    "gpa": "GPa",
+    "percent": "%",
+    "n_per_m": "N/m",
+    "mm2": "mm²",
+}
 """Units by the endings of keys, the longest first where one ends in another."""
 
 WIDE, FACTOR = 100.0, 4.0
@@ -75,9 +85,10 @@ def groups(document: Document) -> list[Group]:
     design = document.design()
     tables: list[Group] = []
     for prefix, title, section in (
-        ("", "walker", design), ("scene.", "scene", document.ground()),
+        ("", "walker", design),
+        ("scene.", "scene", document.ground()),
         ("printer.", "printer", document.machine()),
-    ):  # fmt: skip
+    ):
         tables += _tables(section, prefix, title)
     tilts = [control for table in tables for control in table.controls if control.key in TILTS]
     for table in tables:
@@ -106,9 +117,7 @@ def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
             for number, entry in enumerate(value, start=1):
                 inner.append((entry, f"{prefix}{name}[{number}].", f"{heading} {number}", None))
         elif table:
-            absent.append(
-                Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table)))
-            )
+            absent.append(Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table))))
         else:
             control = _control(f"{prefix}{name}", field, value, _notes(type(section)).get(name, ""))
             own += [control] if control else []
@@ -208,9 +217,11 @@ def _notes(table: type[Section]) -> Mapping[str, str]:
     notes = {}
     for key, note in pairwise(body):
         if (
-            isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
-            and isinstance(note, ast.Expr) and isinstance(note.value, ast.Constant)
-        ):  # fmt: skip
+            isinstance(key, ast.AnnAssign)
+            and isinstance(key.target, ast.Name)
+            and isinstance(note, ast.Expr)
+            and isinstance(note.value, ast.Constant)
+        ):
             notes[key.target.id] = " ".join(str(note.value.value).split())
     return notes
 
@@ -226,15 +237,15 @@ def shapes(document: Document) -> dict[str, dict[str, Any]]:
     x, y, z = 0.5 * length, 0.5 * thickness, 0.75 * depth
     bodies: dict[str, dict[str, Any]] = {
         "side view": {"length_mm": length, "depth_mm": depth, "thickness_mm": thickness},
-        "side view by corners": {
-            "profile_mm": [[-x, -y], [x, -y], [0.7 * x, y], [-0.7 * x, y]], "depth_mm": depth
-        },
+        "side view by corners": {"profile_mm": [[-x, -y], [x, -y], [0.7 * x, y], [-0.7 * x, y]], "depth_mm": depth},
         "disc": {"outline": "disc", "length_mm": length, "thickness_mm": thickness},
-        "ellipse": {"outline": "ellipse", "length_mm": length, "depth_mm": 1.75 * depth,
-                    "thickness_mm": thickness},
-        "polygon": {"outline": "polygon", "thickness_mm": thickness,
-                    "points_mm": [[-x, -z], [0.8 * x, -z], [x, 0.0], [0.8 * x, z], [-x, z]]},
-    }  # fmt: skip
+        "ellipse": {"outline": "ellipse", "length_mm": length, "depth_mm": 1.75 * depth, "thickness_mm": thickness},
+        "polygon": {
+            "outline": "polygon",
+            "thickness_mm": thickness,
+            "points_mm": [[-x, -z], [0.8 * x, -z], [x, 0.0], [0.8 * x, z], [-x, z]],
+        },
+    }
     legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.pair else {}
     found = {name: {"values": {"body": _rounded(body), **legs}} for name, body in bodies.items()}
     return found | {"letters": {"walker": LETTERED, "values": {}}}
@@ -260,10 +271,15 @@ def listed_legs(document: Document) -> list[dict[str, Any]]:
     if isinstance(design.legs, Legs):
         return [
             Leg(
-                kind=limb.kind, length_mm=limb.length, thickness_mm=limb.thickness,
-                thickness_sd_mm=limb.thickness_sd, brace_thickness_mm=limb.brace, foot=limb.foot,
-                along_mm=limb.along, width_mm=design.legs.width_mm,
+                kind=limb.kind,
+                length_mm=limb.length,
+                thickness_mm=limb.thickness,
+                thickness_sd_mm=limb.thickness_sd,
+                brace_thickness_mm=limb.brace,
+                foot=limb.foot,
+                along_mm=limb.along,
+                width_mm=design.legs.width_mm,
             ).model_dump(exclude_none=True, exclude_defaults=True)
             for limb in design.limbs
-        ]  # fmt: skip
+        ]
     return [leg.model_dump(exclude_none=True, exclude_unset=True) for leg in design.legs]

@@ -38,9 +38,10 @@ def _drawn(mesh: Mesh) -> str:
     light = 0.55 + 0.45 * np.clip(normals[seen][order] @ [0.2, 0.8, 0.55], 0.0, 1.0)
     paths = [
         f'<path fill="{_colour(share)}" stroke="{_colour(share)}" d="M'
-        + "L".join(f"{x:.1f} {y:.1f}" for x, y in triangle) + 'Z"/>'
+        + "L".join(f"{x:.1f} {y:.1f}" for x, y in triangle)
+        + 'Z"/>'
         for share, triangle in zip(light, places, strict=True)
-    ]  # fmt: skip
+    ]
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
         f'stroke-width=".4">{"".join(paths)}</svg>'

@@ -77,30 +77,35 @@ class Server(NamedTuple):
 
 
 def new(
-    folder: Path,
-    hosts: frozenset[str],
-    first: Document,
-    own: str | None,
-    away: bool,
-    anew: bool = False,
+    folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
     """Server with fresh secrets; `away` if other machines can reach it."""
     place = Place(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
-    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(),
-                  ThreadPoolExecutor(THREADS), anew, once)  # fmt: skip
+    return Server(
+        folder, hosts, secrets.token_urlsafe(18), place, first, set(), ThreadPoolExecutor(THREADS), anew, once
+    )
 
 
 def application(server: Server) -> Any:
     """ASGI application of a server."""
     doors: dict[str, Callable[[Server, Request], Awaitable[Response]]] = {
-        "start": _start, "walker": _walker, "outlook": _outlook, "form": _form, "keep": _keep,
-        "run": _run, "play": _play, "design": _design, "take": _take, "upload": _upload,
-    }  # fmt: skip
+        "start": _start,
+        "walker": _walker,
+        "outlook": _outlook,
+        "form": _form,
+        "keep": _keep,
+        "run": _run,
+        "play": _play,
+        "design": _design,
+        "take": _take,
+        "upload": _upload,
+    }
     inner: list[Any] = [
         *(Route(f"/{name}", _door(server, door), methods=["POST"]) for name, door in doors.items()),
-        Route("/picture/{name}.svg", _door(server, _picture)), *statics.routes(),
-    ]  # fmt: skip
+        Route("/picture/{name}.svg", _door(server, _picture)),
+        *statics.routes(),
+    ]
     word = (server.once or "").encode()
     used: list[bytes] = []
 
@@ -144,11 +149,13 @@ def _guarded(app: Any, hosts: frozenset[str]) -> Any:
         async def safely(message: Any) -> None:
             if message["type"] == "http.response.start":
                 message["headers"] = [
-                    *message["headers"], (b"content-security-policy", POLICY.encode()),
-                    (b"referrer-policy", b"no-referrer"), (b"x-content-type-options", b"nosniff"),
+                    *message["headers"],
+                    (b"content-security-policy", POLICY.encode()),
+                    (b"referrer-policy", b"no-referrer"),
+                    (b"x-content-type-options", b"nosniff"),
                     (b"cache-control", b"no-store"),
                     (b"cross-origin-resource-policy", b"same-origin"),
-                ]  # fmt: skip
+                ]
             await send(message)
 
         await app(scope, receive, safely)
@@ -207,10 +214,15 @@ async def _start(server: Server, request: Request) -> Response:
     listed = [row for row in templates.listing().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
     kept = await _worked(server, _kept, server)
-    return _json({
-        **names, "walkers": server.place.walkers(), "about": about,
-        "document": kept or server.first._asdict(), "fresh": server.first._asdict(),
-    })  # fmt: skip
+    return _json(
+        {
+            **names,
+            "walkers": server.place.walkers(),
+            "about": about,
+            "document": kept or server.first._asdict(),
+            "fresh": server.first._asdict(),
+        }
+    )
 
 
 def _kept(server: Server) -> Any:
@@ -263,11 +275,7 @@ async def _form(server: Server, request: Request) -> Response:
             {"title": group.title, "controls": [control._asdict() for control in group.controls]}
             for group in form.groups(document)
         ]
-        return {
-            "groups": groups,
-            "legs": form.listed_legs(document),
-            "shapes": form.shapes(document),
-        }
+        return {"groups": groups, "legs": form.listed_legs(document), "shapes": form.shapes(document)}
 
     return _json(await _worked(server, answer))
 
@@ -336,10 +344,7 @@ async def _made(server: Server, order: taking.Order) -> Response:
             return _refused(refused, 422)
     name, data = await _worked(server, taking.collected, order)
     shells = [documents.shell(words) for words in order.commands]
-    headers = {
-        "content-disposition": f'attachment; filename="{name}"',
-        "walkergen-shell": json.dumps(shells),
-    }
+    headers = {"content-disposition": f'attachment; filename="{name}"', "walkergen-shell": json.dumps(shells)}
     return Response(data, media_type="application/octet-stream", headers=headers)
 
 

@@ -57,9 +57,16 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     if browser and not away:
         threading.Timer(0.3, webbrowser.open, [address]).start()
     config = uvicorn.Config(
-        servers.application(served), log_level="error", access_log=False, server_header=False,
-        timeout_graceful_shutdown=1, ws="none", lifespan="off", http="h11", loop="asyncio",
-    )  # fmt: skip
+        servers.application(served),
+        log_level="error",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=1,
+        ws="none",
+        lifespan="off",
+        http="h11",
+        loop="asyncio",
+    )
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
         _Ending(config, served.running).run(sockets=[listening])
 

@@ -19,8 +19,14 @@ from walkergen.jobs.make.design import box
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.walker.body import DRAWN
 
-FORMATS: Mapping[str, str] = {"stl": "export", "3mf": "export", "plate": "plate", "page": "family",
-                              "toml": "", "zip": "*"}  # fmt: skip
+FORMATS: Mapping[str, str] = {
+    "stl": "export",
+    "3mf": "export",
+    "plate": "plate",
+    "page": "family",
+    "toml": "",
+    "zip": "*",
+}
 """Files that a page hands out, and the command that makes each."""
 
 WISHES = ("speed", "fastest", "least-sensitive", "persistence", "turning-radius")
@@ -70,10 +76,17 @@ def collected(asked: Order) -> tuple[str, bytes]:
     """
     if asked.what in ("toml", "zip"):
         _write_settings(asked.document, asked.folder)
-    folder, patterns = asked.folder, {
-        "stl": "stl/*.stl", "3mf": "3mf/*.3mf", "plate": "plates/*", "page": "family/report.html",
-        "toml": "settings/*", "zip": "**/*",
-    }  # fmt: skip
+    folder, patterns = (
+        asked.folder,
+        {
+            "stl": "stl/*.stl",
+            "3mf": "3mf/*.3mf",
+            "plate": "plates/*",
+            "page": "family/report.html",
+            "toml": "settings/*",
+            "zip": "**/*",
+        },
+    )
     paths = sorted(path for path in folder.glob(patterns[asked.what]) if path.is_file())
     paths = [path for path in paths if not path.name.startswith(".")]
     if len(paths) == 1:
@@ -106,9 +119,7 @@ def _write_settings(document: Document, folder: Path) -> None:
                 target.write(f"settings/{Path(name).name}", data)
                 body = design.body.model_copy(update={key: Path(name).name})
                 design = design.model_copy(update={"body": body})
-        things: dict[str, Section] = {
-            "walker": design, "scene": document.ground(), "printer": document.machine()
-        }  # fmt: skip
+        things: dict[str, Section] = {"walker": design, "scene": document.ground(), "printer": document.machine()}
         for name, thing in things.items():
             text = templates.dump(thing, f"The {name} of {design.name}, by its page", every=False)
             target.write(f"settings/{name}.toml", text.encode())

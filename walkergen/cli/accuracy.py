@@ -23,9 +23,7 @@ def accuracy(
     only: Annotated[
         str, typer.Option("--only", metavar="LADDERS", help="Comma-separated ladders to measure.")
     ] = "models,steps,statistics,shape",
-    budget: Annotated[
-        str, typer.Option("--budget", metavar="TIME", help="Time of all of it: 30s, 5min, 1h.")
-    ] = "60s",
+    budget: Annotated[str, typer.Option("--budget", metavar="TIME", help="Time of all of it: 30s, 5min, 1h.")] = "60s",
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -45,8 +43,9 @@ def accuracy(
         print(
             f"--budget {budget}: too short for {only}, which are given {words.budget(least_s)}, "
             "the least that gives error bars here; --only takes fewer",
-            file=sys.stderr, flush=True,
-        )  # fmt: skip
+            file=sys.stderr,
+            flush=True,
+        )
 
     job = study.Job(member, resolved, chosen, seconds)
     with show.progress("accuracy", wanted=not quiet, about_s=seconds) as progress:

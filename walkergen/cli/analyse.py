@@ -11,24 +11,15 @@ from walkergen.cli import show
 
 def analyse(
     file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="File of tracks of walkers.")],
-    fps: Annotated[
-        float | None, typer.Option(metavar="N", help="Frames per second of the film.")
-    ] = None,
+    fps: Annotated[float | None, typer.Option(metavar="N", help="Frames per second of the film.")] = None,
     mm_per_px: Annotated[
-        str | None,
-        typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001."),
+        str | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001.")
     ] = None,
-    y_down: Annotated[
-        bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")
-    ] = False,
-    lane: Annotated[
-        bool, typer.Option("--lane", help="Ignore y: the walkers ran in a lane along x.")
-    ] = False,
+    y_down: Annotated[bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")] = False,
+    lane: Annotated[bool, typer.Option("--lane", help="Ignore y: the walkers ran in a lane along x.")] = False,
     lag_ms: Annotated[
         float | None,
-        typer.Option(
-            metavar="MS", help="Lag of displacements along and across the body, ms; 40 by default."
-        ),
+        typer.Option(metavar="MS", help="Lag of displacements along and across the body, ms; 40 by default."),
     ] = None,
     dish: Annotated[
         str | None,
@@ -40,17 +31,13 @@ def analyse(
     ] = None,
     body: Annotated[
         str | None,
-        typer.Option(
-            metavar="MM", help="Outline of a walker: 24x8, or 20 of a disc, mm, or a walker's name."
-        ),
+        typer.Option(metavar="MM", help="Outline of a walker: 24x8, or 20 of a disc, mm, or a walker's name."),
     ] = None,
     middle: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y", help="Place of the dish's middle, mm; 0,0 by default."),
+        str | None, typer.Option(metavar="X,Y", help="Place of the dish's middle, mm; 0,0 by default.")
     ] = None,
     run: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="TRACKS.csv", help="Tracks of another run of the same crowd."),
+        list[Path] | None, typer.Option(metavar="TRACKS.csv", help="Tracks of another run of the same crowd.")
     ] = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,

@@ -17,18 +17,12 @@ def app(
     printer: opt.PrinterName = opt.PRINTER,
     keys: opt.Values = None,
     port: Annotated[
-        int,
-        typer.Option("--port", metavar="N", min=0, max=65535, help="Port; 0: any that is free."),
+        int, typer.Option("--port", metavar="N", min=0, max=65535, help="Port; 0: any that is free.")
     ] = 8765,
     host: Annotated[
-        str,
-        typer.Option(
-            "--host", metavar="ADDRESS", help="Address of this machine that others may call."
-        ),
+        str, typer.Option("--host", metavar="ADDRESS", help="Address of this machine that others may call.")
     ] = "127.0.0.1",
-    browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
-    ] = True,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
 ) -> None:
     """Design a walker on a page in the browser: slide its tilt, see how it runs, take the files.
 

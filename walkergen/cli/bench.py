@@ -30,13 +30,9 @@ FPS = 20
 """Frames per second of the film of a drop."""
 
 MeasuredSd = Annotated[
-    float | None,
-    typer.Option("--measured-sd", metavar="NUMBER", help="Standard error of the measured number."),
+    float | None, typer.Option("--measured-sd", metavar="NUMBER", help="Standard error of the measured number.")
 ]
-Tries = Annotated[
-    int,
-    typer.Option("--tries", metavar="N", min=1, max=10_000, help="Tries whose mean was measured."),
-]
+Tries = Annotated[int, typer.Option("--tries", metavar="N", min=1, max=10_000, help="Tries whose mean was measured.")]
 
 
 @commands.command(cls=Command, epilog=epilog("bench drop"))
@@ -48,32 +44,20 @@ def drop(
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
     measured: Annotated[
-        float | None,
-        typer.Option(
-            "--measured", metavar="NUMBER", help="Rebound seen: root of height over height."
-        ),
+        float | None, typer.Option("--measured", metavar="NUMBER", help="Rebound seen: root of height over height.")
     ] = None,
     measured_sd: MeasuredSd = None,
     tries: Tries = 1,
-    height_mm: Annotated[
-        float, typer.Option("--height-mm", metavar="MM", help="Height of the drop, mm.")
-    ] = 10.0,
+    height_mm: Annotated[float, typer.Option("--height-mm", metavar="MM", help="Height of the drop, mm.")] = 10.0,
     roll_deg: Annotated[
         float,
-        typer.Option(
-            "--roll-deg",
-            metavar="DEG",
-            help="Deviation of pitch and roll of drops from the hand, deg.",
-        ),
+        typer.Option("--roll-deg", metavar="DEG", help="Deviation of pitch and roll of drops from the hand, deg."),
     ] = 1.0,
-    drops: Annotated[
-        int, typer.Option("--drops", metavar="N", help="Drops from the hand for each point.")
-    ] = 24,
+    drops: Annotated[int, typer.Option("--drops", metavar="N", help="Drops from the hand for each point.")] = 24,
     seed: opt.Seed = None,
     keys: opt.Values = None,
     movie: Annotated[
-        Path | None,
-        typer.Option("--movie", metavar="FILE", help="GIF of a drop from the hand; MP4 beside it."),
+        Path | None, typer.Option("--movie", metavar="FILE", help="GIF of a drop from the hand; MP4 beside it.")
     ] = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
@@ -86,9 +70,7 @@ def drop(
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
-    inputs = loading.inputs(
-        keys, "design scene", restitution=restitution, friction=friction, seed=seed
-    )
+    inputs = loading.inputs(keys, "design scene", restitution=restitution, friction=friction, seed=seed)
     chosen = inputs.one(design, tilt, legs)
     seen = inverse.measured(measured, measured_sd, tries, make.MOST["drop"])
     test = make.Test(chosen, inputs.scene(scene), seen, pictures)
@@ -114,12 +96,8 @@ def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
 
     let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
     scene = resting.filmed(test.scene)
-    job = movies.plan(
-        [test.design], scene, seconds=drops.seconds_of(how.height), fps=FPS, view="perspective"
-    )
-    return movies.make(
-        job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress
-    ).gif
+    job = movies.plan([test.design], scene, seconds=drops.seconds_of(how.height), fps=FPS, view="perspective")
+    return movies.make(job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress).gif
 
 
 @commands.command(cls=Command, epilog=epilog("bench slide"))
@@ -129,8 +107,7 @@ def slide(
     legs: opt.OneKind = None,
     scene: opt.SceneName = opt.SCENE,
     measured: Annotated[
-        float | None,
-        typer.Option("--measured", metavar="NUMBER", help="Slope at which it slid, deg."),
+        float | None, typer.Option("--measured", metavar="NUMBER", help="Slope at which it slid, deg.")
     ] = None,
     measured_sd: MeasuredSd = None,
     keys: opt.Values = None,
@@ -157,21 +134,15 @@ def pluck(
     legs: opt.OneKind = None,
     scene: opt.SceneName = opt.SCENE,
     measured: Annotated[
-        float | None,
-        typer.Option("--measured", metavar="NUMBER", help="Frequency heard, Hz, the body held."),
+        float | None, typer.Option("--measured", metavar="NUMBER", help="Frequency heard, Hz, the body held.")
     ] = None,
     measured_sd: MeasuredSd = None,
     decrement: Annotated[
         float | None,
-        typer.Option(
-            "--decrement",
-            metavar="NUMBER",
-            help="Logarithm of a swing over the next on the same side.",
-        ),
+        typer.Option("--decrement", metavar="NUMBER", help="Logarithm of a swing over the next on the same side."),
     ] = None,
     decrement_sd: Annotated[
-        float | None,
-        typer.Option("--decrement-sd", metavar="NUMBER", help="Standard error of the decrement."),
+        float | None, typer.Option("--decrement-sd", metavar="NUMBER", help="Standard error of the decrement.")
     ] = None,
     keys: opt.Values = None,
     pictures: opt.Pictures = True,
@@ -192,12 +163,7 @@ def pluck(
 
 
 def _report(
-    what: str,
-    design: "Design",
-    out: Path | None,
-    json: bool,
-    quiet: bool,
-    test: "Callable[[Path, Progress], Report]",
+    what: str, design: "Design", out: Path | None, json: bool, quiet: bool, test: "Callable[[Path, Progress], Report]"
 ) -> None:
     """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
     from walkergen.jobs.measure.bench import make

@@ -10,12 +10,7 @@ from walkergen.cli import options as opt
 
 
 def calibrate(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="MEASUREMENTS.csv", help="Form of `plate --calibration`, filled in."
-        ),
-    ],
+    file: Annotated[Path, typer.Argument(metavar="MEASUREMENTS.csv", help="Form of `plate --calibration`, filled in.")],
     design: Annotated[
         str, typer.Option("--design", metavar="DESIGN", help="Walker: a template or a TOML file.")
     ] = opt.PAPER,
@@ -23,22 +18,15 @@ def calibrate(
     legs: opt.OneKind = None,
     scene: opt.SceneName = opt.SCENE,
     by: Annotated[
-        str,
-        typer.Option(
-            "--by", metavar="METHOD", help="What Young's modulus is by: deflection, ring or both."
-        ),
+        str, typer.Option("--by", metavar="METHOD", help="What Young's modulus is by: deflection, ring or both.")
     ] = "both",
     roll_deg: Annotated[
         float,
         typer.Option(
-            "--roll-deg",
-            metavar="DEG",
-            help="Deviation of pitch and roll of the drops, deg; 0: all let go flat.",
+            "--roll-deg", metavar="DEG", help="Deviation of pitch and roll of the drops, deg; 0: all let go flat."
         ),
     ] = 1.0,
-    drops: Annotated[
-        int, typer.Option("--drops", metavar="N", help="Simulated drops for each restitution.")
-    ] = 24,
+    drops: Annotated[int, typer.Option("--drops", metavar="N", help="Simulated drops for each restitution.")] = 24,
     seed: opt.Seed = None,
     keys: opt.Values = None,
     pictures: opt.Pictures = True,

@@ -29,31 +29,21 @@ def card(
     scene: opt.SceneName = PLANE,
     design: Annotated[
         str | None,
-        typer.Option(
-            "--design", metavar="DESIGN", help="Walker that was filmed: a template or a TOML file."
-        ),
+        typer.Option("--design", metavar="DESIGN", help="Walker that was filmed: a template or a TOML file."),
     ] = None,
     arena: Annotated[
-        str | None,
-        typer.Option(
-            "--arena", metavar="DISH", help="Dish against whose wall it runs as well: disc:120."
-        ),
+        str | None, typer.Option("--arena", metavar="DISH", help="Dish against whose wall it runs as well: disc:120.")
     ] = None,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     seed: opt.Seed = None,
-    fps: Annotated[
-        float | None, typer.Option("--fps", metavar="N", help="Frames per second of the film.")
-    ] = None,
+    fps: Annotated[float | None, typer.Option("--fps", metavar="N", help="Frames per second of the film.")] = None,
     mm_per_px: Annotated[
-        str | None,
-        typer.Option("--mm-per-px", metavar="MM", help="Millimetres per pixel, as 0.05±0.001."),
+        str | None, typer.Option("--mm-per-px", metavar="MM", help="Millimetres per pixel, as 0.05±0.001.")
     ] = None,
-    y_down: Annotated[
-        bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")
-    ] = False,
+    y_down: Annotated[bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")] = False,
     keys: opt.Values = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
@@ -72,11 +62,8 @@ def card(
 
     path = Path(what)
     kind = path.suffix.lower()
-    of_film = {"--design": design, "--fps": fps, "--mm-per-px": mm_per_px,
-               "--y-down": y_down or None}  # fmt: skip
-    inputs = loading.inputs(
-        keys, "design scene", seconds=seconds, runs=runs, seed=seed, arena=arena
-    )  # fmt: skip
+    of_film = {"--design": design, "--fps": fps, "--mm-per-px": mm_per_px, "--y-down": y_down or None}
+    inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed, arena=arena)
     if kind == ".json":
         _refuse("a card is read as it is", {**of_film, "--tilt": tilt, "--legs": legs}, inputs)
         result = make.of_file(path)
@@ -84,8 +71,10 @@ def card(
         folder = output.results(path, out, "card")
     elif kind == ".csv":
         inputs.refuse([loading.FLAGS["arena"]], "a film tells nothing of walls; leave it out")
-        inputs.refuse([loading.FLAGS[key] for key in ("seconds", "runs", "seed")],
-                      "tracks of a film are as long as they are; leave it out")  # fmt: skip
+        inputs.refuse(
+            [loading.FLAGS[key] for key in ("seconds", "runs", "seed")],
+            "tracks of a film are as long as they are; leave it out",
+        )
         result, asked = _filmed(path, of_film, inputs.scene(scene), inputs, tilt, legs)
         folder = output.results(path, out, "card")
     else:
@@ -99,9 +88,8 @@ def card(
 
 
 def _filmed(
-    path: Path, of_film: dict[str, Any], scene: "Scene", inputs: loading.Inputs, tilt: float | None,
-    legs: str | None,
-) -> tuple[Any, dict[str, Any]]:  # fmt: skip
+    path: Path, of_film: dict[str, Any], scene: "Scene", inputs: loading.Inputs, tilt: float | None, legs: str | None
+) -> tuple[Any, dict[str, Any]]:
     """Card of filmed walkers, and what was asked. Raises InputError without a design."""
     from walkergen.analysis.tracks import Units
     from walkergen.files.measured import measured
@@ -110,17 +98,18 @@ def _filmed(
     name = of_film["--design"]
     if name is None:
         raise InputError(
-            f"{path}: a film tells no mass and no outline: give the walker with --design, a "
-            "template or a TOML file"
+            f"{path}: a film tells no mass and no outline: give the walker with --design, a template or a TOML file"
         )
     scale, scale_se = measured(of_film["--mm-per-px"], "--mm-per-px")
     y_down = bool(of_film["--y-down"])
     units = Units(of_film["--fps"], scale, y_down=y_down, mm_per_px_se=scale_se)
     chosen = inputs.one(name, tilt, legs)
     asked = {
-        "file": path.name, **units._asdict(), "design": chosen.model_dump(mode="json"),
+        "file": path.name,
+        **units._asdict(),
+        "design": chosen.model_dump(mode="json"),
         "scene": scene.model_dump(mode="json"),
-    }  # fmt: skip
+    }
     return make.of_film(path, units, scene, chosen), asked
 
 

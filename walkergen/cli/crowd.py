@@ -35,31 +35,23 @@ def crowd(
     ] = None,
     scene: opt.SceneName = PLANE,
     count: Annotated[
-        str | None,
-        typer.Option(
-            "--count", metavar="N", help="Walkers: 30, or of designs polar-disc:20,rotator:10."
-        ),
+        str | None, typer.Option("--count", metavar="N", help="Walkers: 30, or of designs polar-disc:20,rotator:10.")
     ] = None,
     packing: Annotated[
         float | None,
-        typer.Option(
-            "--packing", metavar="SHARE", help="Area of all bodies over the dish's, for --count."
-        ),
+        typer.Option("--packing", metavar="SHARE", help="Area of all bodies over the dish's, for --count."),
     ] = None,
     arena: Annotated[
         str | None,
         typer.Option(
-            "--arena",
-            metavar="DISH",
-            help="Dish, mm: disc:120, ring:160,60, rectangle:200x100 or periodic:150.",
+            "--arena", metavar="DISH", help="Dish, mm: disc:120, ring:160,60, rectangle:200x100 or periodic:150."
         ),
     ] = None,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
     seconds: opt.Seconds = None,
     runs: Annotated[
-        int | None,
-        typer.Option("--runs", metavar="N", help="Independent runs, which give the errors: 4."),
+        int | None, typer.Option("--runs", metavar="N", help="Independent runs, which give the errors: 4.")
     ] = None,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
@@ -70,29 +62,22 @@ def crowd(
     model: Annotated[
         str | None,
         typer.Option(
-            "--model",
-            metavar="MODEL",
-            help="space, of designs, or flat, of cards (.json), by LAMMPS: for thousands.",
+            "--model", metavar="MODEL", help="space, of designs, or flat, of cards (.json), by LAMMPS: for thousands."
         ),
     ] = None,
     rate: Annotated[
-        float,
-        typer.Option("--rate", metavar="HZ", min=1e-3, max=1e5, help="Frames a second of tracks."),
+        float, typer.Option("--rate", metavar="HZ", min=1e-3, max=1e5, help="Frames a second of tracks.")
     ] = 25.0,
     threads: Annotated[
-        int | None,
-        typer.Option("--threads", metavar="N", min=1, max=1024, help="Runs at once: every core."),
+        int | None, typer.Option("--threads", metavar="N", min=1, max=1024, help="Runs at once: every core.")
     ] = None,
     write_only: Annotated[
-        bool,
-        typer.Option("--write-only", help="Write the input of LAMMPS of a flat crowd, no more."),
+        bool, typer.Option("--write-only", help="Write the input of LAMMPS of a flat crowd, no more.")
     ] = False,
     keys: opt.Values = None,
     movie: Annotated[
         Path | None,
-        typer.Option(
-            "--movie", metavar="FILE", help="Film of the first run: .mp4, .gif, or .png, its end."
-        ),
+        typer.Option("--movie", metavar="FILE", help="Film of the first run: .mp4, .gif, or .png, its end."),
     ] = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
@@ -111,11 +96,20 @@ def crowd(
     asked = None if count is None else crowd_members.parse(count)
     shares = asked if isinstance(asked, list) else None
     inputs = loading.inputs(
-        keys, "design scene",
-        restitution=restitution, friction=friction, gamma=gamma, frequency=frequency,
-        seconds=seconds, runs=runs, seed=seed, step=step, packing=packing, arena=arena,
+        keys,
+        "design scene",
+        restitution=restitution,
+        friction=friction,
+        gamma=gamma,
+        frequency=frequency,
+        seconds=seconds,
+        runs=runs,
+        seed=seed,
+        step=step,
+        packing=packing,
+        arena=arena,
         count=sum(share.walkers for share in shares) if shares else asked,
-    )  # fmt: skip
+    )
     if movie is not None:
         crowd_movie.check(movie, "--movie")
     ground = inputs.scene(scene, runs=crowd_members.RUNS)
@@ -156,9 +150,7 @@ def _is_flat(model: str | None, names: list[str]) -> bool:
         return True
     if any(cards):
         name = names[cards.index(True)]
-        raise InputError(
-            f"{name}: is a card, which model flat alone knows: give designs, or cards for all"
-        )
+        raise InputError(f"{name}: is a card, which model flat alone knows: give designs, or cards for all")
     if model == "flat":
         raise InputError(
             f"--model flat: needs the card of {names[0]}: `walkergen card {names[0]}` writes one, "
@@ -168,9 +160,14 @@ def _is_flat(model: str | None, names: list[str]) -> bool:
 
 
 def _in_space(
-    inputs: "Inputs", scene: "Scene", names: list[str], counts: list[int] | None, rate: float,
-    tilt: float | None, legs: str | None,
-) -> "Job":  # fmt: skip
+    inputs: "Inputs",
+    scene: "Scene",
+    names: list[str],
+    counts: list[int] | None,
+    rate: float,
+    tilt: float | None,
+    legs: str | None,
+) -> "Job":
     """Crowd of designs."""
     from walkergen.points import crowd_space
 
@@ -178,9 +175,14 @@ def _in_space(
 
 
 def _flat(
-    inputs: "Inputs", scene: "Scene", names: list[str], counts: list[int] | None, rate: float,
-    tilt: float | None, legs: str | None,
-) -> "Job":  # fmt: skip
+    inputs: "Inputs",
+    scene: "Scene",
+    names: list[str],
+    counts: list[int] | None,
+    rate: float,
+    tilt: float | None,
+    legs: str | None,
+) -> "Job":
     """Crowd of cards. Raises InputError for what their measurement has settled."""
     from walkergen import card
     from walkergen.jobs.run.crowd import plane
@@ -194,9 +196,7 @@ def _flat(
     return plane.asked(scene, [card.read(Path(name)) for name in names], counts, rate)
 
 
-def _walkers(
-    inputs: "Inputs", names: list[str], tilt: float | None, legs: str | None
-) -> "list[Design]":
+def _walkers(inputs: "Inputs", names: list[str], tilt: float | None, legs: str | None) -> "list[Design]":
     """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
     if len(names) == 1:
         return [inputs.one(names[0], tilt, legs)]

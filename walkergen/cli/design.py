@@ -12,48 +12,35 @@ from walkergen.cli.worker_pools import Workers, pool_of
 
 
 def design(
-    speed: Annotated[
-        float | None, typer.Option("--speed", metavar="MM/S", help="Speed wished, mm/s.")
-    ] = None,
+    speed: Annotated[float | None, typer.Option("--speed", metavar="MM/S", help="Speed wished, mm/s.")] = None,
     fastest: Annotated[bool, typer.Option("--fastest", help="Wish for the fastest.")] = False,
     calm: Annotated[
-        bool,
-        typer.Option("--least-sensitive", help="Wish for the least change of speed with friction."),
+        bool, typer.Option("--least-sensitive", help="Wish for the least change of speed with friction.")
     ] = False,
     persistence: Annotated[
-        float | None,
-        typer.Option("--persistence", metavar="MM", help="Persistence length wished, mm."),
+        float | None, typer.Option("--persistence", metavar="MM", help="Persistence length wished, mm.")
     ] = None,
     radius: Annotated[
-        float | None,
-        typer.Option("--turning-radius", metavar="MM", help="Radius of turning wished, mm."),
+        float | None, typer.Option("--turning-radius", metavar="MM", help="Radius of turning wished, mm.")
     ] = None,
     start: Annotated[
         str, typer.Option("--from", metavar="DESIGN", help="Walker to change; name or TOML file.")
     ] = opt.PAPER,
     vary: Annotated[
-        list[str] | None,
-        typer.Option("--vary", metavar="KEY=LOW:HIGH", help="Key of the file to vary; repeats."),
+        list[str] | None, typer.Option("--vary", metavar="KEY=LOW:HIGH", help="Key of the file to vary; repeats.")
     ] = None,
     values: opt.Values = None,
     scene: opt.SceneName = opt.SCENE,
     printer: opt.PrinterName = opt.PRINTER,
     model: Annotated[
         str | None,
-        typer.Option(
-            "--model",
-            metavar="MODEL",
-            help="prediction, or a model; by default the one of `simulate`.",
-        ),
+        typer.Option("--model", metavar="MODEL", help="prediction, or a model; by default the one of `simulate`."),
     ] = None,
-    error: Annotated[
-        str, typer.Option("--error", metavar="ERROR", help="Error allowed: 5% or 3mm/s.")
-    ] = "5%",
+    error: Annotated[str, typer.Option("--error", metavar="ERROR", help="Error allowed: 5% or 3mm/s.")] = "5%",
     seed: opt.Seed = None,
     workers: Workers = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FOLDER", help="Folder; out/design-WISH by default."),
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder; out/design-WISH by default.")
     ] = None,
     pictures: opt.Pictures = True,
     json: opt.AsJson = False,
@@ -72,9 +59,14 @@ def design(
     spans = box.of_options(vary or [], base)
     inputs.refuse(spans.keys, "--vary varies it: leave one of them out")
     job = Job(
-        wish, base, place, spans, inputs.printer(printer),
-        make.model_of(base, place, model, wish.asks_space), place.run.seed,
-    )  # fmt: skip
+        wish,
+        base,
+        place,
+        spans,
+        inputs.printer(printer),
+        make.model_of(base, place, model, wish.asks_space),
+        place.run.seed,
+    )
     make.check(job)
     folder = out or Path("out") / f"design-{wish.slug}"
     store = Store()

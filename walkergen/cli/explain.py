@@ -18,18 +18,13 @@ def explain(
     gamma: opt.Gamma = None,
     frequency: opt.Frequency = None,
     keys: opt.Values = None,
-    cost: Annotated[
-        bool, typer.Option(show_default=False, help="Measure the CPU time that each effect costs.")
-    ] = True,
+    cost: Annotated[bool, typer.Option(show_default=False, help="Measure the CPU time that each effect costs.")] = True,
     json: opt.AsJson = False,
 ) -> None:
     """Say which effects a scene calls for, why, how large they are and what they cost."""
     from walkergen.jobs.run.explain import make
 
-    inputs = loading.inputs(
-        keys, "design scene",
-        friction=friction, gamma=gamma, frequency=frequency, model=model,
-    )  # fmt: skip
+    inputs = loading.inputs(keys, "design scene", friction=friction, gamma=gamma, frequency=frequency, model=model)
     resolved_scene, chosen = inputs.scene(scene), inputs.one(design, tilt, legs)
     with show.progress("explain", wanted=True) as progress:
         report = make.explain(resolved_scene, chosen, cost, progress)

@@ -41,12 +41,9 @@ def family(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     measured: Annotated[
-        Path | None,
-        typer.Option("--measured", metavar="FILE", help="Measured speeds (CSV) for speed.png."),
+        Path | None, typer.Option("--measured", metavar="FILE", help="Measured speeds (CSV) for speed.png.")
     ] = None,
-    pictures: Annotated[
-        bool, typer.Option(show_default=False, help="Draw speed.png and preview.png.")
-    ] = True,
+    pictures: Annotated[bool, typer.Option(show_default=False, help="Draw speed.png and preview.png.")] = True,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -55,10 +52,16 @@ def family(
     from walkergen.jobs.make.family import make as families
 
     inputs = loading.inputs(
-        keys, "design scene printer",
-        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-        seconds=seconds, runs=runs,
-    )  # fmt: skip
+        keys,
+        "design scene printer",
+        restitution=restitution,
+        friction=friction,
+        law=law,
+        gamma=gamma,
+        frequency=frequency,
+        seconds=seconds,
+        runs=runs,
+    )
     chosen, resolved = inputs.design(design), inputs.scene(scene)
     members, counts = inputs.batch(chosen, tilt, legs, copies, whole=True)
     job = families.Job(
@@ -81,8 +84,10 @@ def family(
         result = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
     show.report(replace(result, folder=None), json, quiet)
     if not (json or quiet):
-        print(f"{len(result.members)} walkers in {folder}/: stl, plates, family, weights"
-              + (", speed, preview" if pictures else ""))  # fmt: skip
+        print(
+            f"{len(result.members)} walkers in {folder}/: stl, plates, family, weights"
+            + (", speed, preview" if pictures else "")
+        )
     show.kept_forms(folder, members)
 
 

@@ -21,29 +21,19 @@ def fit(
         typer.Option(
             "--model",
             metavar="MODEL",
-            help="Model: prediction, as family prints it; theory; compliant or space, simulated "
-            "(minutes).",
+            help="Model: prediction, as family prints it; theory; compliant or space, simulated (minutes).",
         ),
     ] = "prediction",
     fix: Annotated[
-        list[str] | None,
-        typer.Option("--fix", metavar="NAME=VALUE", help="Parameter to hold: friction=0.25."),
+        list[str] | None, typer.Option("--fix", metavar="NAME=VALUE", help="Parameter to hold: friction=0.25.")
     ] = None,
     prior: Annotated[
         str | None,
-        typer.Option(
-            "--prior",
-            metavar="PRIOR",
-            help="Of restitution and friction: flat, or as in the scene (scene).",
-        ),
+        typer.Option("--prior", metavar="PRIOR", help="Of restitution and friction: flat, or as in the scene (scene)."),
     ] = None,
     predict: Annotated[
         str | None,
-        typer.Option(
-            "--predict",
-            metavar="DEG",
-            help="Tilts to predict: 8,12 or FIRST:LAST:STEP; else the family's.",
-        ),
+        typer.Option("--predict", metavar="DEG", help="Tilts to predict: 8,12 or FIRST:LAST:STEP; else the family's."),
     ] = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
@@ -70,13 +60,17 @@ def fit(
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":
         raise InputError("--seed: the theory has none; leave out --model theory")
-    inputs = loading.inputs(
-        keys, "design scene", law=law, seed=seed, model=model if simulated else None
-    )
+    inputs = loading.inputs(keys, "design scene", law=law, seed=seed, model=model if simulated else None)
     wish = request.Request(
-        inputs.design(design), inputs.scene(scene), model, fix or (), prior,
-        None if predict is None else variants.parse_tilts(predict), mode, pictures,
-    )  # fmt: skip
+        inputs.design(design),
+        inputs.scene(scene),
+        model,
+        fix or (),
+        prior,
+        None if predict is None else variants.parse_tilts(predict),
+        mode,
+        pictures,
+    )
     folder = output.results(file, out, "fit")
     with show.progress("fit", wanted=not quiet) as progress:
         result = request.fit(file, wish, folder, progress)

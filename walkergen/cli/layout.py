@@ -23,7 +23,7 @@ OPTIONS = {
     "Contact and drive": ("restitution", "friction", "gamma", "frequency", "law", "mode"),
     "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
     "Output": ("out", "trajectory", "rate", "pictures", "all", "json", "quiet", "help"),
-}  # fmt: skip
+}
 """Options under headings of their own, where a command has many; the others stand first."""
 
 MANY = 15

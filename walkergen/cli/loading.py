@@ -102,9 +102,7 @@ class Inputs(NamedTuple):
         self._refuse_twice(tilt, legs, whole=False)
         return variants.one_of(self.design(name), tilt, legs)
 
-    def members(
-        self, design: "Design", tilt: str | None, legs: str | None, whole: bool
-    ) -> "list[Design]":
+    def members(self, design: "Design", tilt: str | None, legs: str | None, whole: bool) -> "list[Design]":
         """List the variants of --tilt and --legs, as `variants.members_of` does."""
         self._refuse_twice(tilt, legs, whole)
         return variants.members_of(design, tilt, legs, whole)
@@ -191,9 +189,7 @@ def _set_by(values: Mapping[str, Any], key: str) -> str:
     return ""
 
 
-def weighed(
-    path: "Path | None", members: "Sequence[Design]", quiet: bool
-) -> "dict[str, Weighings]":
+def weighed(path: "Path | None", members: "Sequence[Design]", quiet: bool) -> "dict[str, Weighings]":
     """Read masses of members from a balance; name other walkers' rows on the error stream."""
     if path is None:
         return {}
@@ -214,7 +210,6 @@ def mode_of(mode: str, scene: "Scene") -> "Mode":
         raise InputError(f"--mode {mode!r}: must be one of {', '.join(MODES)}")
     if mode == "paper" and scene.contact.law != "poisson":
         raise InputError(
-            f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: "
-            "use --mode coulomb"
+            f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: use --mode coulomb"
         )
     return mode

@@ -15,26 +15,17 @@ def movie(
     scene: opt.SceneName = opt.SCENE,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    seconds: Annotated[
-        float | None, typer.Option("--seconds", metavar="S", help="Simulated time to show, s.")
-    ] = None,
+    seconds: Annotated[float | None, typer.Option("--seconds", metavar="S", help="Simulated time to show, s.")] = None,
     periods: Annotated[
-        float | None,
-        typer.Option("--periods", metavar="N", help="Time to show, in periods of the drive."),
+        float | None, typer.Option("--periods", metavar="N", help="Time to show, in periods of the drive.")
     ] = None,
     slow: Annotated[
-        float | None,
-        typer.Option("--slow", metavar="N", help="Play N times slower than real time."),
+        float | None, typer.Option("--slow", metavar="N", help="Play N times slower than real time.")
     ] = None,
     view: Annotated[
-        str | None,
-        typer.Option(
-            "--view", metavar="VIEW", help="How to see a walker in space: above or perspective."
-        ),
+        str | None, typer.Option("--view", metavar="VIEW", help="How to see a walker in space: above or perspective.")
     ] = None,
-    fps: Annotated[
-        int, typer.Option("--fps", metavar="N", help="Frames per second: 10, 20, 25 or 50.")
-    ] = 25,
+    fps: Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second: 10, 20, 25 or 50.")] = 25,
     model: opt.Model = None,
     law: opt.LawName = None,
     restitution: opt.Restitution = None,
@@ -45,8 +36,7 @@ def movie(
     seed: opt.Seed = None,
     keys: opt.Values = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FILE", help="GIF to write; the MP4 comes beside it."),
+        Path | None, typer.Option("--out", metavar="FILE", help="GIF to write; the MP4 comes beside it.")
     ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -62,15 +52,20 @@ def movie(
     if out is not None and out.suffix.lower() != ".gif":
         raise InputError(f"--out {str(out)[:80]!r}: must end in .gif (the MP4 comes beside it)")
     inputs = loading.inputs(
-        keys, "design scene",
-        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-        seed=seed, step=step, model=model,
-    )  # fmt: skip
+        keys,
+        "design scene",
+        restitution=restitution,
+        friction=friction,
+        law=law,
+        gamma=gamma,
+        frequency=frequency,
+        seed=seed,
+        step=step,
+        model=model,
+    )
     resolved, chosen = inputs.scene(scene), inputs.design(design)
     members = inputs.members(chosen, tilt, legs, whole=False)
-    job = movies.plan(
-        members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view
-    )
+    job = movies.plan(members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view)
     path = out or Path("out") / chosen.name / movies.file_name(job, inputs.values)
     with show.progress("movie", wanted=not quiet) as progress:
         film = movies.make(job, path, progress, named=out is not None)

@@ -22,126 +22,74 @@ def _sound(path: Path | None) -> Path | None:
 
 
 DesignName = Annotated[
-    str,
-    typer.Argument(
-        metavar="DESIGN",
-        help="Walker: a template or a TOML file.",
-        autocompletion=names_of("walkers"),
-    ),
+    str, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.", autocompletion=names_of("walkers"))
 ]
 OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
-OneKind = Annotated[
-    str | None, typer.Option("--legs", metavar="KIND", help="Kind of legs: flexible or braced.")
-]
+OneKind = Annotated[str | None, typer.Option("--legs", metavar="KIND", help="Kind of legs: flexible or braced.")]
 Tilt = Annotated[
-    str | None,
-    typer.Option("--tilt", metavar="DEG", help="Tilts, deg: 10, or 5,10,15, or FIRST:LAST:STEP."),
+    str | None, typer.Option("--tilt", metavar="DEG", help="Tilts, deg: 10, or 5,10,15, or FIRST:LAST:STEP.")
 ]
 LegKinds = Annotated[
-    str | None,
-    typer.Option(
-        "--legs", metavar="KIND", help="Kinds of legs: flexible, braced, or flexible,braced."
-    ),
+    str | None, typer.Option("--legs", metavar="KIND", help="Kinds of legs: flexible, braced, or flexible,braced.")
 ]
 SceneName = Annotated[
     str,
     typer.Option(
-        "--scene",
-        metavar="SCENE",
-        help="Scene: a template or a TOML file.",
-        autocompletion=names_of("scenes"),
+        "--scene", metavar="SCENE", help="Scene: a template or a TOML file.", autocompletion=names_of("scenes")
     ),
 ]
 Restitution = Annotated[
-    float | None,
-    typer.Option("--restitution", metavar="NUMBER", help="Coefficient of restitution, 0..1."),
+    float | None, typer.Option("--restitution", metavar="NUMBER", help="Coefficient of restitution, 0..1.")
 ]
-Friction = Annotated[
-    float | None, typer.Option("--friction", metavar="NUMBER", help="Friction coefficient, >= 0.")
-]
+Friction = Annotated[float | None, typer.Option("--friction", metavar="NUMBER", help="Friction coefficient, >= 0.")]
 ModeName = Annotated[
-    str,
-    typer.Option(
-        "--mode", metavar="MODE", help="Theory: coulomb (feet may stick) or paper (eq. 15)."
-    ),
+    str, typer.Option("--mode", metavar="MODE", help="Theory: coulomb (feet may stick) or paper (eq. 15).")
 ]
 LawName = Annotated[
     str | None,
-    typer.Option(
-        "--law",
-        metavar="LAW",
-        help="Law of impact: poisson, newton or stronge; the last two not in space.",
-    ),
+    typer.Option("--law", metavar="LAW", help="Law of impact: poisson, newton or stronge; the last two not in space."),
 ]
 Seconds = Annotated[
-    float | None,
-    typer.Option("--seconds", metavar="S", help="Measured time of each simulated run, s."),
+    float | None, typer.Option("--seconds", metavar="S", help="Measured time of each simulated run, s.")
 ]
 Runs = Annotated[int | None, typer.Option("--runs", metavar="N", help="Number of simulated runs.")]
-Seed = Annotated[
-    int | None, typer.Option("--seed", metavar="N", help="Seed of the runs' random starts.")
-]
+Seed = Annotated[int | None, typer.Option("--seed", metavar="N", help="Seed of the runs' random starts.")]
 Model = Annotated[
-    str | None,
-    typer.Option(
-        "--model", metavar="MODEL", help="Model: rigid, relaxed, compliant, space or auto."
-    ),
+    str | None, typer.Option("--model", metavar="MODEL", help="Model: rigid, relaxed, compliant, space or auto.")
 ]
-Gamma = Annotated[
-    float | None, typer.Option("--gamma", metavar="NUMBER", help="Peak acceleration over g.")
-]
-Frequency = Annotated[
-    float | None, typer.Option("--frequency", metavar="HZ", help="Frequency of the drive, Hz.")
-]
+Gamma = Annotated[float | None, typer.Option("--gamma", metavar="NUMBER", help="Peak acceleration over g.")]
+Frequency = Annotated[float | None, typer.Option("--frequency", metavar="HZ", help="Frequency of the drive, Hz.")]
 Step = Annotated[float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step.")]
-Uncertain = Annotated[
-    bool, typer.Option("--uncertain", help="Draw uncertain inputs; say what to measure next.")
-]
+Uncertain = Annotated[bool, typer.Option("--uncertain", help="Draw uncertain inputs; say what to measure next.")]
 Pictures = Annotated[bool, typer.Option(show_default=False, help="Draw the figures.")]
 PrinterName = Annotated[
     str,
     typer.Option(
-        "--printer",
-        metavar="PRINTER",
-        help="Printer: a template or a TOML file.",
-        autocompletion=names_of("printers"),
+        "--printer", metavar="PRINTER", help="Printer: a template or a TOML file.", autocompletion=names_of("printers")
     ),
 ]
 Copies = Annotated[
     str | None,
-    typer.Option(
-        "--copies",
-        metavar="COPIES",
-        help="Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
-    ),
+    typer.Option("--copies", metavar="COPIES", help="Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40."),
 ]
 Caps = Annotated[
     str | None,
     typer.Option(
-        "--caps",
-        metavar="MARKERS",
-        help="Caps to glue on, with markers that `track --markers` reads: aruco.",
+        "--caps", metavar="MARKERS", help="Caps to glue on, with markers that `track --markers` reads: aruco."
     ),
 ]
 MaxParts = Annotated[
-    int,
-    typer.Option(
-        "--max-parts", metavar="N", min=1, max=5000, help="Largest number of parts on a plate."
-    ),
+    int, typer.Option("--max-parts", metavar="N", min=1, max=5000, help="Largest number of parts on a plate.")
 ]
 ForPrusaSlicer = Annotated[
-    bool,
-    typer.Option("--prusaslicer", help="Let PrusaSlicer list and slice all copies as one object."),
+    bool, typer.Option("--prusaslicer", help="Let PrusaSlicer list and slice all copies as one object.")
 ]
 WeightsFile = Annotated[
-    Path | None,
-    typer.Option("--weights", metavar="FILE", help="Masses from a balance: a filled weights.csv."),
+    Path | None, typer.Option("--weights", metavar="FILE", help="Masses from a balance: a filled weights.csv.")
 ]
 Out = Annotated[
     Path | None,
-    typer.Option(
-        "--out", metavar="FOLDER", help="Folder to write to; out/NAME by default.", callback=_sound
-    ),
+    typer.Option("--out", metavar="FOLDER", help="Folder to write to; out/NAME by default.", callback=_sound),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Strict = Annotated[bool, typer.Option("--strict", help="Refuse parts that get warnings, too.")]

@@ -32,25 +32,19 @@ def plate(
     orders: Annotated[
         Path | None,
         typer.Option(
-            "--orders",
-            metavar="FILE",
-            help="Order list (CSV: design, tilt_deg, legs, copies) of several designs.",
+            "--orders", metavar="FILE", help="Order list (CSV: design, tilt_deg, legs, copies) of several designs."
         ),
     ] = None,
     calibration: Annotated[
         bool,
         typer.Option(
-            "--calibration",
-            help="A plate to measure material and contact with, its sheet and form, instead.",
+            "--calibration", help="A plate to measure material and contact with, its sheet and form, instead."
         ),
     ] = False,
     serial: Annotated[
         int | None,
         typer.Option(
-            "--serial",
-            metavar="FIRST",
-            min=1,
-            help="Engrave a number into each copy, counted over all from FIRST.",
+            "--serial", metavar="FIRST", min=1, help="Engrave a number into each copy, counted over all from FIRST."
         ),
     ] = None,
     caps: opt.Caps = None,
@@ -61,17 +55,12 @@ def plate(
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, max=1000, help="Largest number of plates to use."),
+        int | None, typer.Option(metavar="N", min=1, max=1000, help="Largest number of plates to use.")
     ] = None,
-    how_many: Annotated[
-        bool, typer.Option("--how-many", help="Print how many of each fit on a plate.")
-    ] = False,
+    how_many: Annotated[bool, typer.Option("--how-many", help="Print how many of each fit on a plate.")] = False,
     strict: opt.Strict = False,
     out: opt.Out = None,
-    pictures: Annotated[
-        bool, typer.Option(show_default=False, help="Draw a map of every plate.")
-    ] = True,
+    pictures: Annotated[bool, typer.Option(show_default=False, help="Draw a map of every plate.")] = True,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -87,23 +76,21 @@ def plate(
 
     inputs = loading.inputs(keys, "design printer")
     if calibration:
-        beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None,
-                  "--serial": serial, "--caps": caps}  # fmt: skip
+        beside = {
+            "--copies": copies,
+            "--orders": orders,
+            "--how-many": how_many or None,
+            "--serial": serial,
+            "--caps": caps,
+        }
         _refuse("--calibration makes a plate of its own", beside)
         walker = inputs.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
         machines = inputs.printers(printers)
-        to_measure = calibration_plate.Order(
-            walker, machines, max_plates, pictures, prusaslicer, strict
-        )
+        to_measure = calibration_plate.Order(walker, machines, max_plates, pictures, prusaslicer, strict)
         _calibrate(to_measure, out or Path("out") / walker.name, json, quiet)
         return
     if orders is not None:
-        flags: dict[str, object] = {
-            "DESIGN": design,
-            "--tilt": tilt,
-            "--legs": legs,
-            "--copies": copies,
-        }
+        flags: dict[str, object] = {"DESIGN": design, "--tilt": tilt, "--legs": legs, "--copies": copies}
         flags |= {f"--set {key}": key for key in inputs.of("design")}
         members, counts = _ordered(orders, flags)
         name = output.named_after(orders)
@@ -117,9 +104,7 @@ def plate(
         show.report(plates.how_many(members, machines, max_parts), json, quiet=False)
         return
     folder = out or Path("out") / name
-    order = plates.Order(
-        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, serial, strict
-    )
+    order = plates.Order(members, counts, machines, max_plates, max_parts, pictures, prusaslicer, serial, strict)
     with show.progress(name, wanted=not quiet) as progress:
         tell = partial(show.warnings, quiet=quiet)
         report = plates.make(order, folder, progress, tell)

@@ -27,9 +27,8 @@ def predict(
     from walkergen.jobs.run.predict import make
 
     inputs = loading.inputs(
-        keys, "design scene",
-        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-    )  # fmt: skip
+        keys, "design scene", restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency
+    )
     chosen, resolved = inputs.design(design), inputs.scene(scene)
     checked = loading.mode_of(mode, resolved)
     members = inputs.members(chosen, tilt, legs, whole=False)

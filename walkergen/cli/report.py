@@ -18,14 +18,10 @@ if TYPE_CHECKING:
 def report(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder that family wrote.")],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FILE", help="Page to write; FOLDER/report.html by default."),
+        Path | None, typer.Option("--out", metavar="FILE", help="Page to write; FOLDER/report.html by default.")
     ] = None,
     run: Annotated[
-        str | None,
-        typer.Option(
-            "--run", metavar="SCENE", help="Simulate a second of one member there, to be played."
-        ),
+        str | None, typer.Option("--run", metavar="SCENE", help="Simulate a second of one member there, to be played.")
     ] = None,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
@@ -59,9 +55,7 @@ def report(
     show.report(page.report_of(target, contents_of), json, quiet=False)
 
 
-def _played(
-    contents_of: "Contents", scene: "Scene", tilt: float | None, legs: str | None
-) -> "dict[str, Any]":
+def _played(contents_of: "Contents", scene: "Scene", tilt: float | None, legs: str | None) -> "dict[str, Any]":
     """Simulate the member that the command line asks for."""
     from walkergen.jobs.page.report import play
 

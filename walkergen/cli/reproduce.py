@@ -20,18 +20,12 @@ def reproduce(
         str, typer.Option("--scene-fitted", metavar="SCENE", help="Scene whose contact fits best.")
     ] = FITTED,
     tilt: opt.Tilt = None,
-    gamma: Annotated[
-        str | None, typer.Option("--gamma", metavar="G", help="Drives of figure 5: 1.2,1.8,2.4.")
-    ] = None,
+    gamma: Annotated[str | None, typer.Option("--gamma", metavar="G", help="Drives of figure 5: 1.2,1.8,2.4.")] = None,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     seed: opt.Seed = None,
-    crowd: Annotated[
-        bool, typer.Option("--crowd", help="Crowds beside published ones, instead of the paper.")
-    ] = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="With --crowd: simulate less, wider error bars.")
-    ] = False,
+    crowd: Annotated[bool, typer.Option("--crowd", help="Crowds beside published ones, instead of the paper.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="With --crowd: simulate less, wider error bars.")] = False,
     keys: opt.Values = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -39,9 +33,14 @@ def reproduce(
 ) -> None:
     """Compare the paper's figures and mechanisms, or crowds, with ours (takes minutes)."""
     if crowd:
-        theirs = {"DESIGN": design != opt.PAPER, "--scene": scene != opt.SCENE,
-                  "--scene-fitted": scene_fitted != FITTED, "--tilt": tilt, "--gamma": gamma,
-                  "--set": keys}  # fmt: skip
+        theirs = {
+            "DESIGN": design != opt.PAPER,
+            "--scene": scene != opt.SCENE,
+            "--scene-fitted": scene_fitted != FITTED,
+            "--tilt": tilt,
+            "--gamma": gamma,
+            "--set": keys,
+        }
         for flag, given in theirs.items():
             if given:
                 raise InputError(f"{flag}: with --crowd walkers and scenes are given: leave it out")
@@ -72,13 +71,7 @@ def reproduce(
 
 
 def crowds(
-    seconds: float | None,
-    runs: int | None,
-    seed: int | None,
-    quick: bool,
-    out: Path | None,
-    json: bool,
-    quiet: bool,
+    seconds: float | None, runs: int | None, seed: int | None, quick: bool, out: Path | None, json: bool, quiet: bool
 ) -> None:
     """Compare our crowds with published ones. Raises InputError."""
     from walkergen.jobs.trust.reproduce import crowd_make

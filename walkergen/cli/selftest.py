@@ -11,8 +11,7 @@ from walkergen.cli import show
 
 def selftest(
     only: Annotated[
-        str | None,
-        typer.Option("--only", metavar="NAME-OR-SECTION", help="Case to run, or section: 6.7."),
+        str | None, typer.Option("--only", metavar="NAME-OR-SECTION", help="Case to run, or section: 6.7.")
     ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,

@@ -98,9 +98,7 @@ FIRST_S, NEXT_S = 5.0, 15.0
 
 
 @contextmanager
-def progress(
-    title: str, wanted: bool, about_s: float | None = None
-) -> Iterator[Callable[[str, int, int], None]]:
+def progress(title: str, wanted: bool, about_s: float | None = None) -> Iterator[Callable[[str, int, int], None]]:
     """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines.
 
     Long work says at once about how long it takes, s.
@@ -133,9 +131,7 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 passed = time.monotonic() - begun
                 rest = f"{_rest(passed, done, total)} left" if done else f"{passed:.0f} s so far"
                 try:
-                    print(
-                        plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True
-                    )
+                    print(plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True)
                 except OSError:  # nobody reads it
                     return
 
@@ -163,17 +159,9 @@ def _about(seconds: float) -> str:
 @contextmanager
 def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    )  # fmt: skip
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(plain.line(title))
 

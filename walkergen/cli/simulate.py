@@ -41,26 +41,18 @@ def simulate(
     trajectory: Annotated[
         Path | None,
         typer.Option(
-            "--trajectory",
-            metavar="FILE",
-            help="File for the tracks of all runs: .csv, .npz, or .xyz for OVITO.",
+            "--trajectory", metavar="FILE", help="File for the tracks of all runs: .csv, .npz, or .xyz for OVITO."
         ),
     ] = None,
     rate: Annotated[
-        float,
-        typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of it."),
+        float, typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of it.")
     ] = 1000.0,
-    error: Annotated[
-        str | None, typer.Option("--error", metavar="ERROR", help="Error to meet: 5% or 3mm/s.")
-    ] = None,
+    error: Annotated[str | None, typer.Option("--error", metavar="ERROR", help="Error to meet: 5% or 3mm/s.")] = None,
     uncertain: opt.Uncertain = False,
     draws: Annotated[
-        int,
-        typer.Option("--draws", metavar="N", help="Prints of --uncertain, best a power of two."),
+        int, typer.Option("--draws", metavar="N", help="Prints of --uncertain, best a power of two.")
     ] = 64,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")] = None,
     of: Annotated[
         str, typer.Option("--of", metavar="NAME", help="What --error is about, as JSON names it.")
     ] = "speed_mm_s",
@@ -81,10 +73,19 @@ def simulate(
     if trajectory is not None:
         trajectories.check(trajectory)
     inputs = loading.inputs(
-        keys, "design scene",
-        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-        seconds=seconds, runs=runs, seed=seed, step=step, model=model,
-    )  # fmt: skip
+        keys,
+        "design scene",
+        restitution=restitution,
+        friction=friction,
+        law=law,
+        gamma=gamma,
+        frequency=frequency,
+        seconds=seconds,
+        runs=runs,
+        seed=seed,
+        step=step,
+        model=model,
+    )
     if uncertain:
         why = "not with --uncertain; leave one of them out"
         _refuse(why, error=error, trajectory=trajectory)
@@ -113,9 +114,7 @@ def simulate(
         simulated = make.measure(experiment, progress, None if error is None else parse(error), of)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
         if trajectory is not None and done == wished:
-            trajectories.write(
-                trajectory, experiment._replace(scene=simulated.scene), simulated.point, progress
-            )
+            trajectories.write(trajectory, experiment._replace(scene=simulated.scene), simulated.point, progress)
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
     show.report(report.of(experiment, simulated, whole), json, quiet)

@@ -50,9 +50,7 @@ def prepare() -> _Heard:
     heard = _Heard(2, "w", closefd=False)
     if sys.platform == "win32":  # a console takes letters by other means than files do
         return heard
-    encoding = next(
-        (stream.encoding for stream in (sys.stdout, sys.stderr, sys.stdin) if stream), "utf-8"
-    )
+    encoding = next((stream.encoding for stream in (sys.stdout, sys.stderr, sys.stdin) if stream), "utf-8")
     if sys.stdout is sys.__stdout__:
         sys.stdout = _text(_Named(1, "w", closefd=False), encoding, "replace")
     if sys.stderr is sys.__stderr__:

@@ -22,9 +22,7 @@ FEW_POINTS = 512
 
 
 def sweep(
-    design: Annotated[
-        str | None, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.")
-    ] = None,
+    design: Annotated[str | None, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.")] = None,
     values: Annotated[
         list[str] | None,
         typer.Option(
@@ -35,8 +33,7 @@ def sweep(
         ),
     ] = None,
     scene: Annotated[
-        str | None,
-        typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file."),
+        str | None, typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file.")
     ] = None,
     model: Annotated[
         str | None,
@@ -48,20 +45,12 @@ def sweep(
         ),
     ] = None,
     error: Annotated[
-        str | None,
-        typer.Option(
-            "--error", metavar="ERROR", help="Error of each simulated speed: 5% or 3mm/s."
-        ),
+        str | None, typer.Option("--error", metavar="ERROR", help="Error of each simulated speed: 5% or 3mm/s.")
     ] = None,
     sample: Annotated[
-        str | None,
-        typer.Option(
-            "--sample", metavar="METHOD:N", help="Samples of LOW:HIGH: sobol:256, latin:99."
-        ),
+        str | None, typer.Option("--sample", metavar="METHOD:N", help="Samples of LOW:HIGH: sobol:256, latin:99.")
     ] = None,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the samples.")
-    ] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Seed of the samples.")] = 1,
     keep: Annotated[
         str | None,
         typer.Option(
@@ -73,20 +62,15 @@ def sweep(
         ),
     ] = None,
     printer: Annotated[
-        str | None,
-        typer.Option("--printer", metavar="PRINTER", help="Printer of --keep printability."),
+        str | None, typer.Option("--printer", metavar="PRINTER", help="Printer of --keep printability.")
     ] = None,
-    file: Annotated[
-        Path | None, typer.Option("--file", metavar="FILE", help="All of this from a sweep.toml.")
-    ] = None,
+    file: Annotated[Path | None, typer.Option("--file", metavar="FILE", help="All of this from a sweep.toml.")] = None,
     budget: Annotated[
-        str | None,
-        typer.Option("--budget", metavar="TIME", help="Time to spend where errors are worst: 10m."),
+        str | None, typer.Option("--budget", metavar="TIME", help="Time to spend where errors are worst: 10m.")
     ] = None,
     workers: Workers = None,
     dask: Annotated[
-        str | None,
-        typer.Option("--dask", metavar="ADDRESS", help="Cluster instead: tcp://scheduler:8786."),
+        str | None, typer.Option("--dask", metavar="ADDRESS", help="Cluster instead: tcp://scheduler:8786.")
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Begin, however long it takes.")] = False,
     out: opt.Out = None,
@@ -105,15 +89,12 @@ def sweep(
     if file is None:
         wanted_points = _ask(design, values or [], scene, printer, model, error, sample, seed, keep)
     else:
-        _check_file(DESIGN=design, set=values, scene=scene, printer=printer, error=error,
-                    sample=sample)  # fmt: skip
+        _check_file(DESIGN=design, set=values, scene=scene, printer=printer, error=error, sample=sample)
         wanted_points = ask.of_file(file)
     request = wanted_points.request()
     seconds = None if budget is None else parse_time(budget)
     if seconds is not None and error is not None:
-        raise InputError(
-            f"--error {error[:30]}: not with --budget, which adds runs until it is spent"
-        )
+        raise InputError(f"--error {error[:30]}: not with --budget, which adds runs until it is spent")
     folder = out or Path("out") / "sweeps" / wanted_points.name()
     store = Store()
     few = request.model == PREDICTION and request.space.points <= FEW_POINTS
@@ -126,9 +107,16 @@ def sweep(
 
 
 def _ask(
-    design: str | None, values: list[str], scene: str | None, printer: str | None,
-    model: str | None, error: str | None, sample: str | None, seed: int, keep: str | None,
-) -> "Ask":  # fmt: skip
+    design: str | None,
+    values: list[str],
+    scene: str | None,
+    printer: str | None,
+    model: str | None,
+    error: str | None,
+    sample: str | None,
+    seed: int,
+    keep: str | None,
+) -> "Ask":
     """Sweep that a command line asks for. Raises InputError."""
     from walkergen.jobs.run.sweep import ask
     from walkergen.points.tolerance import parse

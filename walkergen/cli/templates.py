@@ -22,9 +22,7 @@ commands = typer.Typer(
 TemplateName = Annotated[
     str,
     typer.Argument(
-        metavar="NAME",
-        help="Name of a template.",
-        autocompletion=names_of("walkers", "scenes", "printers"),
+        metavar="NAME", help="Name of a template.", autocompletion=names_of("walkers", "scenes", "printers")
     ),
 ]
 
@@ -50,18 +48,14 @@ def show_template(name: TemplateName) -> None:
 @commands.command("copy", cls=Command, epilog=epilog("templates copy"))
 def copy_template(
     name: TemplateName,
-    to: Annotated[
-        Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")
-    ] = None,
+    to: Annotated[Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")] = None,
 ) -> None:
     """Copy a template into a file of your own to edit; the copy is named after its file."""
     from walkergen.files import output, reading, templates
 
     target = to or Path(f"{name}.toml")
     if not reading.named_soundly(target) or target.suffix != ".toml":
-        raise InputError(
-            f"{str(target)!r}: name a file that ends in .toml, without control letters"
-        )
+        raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
     text = templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
     if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")

@@ -14,45 +14,34 @@ from walkergen.errors import InputError
 def track(
     film: Annotated[Path, typer.Argument(metavar="FILM", help="Film from above: MP4, MOV, AVI.")],
     mm_per_px: Annotated[
-        str | None,
-        typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001."),
+        str | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001.")
     ] = None,
     length: Annotated[
-        str | None,
-        typer.Option(metavar="MM", help="Length of a walker, mm, for the scale, as 28 or 28±0.1."),
+        str | None, typer.Option(metavar="MM", help="Length of a walker, mm, for the scale, as 28 or 28±0.1.")
     ] = None,
     fps: Annotated[
-        float | None,
-        typer.Option(metavar="N", help="Frames per second when filmed, if it plays slower."),
+        float | None, typer.Option(metavar="N", help="Frames per second when filmed, if it plays slower.")
     ] = None,
     frames: Annotated[
         str, typer.Option(metavar="FIRST:LAST", help="Frames to look at, from 0: 25:100, or 25:.")
     ] = "0:",
     region: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,W,H", help="Left, top, width and height to look at, pixels."),
+        str | None, typer.Option(metavar="X,Y,W,H", help="Left, top, width and height to look at, pixels.")
     ] = None,
     walkers: Annotated[
-        str | None,
-        typer.Option(metavar="SIDE", help="Walkers are dark or light; by default what is wider."),
+        str | None, typer.Option(metavar="SIDE", help="Walkers are dark or light; by default what is wider.")
     ] = None,
     threshold: Annotated[
-        float | None,
-        typer.Option(metavar="STEPS", help="Contrast of a walker with the ground, of 255 steps."),
+        float | None, typer.Option(metavar="STEPS", help="Contrast of a walker with the ground, of 255 steps.")
     ] = None,
     width: Annotated[
-        float | None,
-        typer.Option(metavar="PX", help="Width of a walker, its shorter side, pixels."),
+        float | None, typer.Option(metavar="PX", help="Width of a walker, its shorter side, pixels.")
     ] = None,
     heading: Annotated[
-        str,
-        typer.Option(
-            metavar="BY", help="Front by motion (the way it runs) or mark (a spot on it)."
-        ),
+        str, typer.Option(metavar="BY", help="Front by motion (the way it runs) or mark (a spot on it).")
     ] = "motion",
     markers: Annotated[
-        str | None,
-        typer.Option(metavar="KIND", help="Markers that walkers bear, by `plate --caps`: aruco."),
+        str | None, typer.Option(metavar="KIND", help="Markers that walkers bear, by `plate --caps`: aruco.")
     ] = None,
     marker_mm: Annotated[
         str | None, typer.Option(metavar="MM", help="Side of the markers, mm, as 7.2 or 7.2±0.05.")
@@ -83,9 +72,14 @@ def track(
     from walkergen.jobs.measure.track.result import Options
 
     if markers is not None:
-        beside = {"--mm-per-px": mm_per_px, "--length": length, "--walkers": walkers,
-                  "--threshold": threshold, "--width": width,
-                  "--heading": None if heading == "motion" else heading}  # fmt: skip
+        beside = {
+            "--mm-per-px": mm_per_px,
+            "--length": length,
+            "--walkers": walkers,
+            "--threshold": threshold,
+            "--width": width,
+            "--heading": None if heading == "motion" else heading,
+        }
         _refuse(f"--markers {markers[:30]} tells it", beside)
         _by_markers(film, markers, marker_mm, fps, frames, region, lens, out, json, quiet)
         return
@@ -93,11 +87,19 @@ def track(
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
     long, long_se = measured(length, "--length")
     options = Options(
-        mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
-        frames=_frames(frames), region=None if region is None else _region(region),
-        walkers=walkers, threshold=threshold, width_px=width, heading=heading,
+        mm_per_px=scale,
+        mm_per_px_se=scale_se,
+        length_mm=long,
+        length_se_mm=long_se,
+        fps=fps,
+        frames=_frames(frames),
+        region=None if region is None else _region(region),
+        walkers=walkers,
+        threshold=threshold,
+        width_px=width,
+        heading=heading,
         lens=None if lens is None else lenses.read(lens),
-    )  # fmt: skip
+    )
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
         result = make.track(film, options, folder, progress)
@@ -105,9 +107,17 @@ def track(
 
 
 def _by_markers(
-    film: Path, markers: str, marker_mm: str | None, fps: float | None, frames: str,
-    region: str | None, lens: Path | None, out: Path | None, json: bool, quiet: bool,
-) -> None:  # fmt: skip
+    film: Path,
+    markers: str,
+    marker_mm: str | None,
+    fps: float | None,
+    frames: str,
+    region: str | None,
+    lens: Path | None,
+    out: Path | None,
+    json: bool,
+    quiet: bool,
+) -> None:
     """Track by markers, and print what was found."""
     from walkergen.files import output
     from walkergen.files.measured import measured
@@ -117,10 +127,13 @@ def _by_markers(
     marked.check_kind(markers, "--markers ")
     side, side_se = measured(marker_mm, "--marker-mm")
     wish = marked.Wish(
-        marked.Wish().marker_mm if side is None else side, side_se, fps, _frames(frames),
+        marked.Wish().marker_mm if side is None else side,
+        side_se,
+        fps,
+        _frames(frames),
         None if region is None else _region(region),
         None if lens is None else lenses.read(lens),
-    )  # fmt: skip
+    )
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
         result = marked_report.track(film, wish, folder, progress)

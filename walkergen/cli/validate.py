@@ -14,14 +14,10 @@ def validate(
     only: Annotated[
         str | None,
         typer.Option(
-            "--only",
-            metavar="GROUPS",
-            help="Comma-separated groups: paper, closed, bouncing, rivals, programs.",
+            "--only", metavar="GROUPS", help="Comma-separated groups: paper, closed, bouncing, rivals, programs."
         ),
     ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Simulate less: wider error bars.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Simulate less: wider error bars.")] = False,
     crowds: Annotated[
         bool, typer.Option("--crowds", help="Crowds in a plane against crowds in space, instead.")
     ] = False,

@@ -70,8 +70,7 @@ def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
     if markers not in MARKERS:
         raise InputError(f"--caps {markers[:30]!r}: must be {' or '.join(MARKERS)}")
     return [
-        changed(design, {"cap.kind": "engraved"}, design.name) if design.cap is None else design
-        for design in members
+        changed(design, {"cap.kind": "engraved"}, design.name) if design.cap is None else design for design in members
     ]
 
 

@@ -10,15 +10,11 @@ from walkergen.cli import show
 
 
 def weigh(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Mesh: STL, OBJ, PLY, OFF, 3MF or GLB.")
-    ],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh: STL, OBJ, PLY, OFF, 3MF or GLB.")],
     density: Annotated[
         float, typer.Option("--density", metavar="G/CM3", help="Density of the material, g/cm3.")
     ] = 1.24,
-    scale: Annotated[
-        float, typer.Option("--scale", metavar="MM", help="Length of the file's unit, mm.")
-    ] = 1.0,
+    scale: Annotated[float, typer.Option("--scale", metavar="MM", help="Length of the file's unit, mm.")] = 1.0,
     json: opt.AsJson = False,
 ) -> None:
     """Weigh a mesh: volume, mass, centre of mass, inertia tensor, principal moments and axes."""

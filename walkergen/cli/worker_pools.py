@@ -12,15 +12,12 @@ if TYPE_CHECKING:
     from walkergen.points.worker_pool import WorkerPool
 
 Workers = Annotated[
-    int | None,
-    typer.Option("--workers", metavar="N", help="Number of processes; all cores by default."),
+    int | None, typer.Option("--workers", metavar="N", help="Number of processes; all cores by default.")
 ]
 
 
 @contextmanager
-def pool_of(
-    few: bool, workers: int | None, dask: str | None = None
-) -> "Iterator[WorkerPool | None]":
+def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
     """Workers for points; none, unless asked for, where so `few` are faster in this process.
 
     Raises InputError for a number of processes of a cluster, and for one that does not answer.

@@ -36,9 +36,7 @@ class Encoded(NamedTuple):
     """Reason why there is no MP4; '' when there is an MP4."""
 
 
-def encode(
-    draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress
-) -> Encoded:
+def encode(draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress) -> Encoded:
     """Draw `count` frames in order into both files; in the GIF the last one stays for `hold_s`.
 
     The MP4 has none that stands still: those who track it would find walkers that stop.
@@ -103,9 +101,7 @@ def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     return palette
 
 
-def _drawn(
-    draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress
-) -> Iterator[Pixels]:
+def _drawn(draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress) -> Iterator[Pixels]:
     """Draw the frames and send each to ffmpeg as well."""
     for at in range(count):
         frame = draw(at)
@@ -120,42 +116,53 @@ def _drawn(
 
 
 def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float) -> bytes:
-    images = [
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames
-    ]
+    images = [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     delay = 1000 // fps
     delays = [delay] * (len(images) - 1) + [delay + round(100 * hold_s) * 10]
     data = io.BytesIO()
-    images[0].save(
-        data, "GIF", save_all=True, append_images=images[1:], duration=delays, loop=0,
-        optimize=True,
-    )  # fmt: skip
+    images[0].save(data, "GIF", save_all=True, append_images=images[1:], duration=delays, loop=0, optimize=True)
     return data.getvalue()
 
 
-def _ffmpeg(
-    shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
-) -> "subprocess.Popen[bytes] | None":
+def _ffmpeg(shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]) -> "subprocess.Popen[bytes] | None":
     """Start ffmpeg, waiting for frames at its input; None where it is not installed."""
     program = shutil.which("ffmpeg")
     if program is None:
         return None
     words = [
-        program, "-loglevel", "error", "-nostdin",
-        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{shape[1]}x{shape[0]}", "-r", str(fps),
-        "-i", "pipe:0",
-        "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
-        "-fflags", "+bitexact", "-flags:v", "+bitexact", "-y", str(target),
-    ]  # fmt: skip
-    return subprocess.Popen(
-        words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages
-    )
+        program,
+        "-loglevel",
+        "error",
+        "-nostdin",
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{shape[1]}x{shape[0]}",
+        "-r",
+        str(fps),
+        "-i",
+        "pipe:0",
+        "-c:v",
+        "libx264",
+        "-crf",
+        "20",
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+        "-fflags",
+        "+bitexact",
+        "-flags:v",
+        "+bitexact",
+        "-y",
+        str(target),
+    ]
+    return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages)
 
 
-def _finished(
-    ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
-) -> tuple[bytes | None, str]:
+def _finished(ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]) -> tuple[bytes | None, str]:
     """Close ffmpeg; returns the MP4, or None and the reason."""
     if ffmpeg is None:
         return None, "ffmpeg is not installed"

@@ -62,10 +62,7 @@ def check(key: str, model: type[Section], source: str, prefix: str = "") -> None
         raise InputError(f"{source}: {reason}")
 
 
-def read(
-    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set",
-    prefix: str = "",
-) -> Model:  # fmt: skip
+def read(path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:
     """Contents of a TOML file in which these keys have other values, as if they stood in it.
 
     Files that values name are found from the folder that walkergen runs in. Raises InputError, or
@@ -76,18 +73,15 @@ def read(
 
 
 def with_data(
-    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set",
-    prefix: str = "",
-) -> tuple[Model, dict[str, Any]]:  # fmt: skip
+    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set", prefix: str = ""
+) -> tuple[Model, dict[str, Any]]:
     """As `read`, with the data that the contents were validated from, for `assigned`."""
     data, text = contents(path, model)
     settings = validate(data, model, str(path), text)
     return (assigned(settings, data, values, source, prefix) if values else settings), data
 
 
-def changed(
-    section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = ""
-) -> Model:
+def changed(section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:
     """Validated copy of a file's contents with other values of these keys.
 
     Raises InputError, or GeometryError, with a line for every mistake, which begins with `source`
@@ -98,9 +92,7 @@ def changed(
     return assigned(section, section.model_dump(exclude_unset=True), values, source, prefix)
 
 
-def assigned(
-    section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
-) -> Model:
+def assigned(section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = "") -> Model:
     """Validated data in which keys are set to values; `section` is what the data stood for.
 
     The data hold the values afterwards. Raises as `changed` does.

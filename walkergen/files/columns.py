@@ -82,9 +82,7 @@ def records(lines: Iterable[str], source: str) -> Records:
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(names):
-            raise InputError(
-                f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATE}"
-            )
+            raise InputError(f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATE}")
         rows.append((at, dict(zip(names, row, strict=True))))
     return Records(names, rows)
 
@@ -188,9 +186,7 @@ def _parse(
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell
         if words or not all(map(str.strip, chunk)):
             raise ValueError("words, or blank lines, which loadtxt would drop")
-        table = np.loadtxt(
-            chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2
-        )
+        table = np.loadtxt(chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2)
         values = list(table.T)
     except ValueError:
         rows = [cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]

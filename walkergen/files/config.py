@@ -28,9 +28,7 @@ SMALLEST, LARGEST_WHOLE = 1e-15, 2**63
 MOST_BITS = 10_000
 """Longest whole number that is read, to be refused by its key; decimals of as many are no TOML."""
 
-DOTTED = re.compile(
-    r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{DEEPEST}}}"
-)
+DOTTED = re.compile(r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{DEEPEST}}}")
 """Key of more parts than are read: the time that tomllib takes grows with their square."""
 
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
@@ -91,9 +89,7 @@ def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     """Data of a TOML file, not validated yet, and its text. Raises InputError."""
     data, text = load(path)
     if not data:
-        raise InputError(
-            f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME"
-        )
+        raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
     return dict(model.located(data, path.parent)), text
@@ -139,11 +135,7 @@ def depth(value: Any) -> int:
     layer, levels = [value], 0
     while layer and levels <= DEEPEST:
         holders = [holder for holder in layer if isinstance(holder, (dict, list))]
-        layer = [
-            inner
-            for holder in holders
-            for inner in (holder.values() if isinstance(holder, dict) else holder)
-        ]
+        layer = [inner for holder in holders for inner in (holder.values() if isinstance(holder, dict) else holder)]
         levels += bool(holders)
     return levels
 
@@ -171,9 +163,7 @@ def where(location: tuple[str, ...], source: str, text: str) -> str:
     return f"{source}:{line}" if line else source
 
 
-def validate(
-    data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = ""
-) -> Model:
+def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = "") -> Model:
     """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes.
 
     Keys are told after a prefix. Raises InputError, or GeometryError for parts that cannot be
@@ -189,9 +179,7 @@ def validate(
         raise type(error)("\n".join(lines)) from None
     except ValidationError as error:
         mistakes = error.errors()
-        lines = [
-            _explain(mistake, model, source, text, prefix) for mistake in mistakes[:MOST_MISTAKES]
-        ]
+        lines = [_explain(mistake, model, source, text, prefix) for mistake in mistakes[:MOST_MISTAKES]]
         if len(mistakes) > MOST_MISTAKES:
             lines.append(f"{source}: and {len(mistakes) - MOST_MISTAKES} more mistakes")
         raise InputError("\n".join(lines)) from None
@@ -207,9 +195,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
         return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
-        words, limit = {
-            "too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")
-        }[mistake["type"]]  # fmt: skip
+        words, limit = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}[mistake["type"]]
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"

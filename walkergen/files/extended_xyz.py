@@ -43,9 +43,7 @@ class Bodies(NamedTuple):
 def text(bodies: Bodies, box: str) -> str:
     """The file: a frame for each number, in it its bodies by theirs; `box` as `box_of` makes it."""
     ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
-    lines = [
-        f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)
-    ]
+    lines = [f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])
     order = np.lexsort((bodies.numbers, bodies.frames))
     frames, starts = np.unique(bodies.frames[order], return_index=True)
@@ -53,8 +51,7 @@ def text(bodies: Bodies, box: str) -> str:
     for rows in np.split(order, starts[1:]) if len(frames) else []:
         whole.write(f"{len(rows)}\n{box} Properties={XYZ} Time={bodies.times[rows[0]]:.9g}\n")
         whole.writelines(
-            lines[kind] % tuple(row)
-            for kind, row in zip(bodies.kind[rows].tolist(), table[rows].tolist(), strict=True)
+            lines[kind] % tuple(row) for kind, row in zip(bodies.kind[rows].tolist(), table[rows].tolist(), strict=True)
         )
     return whole.getvalue()
 
@@ -73,9 +70,5 @@ def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
     Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each:
     a turn by the roll about the body's length, then by the pitch, then by the heading about up.
     """
-    (a, b, c), (i, j, k) = (
-        [trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin)
-    )
-    return np.column_stack([
-        a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k
-    ])  # fmt: skip
+    (a, b, c), (i, j, k) = ([trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin))
+    return np.column_stack([a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k])

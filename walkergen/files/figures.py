@@ -24,27 +24,42 @@ DPI = 200
 """Pixels per inch: a column is some 700 pixels wide, a page 1400; print takes the PDF."""
 
 STYLE: Any = {
-    "font.size": NORMAL, "axes.titlesize": NORMAL, "axes.labelsize": NORMAL,
-    "figure.titlesize": NORMAL, "xtick.labelsize": SMALLEST, "ytick.labelsize": SMALLEST,
-    "legend.fontsize": SMALLEST, "legend.title_fontsize": SMALLEST, "legend.frameon": False,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4, "lines.linewidth": 1.1, "lines.markersize": 4.0,
-    "hatch.linewidth": 0.6, "pdf.fonttype": 42,
-}  # fmt: skip
+    "font.size": NORMAL,
+    "axes.titlesize": NORMAL,
+    "axes.labelsize": NORMAL,
+    "figure.titlesize": NORMAL,
+    "xtick.labelsize": SMALLEST,
+    "ytick.labelsize": SMALLEST,
+    "legend.fontsize": SMALLEST,
+    "legend.title_fontsize": SMALLEST,
+    "legend.frameon": False,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "lines.linewidth": 1.1,
+    "lines.markersize": 4.0,
+    "hatch.linewidth": 0.6,
+    "pdf.fonttype": 42,
+}
 """Sizes of letters and lines, in matplotlib's keys; letters of a PDF stay letters (TrueType)."""
 
 # Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
-STYLES: dict[str, tuple[str, str, str]] = {
-    "flexible": ("#0072B2", "-", "o"),
-    "braced": ("#D55E00", "--", "s"),
-}
+STYLES: dict[str, tuple[str, str, str]] = {"flexible": ("#0072B2", "-", "o"), "braced": ("#D55E00", "--", "s")}
 
 SERIES: tuple[tuple[str, Any, str], ...] = (
-    ("#0072B2", "-", "o"), ("#D55E00", "--", "s"), ("#000000", "-.", "^"), ("#009E73", ":", "D"),
-    ("#882255", (0, (7, 2)), "v"), ("#56B4E9", (0, (5, 1, 1, 1, 1, 1)), "P"),
-    ("#B07900", (0, (3, 1, 1, 1)), "X"), ("#7F7F7F", (0, (1, 1)), "*"),
-)  # fmt: skip
+    ("#0072B2", "-", "o"),
+    ("#D55E00", "--", "s"),
+    ("#000000", "-.", "^"),
+    ("#009E73", ":", "D"),
+    ("#882255", (0, (7, 2)), "v"),
+    ("#56B4E9", (0, (5, 1, 1, 1, 1, 1)), "P"),
+    ("#B07900", (0, (3, 1, 1, 1)), "X"),
+    ("#7F7F7F", (0, (1, 1)), "*"),
+)
 """Colour, line and marker of series: the last two tell them apart where colours are lost."""
 
 COLOURS = {"flexible": (0.35, 0.58, 0.78), "braced": (0.86, 0.55, 0.30)}

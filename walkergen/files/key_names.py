@@ -3,9 +3,19 @@
 import re
 
 UNITS = {
-    "_g_cm3": "g/cm³", "_mm_s": "mm/s", "_percent": "%", "_seconds": "s", "_gpa": "GPa",
-    "_deg": "deg", "_mm": "mm", "_um": "µm", "_us": "µs", "_hz": "Hz", "_g": "g", "_s": "s",
-}  # fmt: skip
+    "_g_cm3": "g/cm³",
+    "_mm_s": "mm/s",
+    "_percent": "%",
+    "_seconds": "s",
+    "_gpa": "GPa",
+    "_deg": "deg",
+    "_mm": "mm",
+    "_um": "µm",
+    "_us": "µs",
+    "_hz": "Hz",
+    "_g": "g",
+    "_s": "s",
+}
 """Units by the ends of keys, the longest first where one ends in another."""
 
 WHOLE = {

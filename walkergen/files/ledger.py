@@ -23,8 +23,7 @@ MOST_BYTES = 50_000_000
 MOST_HASHED = 4_000_000_000
 """Largest file that can be ours, bytes."""
 
-NEVER_OURS = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EACCES, errno.ELOOP, errno.ENXIO,
-              errno.ENAMETOOLONG}  # fmt: skip
+NEVER_OURS = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EACCES, errno.ELOOP, errno.ENXIO, errno.ENAMETOOLONG}
 """Reasons why a file cannot be opened that tell that it is not there or not ours."""
 
 BLANK = b"0" * 64
@@ -73,9 +72,7 @@ class Ledger:
             assert self._file is not None
         line = f"\n{json.dumps([name, digest])}\n".encode()  # after a line that was cut short
         if os.write(self._file, line) != len(line):
-            raise OSError(
-                errno.ENOSPC, os.strerror(errno.ENOSPC)
-            )  # a disk that is full takes a part of it
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a disk that is full takes a part of it
         self.digests.setdefault(name, set()).add(digest)
 
     def close(self, remove: bool = False) -> None:
@@ -194,8 +191,7 @@ def is_sealed(data: bytes) -> bool:
 
 def manifest(facts: dict[str, Any]) -> bytes:
     """JSON of facts, sealed."""
-    text = json.dumps({**facts, "sealed": BLANK.decode()}, indent=2, ensure_ascii=False,
-                      allow_nan=False)  # fmt: skip
+    text = json.dumps({**facts, "sealed": BLANK.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
     return sealed(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
 
 

@@ -309,9 +309,7 @@ def _files_of(facts: dict[str, Any]) -> dict[str, str]:
 
 
 def _distrusted(path: Path, why: str) -> OutputError:
-    return OutputError(
-        f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another --out"
-    )
+    return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another --out")
 
 
 def _is_inside(folder: Path, name: str) -> bool:

@@ -26,9 +26,12 @@ MOST_LETTERS = 1_000_000
 """Longest line of a file that is read line by line."""
 
 FLAGS = (
-    os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
-    | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
-)  # fmt: skip
+    os.O_RDONLY
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_BINARY", 0)
+)
 """Modes of opening: without waiting for a pipe's writer, which a name may have become meanwhile."""
 
 CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -92,9 +95,7 @@ def by_library(source: str, kind: str) -> Iterator[None]:
         logging.disable(disabled)
 
 
-def lines(
-    path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None
-) -> Iterator[str]:
+def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None) -> Iterator[str]:
     r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
 
     Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
@@ -109,8 +110,7 @@ def lines(
         while line := text.readline(MOST_LETTERS + 1):
             read += len(line)  # letters, of one byte at least each
             if len(line) > MOST_LETTERS:
-                raise InputError(f"{path}: a line of more than {MOST_LETTERS} letters; is it the "
-                                 "right file?")  # fmt: skip
+                raise InputError(f"{path}: a line of more than {MOST_LETTERS} letters; is it the right file?")
             if read > most_bytes:
                 raise _too_large(path, read, most_bytes)
             yield line
@@ -126,8 +126,7 @@ def _opened(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryI
     """Stream of a regular file; raises InputError, in words, for whatever stops its reading."""
     if not named_soundly(path):
         raise InputError(
-            f"{str(path)[-80:]!r}: its name holds control characters, or bytes that are not UTF-8: "
-            "rename it"
+            f"{str(path)[-80:]!r}: its name holds control characters, or bytes that are not UTF-8: rename it"
         )
     try:
         _check_kind(path, path.stat(), format, most_bytes)  # opening a device may move it

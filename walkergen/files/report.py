@@ -46,9 +46,7 @@ def text(heading: str, key: str) -> Column:
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
-def number(
-    heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False
-) -> Column:  # fmt: skip
+def number(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False) -> Column:
     """Column of numbers to significant digits, `scale` times those of the row; None is blank."""
 
     def cell(row: Any) -> str:
@@ -133,8 +131,10 @@ class Table:
         made = RichTable(
             title=None if markdown or not self.title else literally(self.title),
             box=box.MARKDOWN if markdown else box.SIMPLE_HEAD if headed else box.SIMPLE,
-            padding=(0, 1, 0, 0) if headed else (0, 1), pad_edge=not headed, show_header=headed,
-        )  # fmt: skip
+            padding=(0, 1, 0, 0) if headed else (0, 1),
+            pad_edge=not headed,
+            show_header=headed,
+        )
         for column in columns:
             justify: Literal["left", "right"] = "right" if column.right else "left"
             made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
@@ -180,9 +180,7 @@ class Table:
             for row in self._read()[:MOST_SHOWN]
         ]
         head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
-        body = "".join(
-            "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-        )
+        body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
         more = len(self._read()) - MOST_SHOWN
         notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
@@ -210,8 +208,9 @@ def array_of(values: Sequence[Any]) -> "npt.NDArray[Any]":
 
     if all(value is None or _is_number(value) for value in values):
         whole = all(isinstance(value, int) for value in values)
-        return np.array([math.nan if value is None else value for value in values],
-                        dtype=np.int64 if whole else np.float64)  # fmt: skip
+        return np.array(
+            [math.nan if value is None else value for value in values], dtype=np.int64 if whole else np.float64
+        )
     return np.fromiter(values, dtype=object, count=len(values))  # lists stay lists
 
 

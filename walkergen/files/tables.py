@@ -73,10 +73,7 @@ def as_markdown(table: "Table") -> str:
         wide = max(map(cell_len, cells))
         right = column.justify == "right"
         spaces = [" " * (wide - cell_len(cell)) for cell in cells]
-        columns.append(
-            [space + cell if right else cell + space
-             for cell, space in zip(cells, spaces, strict=True)]
-        )  # fmt: skip
+        columns.append([space + cell if right else cell + space for cell, space in zip(cells, spaces, strict=True)])
     header, *rows = [f"| {' | '.join(line)} |" for line in zip(*columns, strict=True)]
     rule = "".join(f"|{'-' * (cell_len(column[0]) + 2)}" for column in columns) + "|"
     title = [_plain(table.title)] if table.title else []
@@ -139,18 +136,14 @@ class Sizes(NamedTuple):
 def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
     column = table.columns[index]
     cells = [column.header, *column.cells] if table.show_header else [*column.cells]
-    texts = [
-        console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells
-    ]
+    texts = [console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells]
     lines = [len(line) for text in texts for line in text.splitlines()]
     words = [len(word) for text in texts for word in text.split()]
     natural = max(lines, default=0)
     return Sizes(natural if column.no_wrap else max(words, default=0), natural)
 
 
-def _pieces(
-    table: "Table", sizes: Sequence[Sizes], frame: int, width: int
-) -> Sequence[Sequence[int]]:
+def _pieces(table: "Table", sizes: Sequence[Sizes], frame: int, width: int) -> Sequence[Sequence[int]]:
     """Columns of each piece: those that name the rows, and as many others as have room."""
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
@@ -182,9 +175,12 @@ def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) ->
     from rich.table import Table
 
     piece = Table(
-        box=table.box, padding=table.padding, pad_edge=table.pad_edge,
-        show_header=table.show_header, title_justify=table.title_justify,
-    )  # fmt: skip
+        box=table.box,
+        padding=table.padding,
+        pad_edge=table.pad_edge,
+        show_header=table.show_header,
+        title_justify=table.title_justify,
+    )
     columns = [table.columns[index] for index in chosen]
     for column, width in zip(columns, widths, strict=True):
         piece.add_column(column.header, justify=column.justify, no_wrap=column.no_wrap, width=width)

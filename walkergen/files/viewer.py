@@ -84,14 +84,16 @@ def _page(parts: Sequence[Part], title: str) -> str:
     """Page within the frame."""
     corners = [part.vertices[part.triangles].astype("<f4").tobytes() for part in parts]
     own = _asset("part.js")
-    listed = [
-        {"name": part.name, "kind": part.kind, "triangles": len(part.triangles)} for part in parts
-    ]
+    listed = [{"name": part.name, "kind": part.kind, "triangles": len(part.triangles)} for part in parts]
     return _template().render(
-        title=title, parts=listed, meshes=_packed(b"".join(corners)), viewer=_packed_viewer(),
-        style=markupsafe.Markup(_asset("part.css")), script=markupsafe.Markup(own),
+        title=title,
+        parts=listed,
+        meshes=_packed(b"".join(corners)),
+        viewer=_packed_viewer(),
+        style=markupsafe.Markup(_asset("part.css")),
+        script=markupsafe.Markup(own),
         hashes=[hashed(own), hashed(script())],
-    )  # fmt: skip
+    )
 
 
 def _packed(data: bytes) -> str:

@@ -69,9 +69,7 @@ def span(low: float | None, high: float | None, digits: int = 4) -> str:
 
 def duration(seconds: float, digits: int = 2) -> str:
     """Format a time in a unit that suits it, from us to years."""
-    units = (
-        (3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"),
-    )  # fmt: skip
+    units = ((3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
     for size, unit in units:
         if seconds >= 2.0 * size:
             return f"{number(seconds / size, digits)} {unit}"

@@ -126,10 +126,7 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
         "neigh_modify exclude group points all",
         "pair_style granular",
         f"pair_coeff * * {_law(next(iter(parts.contacts.pairs.values())))}",
-        *(
-            f"pair_coeff {count + 2 + i} {count + 2 + j} {_law(one)}"
-            for (i, j), one in parts.contacts.pairs.items()
-        ),
+        *(f"pair_coeff {count + 2 + i} {count + 2 + j} {_law(one)}" for (i, j), one in parts.contacts.pairs.items()),
         f"fix body all rigid/small molecule infile {BODIES}",
         *_walls(crowd, parts),
         "fix push points propel/self dipole 1.0",
@@ -166,9 +163,7 @@ def _walls(crowd: Crowd, parts: Mechanics) -> list[str]:
         if kind == "rectangle":
             for axis, size in zip("xy", sizes, strict=True):
                 half = _n(0.5 * size)
-                lines.append(
-                    f"fix wall{axis}{k + 1} kind{k + 1} wall/gran {law} {axis}plane -{half} {half}"
-                )
+                lines.append(f"fix wall{axis}{k + 1} kind{k + 1} wall/gran {law} {axis}plane -{half} {half}")
         elif kind in ("disc", "ring"):
             radius = _n(0.5 * sizes[0])
             lines.append(f"fix outer{k + 1} kind{k + 1} wall/gran {law} zcylinder {radius}")
@@ -184,8 +179,7 @@ def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
         first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
         lines += [
             f"group core{k + 1} type {k + 1}",
-            f"fix drag{k + 1} core{k + 1} langevin {_n(one.heat)} {_n(one.heat)} "
-            f"{_n(one.relaxation)} {first + 1}",
+            f"fix drag{k + 1} core{k + 1} langevin {_n(one.heat)} {_n(one.heat)} {_n(one.relaxation)} {first + 1}",
             f"fix turn{k + 1} core{k + 1} langevin {_n(one.spin_heat)} {_n(one.spin_heat)} "
             f"{_n(FOREVER)} {second + 1} angmom {_n(FOREVER / one.turning_relaxation)}",
         ]

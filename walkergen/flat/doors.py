@@ -59,9 +59,8 @@ def crowd(
             f">= 1, and below {MOST_NUMBERS // (3 * len(where))} for {len(where)} walkers",
         )
     asked = deck.Crowd(
-        cards, numbers.astype(np.int64), dish, where, _turning(cards, numbers, seed),
-        seconds, rate_hz, seed,
-    )  # fmt: skip
+        cards, numbers.astype(np.int64), dish, where, _turning(cards, numbers, seed), seconds, rate_hz, seed
+    )
     _check_rate(asked)
     _check_room(asked)
     return asked
@@ -76,9 +75,7 @@ def _turning(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> 
     """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.value for card in cards])
-    spreads = np.array(
-        [one.turning_sd_rad_s.value if one.turning_sd_rad_s else 0.0 for one in cards]
-    )
+    spreads = np.array([one.turning_sd_rad_s.value if one.turning_sd_rad_s else 0.0 for one in cards])
     return np.asarray(means[kinds] + spreads[kinds] * generator.standard_normal(len(kinds)))
 
 
@@ -117,8 +114,7 @@ def _check_room(asked: deck.Crowd) -> None:
     if len(overlaps) and overlaps.max() > DEEPEST:
         first, second = sorted(owners[pairs[np.argmax(overlaps)]].tolist())
         raise InputError(
-            f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; "
-            "move them apart"
+            f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; move them apart"
         )
 
 
@@ -130,9 +126,7 @@ def _wrapped(points: Array, period: float) -> Array:
     return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
 
 
-def _spread(
-    asked: deck.Crowd, shapes: Sequence[discs.Discs]
-) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+def _spread(asked: deck.Crowd, shapes: Sequence[discs.Discs]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
     """Centres, shape (A, 2), radii and walkers of all discs at the start."""
     points, radii, owners = [], [], []
     for kind, shape in enumerate(shapes):
@@ -155,6 +149,4 @@ def gaps_to_walls(dish: Dish, points: Array, radii: Array) -> Array:
         return np.full(len(radii), np.inf)
     away = np.hypot(*points.T)
     outer = 0.5 * dish.sizes[0] - away - radii
-    return np.asarray(
-        outer if dish.kind == "disc" else np.minimum(outer, away - radii - 0.5 * dish.sizes[1])
-    )
+    return np.asarray(outer if dish.kind == "disc" else np.minimum(outer, away - radii - 0.5 * dish.sizes[1]))

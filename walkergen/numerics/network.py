@@ -87,9 +87,7 @@ class Values(NamedTuple):
     """What an error counts, shape (n,)."""
 
 
-def trained(
-    training: Values, hidden: Sequence[int], decay: float, steps: int, seed: int
-) -> list[Layer]:
+def trained(training: Values, hidden: Sequence[int], decay: float, steps: int, seed: int) -> list[Layer]:
     """Network with the least squares of weighted errors, and of `decay` times its own weights."""
     from scipy.optimize import minimize
 
@@ -113,9 +111,7 @@ def _layers(values: Array, sizes: Sequence[int]) -> list[Layer]:
     layers, first = [], 0
     for wide, high in pairwise(sizes):
         middle = first + wide * high
-        layers.append(
-            Layer(values[first:middle].reshape(wide, high), values[None, middle : middle + high])
-        )
+        layers.append(Layer(values[first:middle].reshape(wide, high), values[None, middle : middle + high]))
         first = middle + high
     return layers
 
@@ -133,9 +129,7 @@ def _loss(layers: Sequence[Layer], training: Values, decay: float) -> tuple[floa
     for place in range(len(layers) - 1, -1, -1):
         layer = layers[place]
         total += 0.5 * decay * float(np.sum(layer.weights**2))
-        slopes = [
-            (passed[place].T @ back + decay * layer.weights).ravel(), back.sum(axis=0), *slopes
-        ]  # fmt: skip
+        slopes = [(passed[place].T @ back + decay * layer.weights).ravel(), back.sum(axis=0), *slopes]
         if place > 0:
             back = (back @ layer.weights.T) * (1.0 - passed[place] ** 2)
     return total, np.concatenate(slopes)

@@ -94,9 +94,7 @@ def fitted(given: Values, odd: int, supports: int, seed: int) -> Process:
     lengths, variance, rough = _learnt(given, odd, seed)
     places = _chosen(given.inputs, odd, lengths, supports)
     support = given.inputs[places]
-    lower = np.linalg.cholesky(
-        variance * (_odd(support, support, odd, lengths) + JITTER * np.eye(len(places)))
-    )
+    lower = np.linalg.cholesky(variance * (_odd(support, support, odd, lengths) + JITTER * np.eye(len(places))))
     within = np.linalg.inv(lower)
     weight = 1.0 / (given.noise + rough)
     shown = within @ (variance * _odd(support, given.inputs, odd, lengths))
@@ -117,9 +115,14 @@ def _learnt(given: Values, odd: int, seed: int) -> tuple[Array, float, float]:
     start = np.r_[np.full(wide, LONG), spread, spread - 2.0]
     bounds = [(LONG - 3.0, LONG + 3.0)] * wide + [(spread - 4.0, spread + 4.0)]
     best = minimize(
-        _loss, start, (given, odd), jac=True, method="L-BFGS-B",
-        bounds=[*bounds, (spread - 8.0, spread + 1.0)], options={"maxiter": STEPS},
-    )  # fmt: skip
+        _loss,
+        start,
+        (given, odd),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=[*bounds, (spread - 8.0, spread + 1.0)],
+        options={"maxiter": STEPS},
+    )
     return np.exp(best.x[:wide]), math.exp(best.x[wide]), math.exp(best.x[wide + 1])
 
 
@@ -139,9 +142,9 @@ def _loss(numbers: Array, given: Values, odd: int) -> tuple[float, Array]:
     off = (numbers[:wide] - LONG) / LONG_SD
     total = 0.5 * float(given.values @ solved) + float(np.log(np.diag(lower)).sum())
     slopes = inverse - np.outer(solved, solved)
-    by_length = 0.25 * variance * (
-        _moved(slopes * _steep(near), x, x) - _moved(slopes * _steep(far), x, image)
-    ) / lengths**2  # fmt: skip
+    by_length = (
+        0.25 * variance * (_moved(slopes * _steep(near), x, x) - _moved(slopes * _steep(far), x, image)) / lengths**2
+    )
     by_variance = 0.5 * variance * float(np.sum(slopes * alike))
     by_rough = 0.5 * rough * float(np.trace(slopes))
     gradient = np.r_[by_length + off / LONG_SD, by_variance, by_rough]
@@ -151,9 +154,8 @@ def _loss(numbers: Array, given: Values, odd: int) -> tuple[float, Array]:
 def _moved(weights: Array, x: Array, y: Array) -> Array:
     """Sums of weighted squares of the differences of each input, shape (d,)."""
     return np.asarray(
-        weights.sum(axis=1) @ x**2 + weights.sum(axis=0) @ y**2
-        - 2.0 * np.einsum("ik,ik->k", x, weights @ y)
-    )  # fmt: skip
+        weights.sum(axis=1) @ x**2 + weights.sum(axis=0) @ y**2 - 2.0 * np.einsum("ik,ik->k", x, weights @ y)
+    )
 
 
 def _chosen(inputs: Array, odd: int, lengths: Array, count: int) -> Array:

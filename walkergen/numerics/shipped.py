@@ -41,9 +41,8 @@ def kind(sources: str) -> Kind:
     from importlib.metadata import version
 
     return Kind(
-        sources, version("numba"), str(sys.implementation.cache_tag),
-        f"{sys.platform}-{platform.machine()}", cpu(),
-    )  # fmt: skip
+        sources, version("numba"), str(sys.implementation.cache_tag), f"{sys.platform}-{platform.machine()}", cpu()
+    )
 
 
 @functools.cache

@@ -18,9 +18,7 @@ MOST_VALUES = 1_000_000
 
 Method = Literal["sobol", "latin"]
 
-NUMBER = re.compile(
-    r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE
-)
+NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE)
 
 
 class Axis(NamedTuple):
@@ -95,9 +93,7 @@ def of_text(key: str, value: str, source: str) -> Axis | Span:
         elif ranged and len(pieces) == 1:
             return span(key, float(numbers[0]), float(numbers[1]), source)
         elif ranged:
-            raise InputError(
-                f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list"
-            )
+            raise InputError(f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list")
         elif not piece.strip():
             raise InputError(f"{source}: an empty value in the list: remove a comma")
         else:

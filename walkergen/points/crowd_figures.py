@@ -40,9 +40,7 @@ def course_figure(statistics: CrowdStatistics, title: str) -> Figure:
         ("share of walkers", ("largest_cluster", "alone")),
         ("speed (mm/s)", ("speed", "wall_speed")),
     ]
-    shown = [
-        (label, [name for name in names if name in statistics.series]) for label, names in groups
-    ]
+    shown = [(label, [name for name in names if name in statistics.series]) for label, names in groups]
     shown = [(label, names) for label, names in shown if names]
     figure, panels = panels_of(title, [1.5] * len(shown))
     for axes, (label, names) in zip(panels, shown, strict=True):
@@ -59,8 +57,7 @@ def course_figure(statistics: CrowdStatistics, title: str) -> Figure:
 @style()
 def pairs_figure(statistics: CrowdStatistics, title: str) -> Figure:
     """Draw the pair correlation and, below, how alike headings are, by distance."""
-    alike = [name for name in ("polar_correlation", "nematic_correlation")
-             if name in statistics.curves]  # fmt: skip
+    alike = [name for name in ("polar_correlation", "nematic_correlation") if name in statistics.curves]
     figure, panels = panels_of(title, [2.0, 1.4][: 1 + bool(alike)])
     _draw(panels[0], statistics.curves["g"], 0, "")
     panels[0].axhline(1.0, color=GREY, lw=0.8, zorder=0)
@@ -126,11 +123,12 @@ def walls_figure(statistics: CrowdStatistics, title: str) -> Figure:
     shown = [
         (name, label, chance)
         for name, label, chance in (
-            ("wall_density", "density / mean", 1.0), ("wall_speed", "speed (mm/s)", None),
+            ("wall_density", "density / mean", 1.0),
+            ("wall_speed", "speed (mm/s)", None),
             ("wall_alignment", "along the wall", 0.0),
         )
         if name in statistics.curves
-    ]  # fmt: skip
+    ]
     figure, panels = panels_of(title, [1.3] * len(shown))
     for axes, (name, label, chance) in zip(panels, shown, strict=True):
         _draw(axes, statistics.curves[name], 0, "")
@@ -165,8 +163,9 @@ def packing_figure(statistics: CrowdStatistics, title: str) -> Figure:
     packing = statistics.numbers["packing"].value
     if packing is not None:
         axes.axvline(packing, color=GREY, lw=0.8, zorder=0)
-        axes.annotate(" of the dish", (packing, 0.95), xycoords=("data", "axes fraction"),
-                      color="0.3", fontsize=SMALLEST)  # fmt: skip
+        axes.annotate(
+            " of the dish", (packing, 0.95), xycoords=("data", "axes fraction"), color="0.3", fontsize=SMALLEST
+        )
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("packing in a box")
@@ -191,8 +190,17 @@ def _draw(axes: Axes, curve: Curve, number: int, label: str) -> None:
     colour, line, marker = SERIES[number]
     if len(curve.at) <= MOST_MARKED:
         errors = np.nan_to_num(curve.se)
-        axes.errorbar(curve.at, curve.value, errors, fmt=marker, ls=line, color=colour,
-                      markersize=3.0, elinewidth=0.8, label=label or None)  # fmt: skip
+        axes.errorbar(
+            curve.at,
+            curve.value,
+            errors,
+            fmt=marker,
+            ls=line,
+            color=colour,
+            markersize=3.0,
+            elinewidth=0.8,
+            label=label or None,
+        )
         return
     axes.plot(curve.at, curve.value, ls=line, color=colour, lw=0.9, label=label or None)
     low, high = curve.value - curve.se, curve.value + curve.se

@@ -33,9 +33,11 @@ def to_csv(film: CrowdFilm) -> bytes:
     """CSV with a header line, every digit kept, a row for each walker seen at each time."""
     frame, walker = np.nonzero(np.isfinite(film.x))
     rows = zip(
-        film.times[frame].tolist(), walker.tolist(),
-        *(part[frame, walker].tolist() for part in (film.x, film.y, film.theta)), strict=True,
-    )  # fmt: skip
+        film.times[frame].tolist(),
+        walker.tolist(),
+        *(part[frame, walker].tolist() for part in (film.x, film.y, film.theta)),
+        strict=True,
+    )
     return tables.csv_text(CSV_COLUMNS, rows).encode()
 
 
@@ -48,10 +50,15 @@ def to_xyz(film: CrowdFilm) -> bytes:
     halves = np.array([_half_axes(film, kind) for kind in kinds])
     kind = np.array([kinds.index(name) for name in film.kinds])[walker]
     bodies = Bodies(
-        frame.astype(float), film.times[frame], walker.astype(float),
-        [name.replace(" ", "_") for name in kinds], kind,
-        np.column_stack([x, y, 0.0 * x]), extended_xyz.orientation(theta, 0.0 * x, 0.0 * x), halves,
-    )  # fmt: skip
+        frame.astype(float),
+        film.times[frame],
+        walker.astype(float),
+        [name.replace(" ", "_") for name in kinds],
+        kind,
+        np.column_stack([x, y, 0.0 * x]),
+        extended_xyz.orientation(theta, 0.0 * x, 0.0 * x),
+        halves,
+    )
     span = np.array([*film.dish.box, 2.0 * float(halves[:, 2].max())])
     box = extended_xyz.box_of(-0.5 * span, span, bool(film.dish.period))
     return extended_xyz.text(bodies, box).encode()
@@ -92,9 +99,7 @@ def to_gsd(film: CrowdFilm) -> bytes:
         return path.read_bytes()
 
 
-FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {
-    ".csv": to_csv, ".xyz": to_xyz, ".gsd": to_gsd
-}  # fmt: skip
+FORMATS: dict[str, Callable[[CrowdFilm], bytes]] = {".csv": to_csv, ".xyz": to_xyz, ".gsd": to_gsd}
 """Writers of the formats, by the suffixes of their files."""
 
 

@@ -104,9 +104,7 @@ def checked(job: Job) -> Job:
     """Return a job. Raises InputError for kinds of one name, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
-        raise InputError(
-            f"--count: two designs are called {max(names, key=names.count)!r}: rename one"
-        )
+        raise InputError(f"--count: two designs are called {max(names, key=names.count)!r}: rename one")
     run = job.scene.run
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(

@@ -76,14 +76,10 @@ def check(path: Path, source: str) -> None:
     if suffix not in SUFFIXES:
         raise InputError(f"{source} {str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
     if suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise InputError(
-            f"{source} {str(path)[:80]!r}: ffmpeg is not installed; name a .gif instead"
-        )
+        raise InputError(f"{source} {str(path)[:80]!r}: ffmpeg is not installed; name a .gif instead")
 
 
-def write(
-    path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress
-) -> int:
+def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress) -> int:
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
@@ -153,16 +149,20 @@ def hues() -> Array:
     """Colours of headings from 0 on, counter-clockwise, shape (HUES, 3), 0 to 1."""
     angle = 2.0 * np.pi * np.arange(HUES) / HUES
     a, b = CHROMA * np.cos(angle), CHROMA * np.sin(angle)
-    roots = np.stack([
-        LIGHTNESS + 0.3963377774 * a + 0.2158037573 * b,
-        LIGHTNESS - 0.1055613458 * a - 0.0638541728 * b,
-        LIGHTNESS - 0.0894841775 * a - 1.2914855480 * b,
-    ])  # fmt: skip
-    to_linear = np.array([
-        (4.0767416621, -3.3077115913, 0.2309699292),
-        (-1.2684380046, 2.6097574011, -0.3413193965),
-        (-0.0041960863, -0.7034186147, 1.7076147010),
-    ])  # fmt: skip
+    roots = np.stack(
+        [
+            LIGHTNESS + 0.3963377774 * a + 0.2158037573 * b,
+            LIGHTNESS - 0.1055613458 * a - 0.0638541728 * b,
+            LIGHTNESS - 0.0894841775 * a - 1.2914855480 * b,
+        ]
+    )
+    to_linear = np.array(
+        [
+            (4.0767416621, -3.3077115913, 0.2309699292),
+            (-1.2684380046, 2.6097574011, -0.3413193965),
+            (-0.0041960863, -0.7034186147, 1.7076147010),
+        ]
+    )
     linear = np.clip(to_linear @ roots**3, 0.0, 1.0).T
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
@@ -230,9 +230,7 @@ def _set(kind: _Bodies, x: Array, y: Array, theta: Array, faces: Array, film: Cr
     walkers = kind.walkers[np.isfinite(x[kind.walkers])]
     places = np.column_stack([x[walkers], y[walkers]])
     if film.dish.period:
-        places, walkers = _images(
-            places, walkers, film.dish.period, float(np.abs(kind.corners).max())
-        )
+        places, walkers = _images(places, walkers, film.dish.period, float(np.abs(kind.corners).max()))
     angle = np.nan_to_num(theta[walkers])[:, None]
     c, s = np.cos(angle), np.sin(angle)
     along, across = kind.corners.T
@@ -296,5 +294,6 @@ def _kinds(canvas: Canvas, kinds: Sequence[str]) -> None:
     """Draw a legend of the kinds."""
     colours = [Patch(color=_of_kind(at), label=kind) for at, kind in enumerate(kinds)]
     place = (1.0 - MARGIN / WIDTH, 0.0)
-    canvas.figure.legend(handles=colours, loc="lower right", bbox_to_anchor=place,
-                         ncols=len(kinds), fontsize=SMALL, frameon=False)  # fmt: skip
+    canvas.figure.legend(
+        handles=colours, loc="lower right", bbox_to_anchor=place, ncols=len(kinds), fontsize=SMALL, frameon=False
+    )

@@ -26,9 +26,7 @@ MOMENT_S = 1e-6
 """Length of a run that compiles."""
 
 
-def asked(
-    scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float
-) -> Job:
+def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float) -> Job:
     """Crowd of so many walkers of each design; without counts of one, as many as the scene says.
 
     Raises InputError for too many walkers or frames, and what the designs raise.
@@ -58,10 +56,7 @@ def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
     progress("kernels", 0, 100)
     plan, started = _plan(job), time.perf_counter()
     about_C = _about_C(job, plan)
-    plans = [
-        plan._replace(places=jobs.placed(job, about_C, number))
-        for number in range(job.scene.run.runs)
-    ]
+    plans = [plan._replace(places=jobs.placed(job, about_C, number)) for number in range(job.scene.run.runs)]
     _compile(plans[0], job.rate_hz)
 
     def one(number: int, stopped: Callable[[], bool], told: Callable[[float], None]) -> CrowdRun:

@@ -18,18 +18,19 @@ KEYS = {name: f"{name}_{unit}" if unit else name for name, unit in UNITS.items()
 READ_UNITS = {"mm_s": " (mm/s)", "": ""}
 
 CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
-    "crowd_pairs": ("distance_mm", {
-        "g": "g", "polar_correlation": "polar_correlation",
-        "nematic_correlation": "nematic_correlation",
-    }),
+    "crowd_pairs": (
+        "distance_mm",
+        {"g": "g", "polar_correlation": "polar_correlation", "nematic_correlation": "nematic_correlation"},
+    ),
     "crowd_msd": ("lag_s", {"msd": "msd_mm2"}),
     "crowd_fluctuations": ("mean_walkers", {"fluctuations": "variance"}),
     "crowd_local_packing": ("local_packing", {"local_packing": "density"}),
     "crowd_clusters": ("walkers_from", {"cluster_shares": "share"}),
-    "crowd_walls": ("wall_distance_mm", {
-        "wall_density": "density", "wall_speed": "speed_mm_s", "wall_alignment": "alignment",
-    }),
-}  # fmt: skip
+    "crowd_walls": (
+        "wall_distance_mm",
+        {"wall_density": "density", "wall_speed": "speed_mm_s", "wall_alignment": "alignment"},
+    ),
+}
 """Tables of curves: the key of their places, and the keys of the curves in them by their names."""
 
 
@@ -61,10 +62,7 @@ def tables(statistics: CrowdStatistics) -> list[Table]:
     shown = [row for row in rows if row.refused != NO_WALL]
     title = f"Crowd of {statistics.walkers} walkers in {statistics.dish.words}"
     made = [Table("crowd", rows, CrowdNumber._fields, NUMBERS, title, statistics.notes, shown)]
-    course = [
-        _Course(KEYS[name], *point)
-        for name, curve in statistics.series.items() for point in _points(curve)
-    ]  # fmt: skip
+    course = [_Course(KEYS[name], *point) for name, curve in statistics.series.items() for point in _points(curve)]
     made.append(Table("crowd_series", course, _Course._fields))
     by_run = [_known(np.array(row)) for row in zip(*statistics.by_run.values(), strict=True)]
     numbered = [(run, *row) for run, row in enumerate(by_run)]
@@ -75,23 +73,24 @@ def tables(statistics: CrowdStatistics) -> list[Table]:
 def facts(statistics: CrowdStatistics) -> dict[str, Any]:
     """Numbers for JSON."""
     return {
-        "dish": statistics.dish.words, "walkers": statistics.walkers, "runs": statistics.runs,
-        "frames": statistics.frames, "seconds": statistics.seconds,
+        "dish": statistics.dish.words,
+        "walkers": statistics.walkers,
+        "runs": statistics.runs,
+        "frames": statistics.frames,
+        "seconds": statistics.seconds,
         "numbers": {
             row.quantity: {key: value for key, value in row._asdict().items() if key != "quantity"}
             for row in (_number(statistics, name) for name in UNITS)
         },
         "notes": list(statistics.notes),
-    }  # fmt: skip
+    }
 
 
 def _number(statistics: CrowdStatistics, name: str) -> CrowdNumber:
     estimate = statistics.numbers[name]
     low, high = _bounds(estimate)
     chance = statistics.by_chance.get(name)
-    return CrowdNumber(
-        KEYS[name], estimate.value, estimate.se, low, high, chance, estimate.reason
-    )  # fmt: skip
+    return CrowdNumber(KEYS[name], estimate.value, estimate.se, low, high, chance, estimate.reason)
 
 
 def _bounds(estimate: Estimate) -> tuple[float | None, float | None]:
@@ -137,8 +136,7 @@ NUMBERS = (
 def _curves(statistics: CrowdStatistics) -> Iterator[Table]:
     """Tables of the curves that the crowd has, for CSV and Python alone."""
     for name, (at, keys) in CURVES.items():
-        curves = {key: statistics.curves[curve] for curve, key in keys.items()
-                  if curve in statistics.curves}  # fmt: skip
+        curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
         if not curves:
             continue
         columns = [next(iter(curves.values())).at]

@@ -96,9 +96,7 @@ def let_go(plan: Plan, let: Let) -> Plan:
 def from_hand(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
     """Drops from the hand: pitch and roll are normal with this deviation, prints are others."""
     turns = np.random.default_rng([seed, 0]).normal(0.0, math.radians(turn_deg), (drops, 2))
-    return [
-        Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)
-    ]
+    return [Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)]
 
 
 def seconds_of(height: float) -> float:
@@ -118,9 +116,7 @@ def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
-def by_label(
-    scene: Scene, design: Design, hand: Sequence[Let], progress: Progress
-) -> list[Rebounds]:
+def by_label(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
     """Rebounds of a walker at every one of LABELS, flat and from the hand."""
     rows = []
     for number, label in enumerate(LABELS):

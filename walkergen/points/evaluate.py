@@ -56,16 +56,19 @@ def _evaluated(point: Point) -> Record:
     if "masses" in keep:
         leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
         record |= {
-            "total_g": float(mass.total), "M_g": float(mass.M), "J_g_mm2": float(mass.J),
+            "total_g": float(mass.total),
+            "M_g": float(mass.M),
+            "J_g_mm2": float(mass.J),
             "m_g": None if leg is None else float(leg.m),
             "j_g_mm2": None if leg is None else float(leg.j),
-        }  # fmt: skip
+        }
     if "printability" in keep:
         assert point.printer is not None
         lying = solids.as_printed(design, solids.build(design).walker)
         findings = checks.of_part(design.name, design, lying, point.printer)
-        record |= {f"print_{level}s": sum(finding.level == level for finding in findings)
-                  for level in ("error", "warning")}  # fmt: skip
+        record |= {
+            f"print_{level}s": sum(finding.level == level for finding in findings) for level in ("error", "warning")
+        }
         worst = checks.grouped([finding for finding in findings if finding.level != "advice"])
         record["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
     return record
@@ -81,11 +84,15 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         raise KeyboardInterrupt
     record: Record = {
         STATUS: _status(measured),
-        "speed_mm_s": summary.speed_mm_s, "se_mm_s": summary.speed_se_mm_s,
-        "low_95_mm_s": summary.speed_low_95_mm_s, "high_95_mm_s": summary.speed_high_95_mm_s,
+        "speed_mm_s": summary.speed_mm_s,
+        "se_mm_s": summary.speed_se_mm_s,
+        "low_95_mm_s": summary.speed_low_95_mm_s,
+        "high_95_mm_s": summary.speed_high_95_mm_s,
         "step_error_mm_s": simulated.verdicts[observables.SPEED].error,
-        "runs": summary.runs, "seconds": scene.run.seconds, "model": simulated.model,
-    }  # fmt: skip
+        "runs": summary.runs,
+        "seconds": scene.run.seconds,
+        "model": simulated.model,
+    }
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
             record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}

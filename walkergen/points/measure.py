@@ -62,9 +62,12 @@ class Measured(NamedTuple):
         by_step = words.number(verdict.error or 0.0, 2)
         lines = [
             ("chosen", f"{summary.runs} x {seconds:g} s{stepping}"),
-            ("error, 95 %", f"{words.number(self.error, 2)} {unit}, {within} the "
-                            f"{words.number(self.allowed, 2)} asked ({by_step} by the step)"),
-        ]  # fmt: skip
+            (
+                "error, 95 %",
+                f"{words.number(self.error, 2)} {unit}, {within} the "
+                f"{words.number(self.allowed, 2)} asked ({by_step} by the step)",
+            ),
+        ]
         facts = {
             "runs": summary.runs,
             "seconds": seconds,
@@ -87,9 +90,12 @@ def check(tolerance: Tolerance, of: str) -> None:
 
 
 def measure(
-    experiment: Experiment, progress: Progress, tolerance: Tolerance | None = None, of: str = SPEED,
+    experiment: Experiment,
+    progress: Progress,
+    tolerance: Tolerance | None = None,
+    of: str = SPEED,
     threads: int | None = None,
-) -> Measured:  # fmt: skip
+) -> Measured:
     """Simulate a walker by its scene's runs, or by more and more of them until an error is met.
 
     With an error the step is halved where it takes up more of it than runs could make good, and
@@ -99,9 +105,7 @@ def measure(
     if tolerance is not None:
         check(tolerance, of)
         seconds = min(experiment.scene.run.seconds, LONGEST_S)
-        experiment = experiment._replace(
-            scene=with_runs(experiment.scene, runs=FIRST_RUNS, seconds=seconds)
-        )
+        experiment = experiment._replace(scene=with_runs(experiment.scene, runs=FIRST_RUNS, seconds=seconds))
     while True:
         scene = experiment.scene
         results = experiments.measure(experiment, progress, threads)
@@ -149,16 +153,10 @@ def _allowed(tolerance: Tolerance, results: Results, shaken: Drive, of: str) -> 
 def _more_is_no_help(results: Results, scene: Scene) -> bool:
     """Whether runs were left out after Ctrl-C, or more of them would end as these did."""
     summary = results.summary
-    return (
-        summary.runs < scene.run.runs
-        or summary.speed_mm_s is None
-        or Outcome.ORBIT.value in summary.outcomes
-    )
+    return summary.runs < scene.run.runs or summary.speed_mm_s is None or Outcome.ORBIT.value in summary.outcomes
 
 
-def refined(
-    scene: Scene, error: float, most: float, step_error: float, step_us: float | None
-) -> Scene | None:
+def refined(scene: Scene, error: float, most: float, step_error: float, step_us: float | None) -> Scene | None:
     """Scene with more runs, or half the step, for errors that exceed `most`.
 
     `step_error` is the step's own part, `step_us` a step that may be halved. None where neither

@@ -75,10 +75,7 @@ def predicted(
     before the first member, when the masses are impossible.
     """
     named = [names.part(design) for design in designs]
-    final = [
-        _applied(design, parts, weighed, name)
-        for name, design, parts in zip(named, designs, built, strict=True)
-    ]
+    final = [_applied(design, parts, weighed, name) for name, design, parts in zip(named, designs, built, strict=True)]
     for name, design, parts in zip(named, final, built, strict=True):
         mass = solids.weigh(design, parts)
         row = prediction.predict(design, mass, scene, mode)
@@ -88,9 +85,7 @@ def predicted(
         yield member
 
 
-def _applied(
-    design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str
-) -> Design:
+def _applied(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str) -> Design:
     """Design with its masses from the balance, if it or what it carries was weighed."""
     if not weighed:
         return design
@@ -102,9 +97,7 @@ def _applied(
     return weights.applied(design, parts, weighed[name], name)
 
 
-def _weighing(
-    member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]"
-) -> Weighing:
+def _weighing(member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]") -> Weighing:
     """Mass of a member, and its mesh's with the speed that would go with it."""
     from walkergen.walker import weights
 
@@ -123,8 +116,7 @@ def _weighing(
 def rows(members: Sequence[Member]) -> list[Any]:
     """Named tuples of all numbers of each walker: prediction, runs, weighed mass."""
     parts = [
-        [part for part in (member.row, member.simulated, member.weighing) if part is not None]
-        for member in members
+        [part for part in (member.row, member.simulated, member.weighing) if part is not None] for member in members
     ]
     if not parts:
         return []

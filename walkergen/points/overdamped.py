@@ -37,9 +37,7 @@ class Share(NamedTuple):
     se: float
 
 
-def judge(
-    speed: Known, turning: Known, rotation: Known, velocity: Relaxation, length_mm: float
-) -> Overdamped:
+def judge(speed: Known, turning: Known, rotation: Known, velocity: Relaxation, length_mm: float) -> Overdamped:
     """Judge by what a walker turns and coasts while its velocity relaxes."""
     shares = shares_of(speed, turning, rotation, velocity, length_mm)
     told = "; ".join(
@@ -63,23 +61,22 @@ def shares_of(
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
     pace = math.hypot(speed.value, math.sqrt(2.0) * velocity.deviation)
     pace_se = abs(speed.value) / pace * (speed.se or 0.0) if pace else 0.0
-    turned = Share(
-        "turned while its velocity relaxes, rad:", rate * time,
-        math.hypot(rate_se * time, rate * time_se),
-    )  # fmt: skip
+    turned = Share("turned while its velocity relaxes, rad:", rate * time, math.hypot(rate_se * time, rate * time_se))
     coasted = Share(
-        "coasted meanwhile, in lengths of its body:", pace * time / length_mm,
+        "coasted meanwhile, in lengths of its body:",
+        pace * time / length_mm,
         math.hypot(pace_se * time, pace * time_se) / length_mm,
-    )  # fmt: skip
+    )
     return turned, coasted
 
 
 def in_words(verdict: Overdamped) -> str:
     """Verdict as a sentence."""
     answer = {
-        True: "is enough for this walker", False: "is not enough for this walker",
+        True: "is enough for this walker",
+        False: "is not enough for this walker",
         None: "may or may not be enough for this walker",
-    }[verdict.enough]  # fmt: skip
+    }[verdict.enough]
     return f"a model without inertia {answer}: {verdict.reason}"
 
 

@@ -93,9 +93,15 @@ def key(point: Point) -> str:
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), *tables.digests(point.scene)]
     facts = [
-        *experiments.facts(point.scene, point.design), *(table if point.predicted else []),
-        point.simulated, sorted(point.keep), point.wanted, printer, point.crowd, digest(),
-    ]  # fmt: skip
+        *experiments.facts(point.scene, point.design),
+        *(table if point.predicted else []),
+        point.simulated,
+        sorted(point.keep),
+        point.wanted,
+        printer,
+        point.crowd,
+        digest(),
+    ]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
 
@@ -106,8 +112,17 @@ def digest() -> str:
     Pictures, commands and jobs do not count: they change no number of a point.
     """
     package, hasher = Path(__file__).parent.parent, hashlib.sha256()
-    counted = ("*.py", "analysis/**/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
-               "shapes/*.py", "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
+    counted = (
+        "*.py",
+        "analysis/**/*.py",
+        "points/*.py",
+        "numerics/*.py",
+        "printing/*.py",
+        "shapes/*.py",
+        "simulation/**/*.py",
+        "theory/*.py",
+        "walker/*.py",
+    )
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
         hasher.update(source.read_bytes())
     return hasher.hexdigest()[:16]

@@ -39,13 +39,9 @@ class Request(NamedTuple):
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
         point.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(
-                f"--error {self.wanted}: the prediction has no runs: --model compliant"
-            )
+            raise InputError(f"--error {self.wanted}: the prediction has no runs: --model compliant")
         if self.wanted is not None and self.model == CROWD:
-            raise InputError(
-                f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs"
-            )
+            raise InputError(f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
             check(key, f"--set {key}")
             if self.model != CROWD:
@@ -123,9 +119,7 @@ def changed(
     GeometryError, with a line for every mistake.
     """
     of_design = {key: value for key, value in values.items() if not key.startswith(SCENE)}
-    of_scene = {
-        key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)
-    }
+    of_scene = {key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)}
     if data is None or not of_design:
         varied = assignments.changed(design, of_design, source)
     else:

@@ -18,10 +18,7 @@ by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops 
 def resting(scene: Scene) -> Scene:
     """Scene in space on an endless level plate at rest, with the contact and feet of `scene`."""
     return on_still_plate(scene).model_copy(
-        update={
-            "drive": at_rest(scene.drive.frequency),
-            "legs": scene.legs.model_copy(update={"model": "space"}),
-        }
+        update={"drive": at_rest(scene.drive.frequency), "legs": scene.legs.model_copy(update={"model": "space"})}
     )
 
 
@@ -49,10 +46,7 @@ def with_contact(scene: Scene, **contact: float) -> Scene:
 
 def one_material(design: Design, key: str) -> None:
     """Raise InputError where a leg has a `key`, friction or restitution, of its own."""
-    exceptions = [
-        number for number, limb in enumerate(design.limbs, start=1)
-        if getattr(limb, key) is not None
-    ]  # fmt: skip
+    exceptions = [number for number, limb in enumerate(design.limbs, start=1) if getattr(limb, key) is not None]
     if exceptions:
         raise InputError(
             f"{design.name}: legs[{exceptions[0]}].{key} is that foot's own, and the bench finds "

@@ -75,10 +75,7 @@ def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) 
 
 
 def _there(
-    stream: Iterator[Asked],
-    store: Store,
-    pool: WorkerPool,
-    under_way: dict["Future[Answer]", _Task],
+    stream: Iterator[Asked], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
 ) -> Iterator[Done]:
     """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
     slots: deque[_Slot] = deque()
@@ -129,9 +126,7 @@ def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]
     keys = [key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     fresh = {
-        name: point
-        for name, point in zip(keys, block, strict=True)
-        if isinstance(point, Point) and name not in stored
+        name: point for name, point in zip(keys, block, strict=True) if isinstance(point, Point) and name not in stored
     }
     simulated = any(point.simulated for point in fresh.values())
     size = 1 if simulated else BLOCK
@@ -167,9 +162,7 @@ def _answer(future: "Future[Answer]") -> list[Record]:
             f"kept; the same command goes on, with fewer --workers ({error})"
         ) from error
     except ImportError as error:
-        raise WalkergenError(
-            f"a worker has no such walkergen: {error}; install it there"
-        ) from error
+        raise WalkergenError(f"a worker has no such walkergen: {error}; install it there") from error
     if sources != digest():
         raise WalkergenError(
             f"a worker has another version of walkergen, {sources}, here {digest()}: its numbers "

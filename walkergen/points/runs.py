@@ -19,9 +19,7 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
-def motion_of(
-    results: Sequence[RunResult], lane: bool, interval: float | None = None
-) -> tuple[Motion | None, str]:
+def motion_of(results: Sequence[RunResult], lane: bool, interval: float | None = None) -> tuple[Motion | None, str]:
     """Motion of at least one run in space; None for runs too short to tell, with the reason."""
     tracks = tracks_of(results, lane, interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)

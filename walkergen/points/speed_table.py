@@ -45,10 +45,16 @@ FACTORS = (
     "over the impact speed w of the theory"
 )
 MEANINGS = {
-    "total_g": "mass: of the whole walker, as a balance shows it", "M_g": BODY, "J_g_mm2": BODY,
-    "m_g": LEG, "j_g_mm2": LEG, "theory_mm_s": "eq. 15: the paper's theory",
-    "factor_back": FACTORS, "factor_front": FACTORS, "factor_mean": FACTORS,
-}  # fmt: skip
+    "total_g": "mass: of the whole walker, as a balance shows it",
+    "M_g": BODY,
+    "J_g_mm2": BODY,
+    "m_g": LEG,
+    "j_g_mm2": LEG,
+    "theory_mm_s": "eq. 15: the paper's theory",
+    "factor_back": FACTORS,
+    "factor_front": FACTORS,
+    "factor_mean": FACTORS,
+}
 """Meanings of short headings, by the keys of their columns."""
 
 STANDS_MM_S, FOLDED = 1.0, 3
@@ -64,9 +70,7 @@ def tables(name: str, design: str, walkers: Sequence[Member]) -> list[Table]:
     moving = [row for row, member in zip(rows, walkers, strict=True) if member.row not in standing]
     title = f"Predicted speeds of {design}"
     speeds = Table(name, rows, keys, columns(walkers), title, read=moving)
-    return (
-        [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
-    )
+    return [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
@@ -132,10 +136,11 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
     standing = [
         member
         for member in walkers
-        if member.design.kind == "braced" and member.simulated is None
+        if member.design.kind == "braced"
+        and member.simulated is None
         and abs(member.row.speed_mm_s) < STANDS_MM_S
         and (member.row.speed_low_95_mm_s or 0.0) <= 0.0 <= (member.row.speed_high_95_mm_s or 0.0)
-    ]  # fmt: skip
+    ]
     return standing if len(standing) >= FOLDED else []
 
 
@@ -207,11 +212,7 @@ def _percent(heading: str, key: str) -> Column:
     return Column(f"{heading}, %", cell, right=True)
 
 
-SHARES = (
-    report.text("measure next", "name"),
-    _percent("alone", "first"),
-    _percent("with all others", "total"),
-)
+SHARES = (report.text("measure next", "name"), _percent("alone", "first"), _percent("with all others", "total"))
 """Columns of an input's shares of a variance: measure next what stands first."""
 
 

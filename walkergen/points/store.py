@@ -28,8 +28,7 @@ class Store:
             # Kills lose nothing all the same; what a power failure tears can be computed anew
             self._base.execute("PRAGMA synchronous = OFF")
             self._base.execute(
-                "CREATE TABLE IF NOT EXISTS points (key TEXT PRIMARY KEY, record TEXT NOT NULL) "
-                "WITHOUT ROWID"
+                "CREATE TABLE IF NOT EXISTS points (key TEXT PRIMARY KEY, record TEXT NOT NULL) WITHOUT ROWID"
             )
         except sqlite3.Error as error:
             raise self._failure(error) from None
@@ -38,9 +37,7 @@ class Store:
         """Records of those keys that are known."""
         marks = ",".join("?" * len(keys))
         try:
-            rows = self._base.execute(
-                f"SELECT key, record FROM points WHERE key IN ({marks})", keys
-            ).fetchall()
+            rows = self._base.execute(f"SELECT key, record FROM points WHERE key IN ({marks})", keys).fetchall()
         except sqlite3.Error as error:
             raise self._failure(error) from None
         records = ((key, _record(text)) for key, text in rows)
@@ -86,7 +83,6 @@ def _record(text: Any) -> Record | None:
 def _is_plain(values: Iterable[Any]) -> bool:
     """Whether all values are finite numbers, text or None."""
     return all(
-        value is None or isinstance(value, (str, int)) or
-        (isinstance(value, float) and math.isfinite(value))
+        value is None or isinstance(value, (str, int)) or (isinstance(value, float) and math.isfinite(value))
         for value in values
-    )  # fmt: skip
+    )

@@ -70,7 +70,14 @@ def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
     chosen = at[np.linspace(0, len(at) - 1, min(ARROWS, len(at))).astype(int)] if len(at) else at
     heading = track.heading[chosen]
     axes.quiver(
-        *track.position[chosen].T, np.cos(heading), np.sin(heading), color=colour, angles="xy",
-        scale_units="xy", scale=1.0 / max(ARROW * size, 1e-9), width=0.006, headwidth=4.5,
+        *track.position[chosen].T,
+        np.cos(heading),
+        np.sin(heading),
+        color=colour,
+        angles="xy",
+        scale_units="xy",
+        scale=1.0 / max(ARROW * size, 1e-9),
+        width=0.006,
+        headwidth=4.5,
         zorder=3,
-    )  # fmt: skip
+    )

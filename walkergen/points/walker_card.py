@@ -26,8 +26,10 @@ def of(scene: Scene, design: Design, mass: MassProperties, numbers: Measured) ->
     outline = [contour - away for contour in seen_above.outline_of(design, mass)]
     length = float(np.ptp(np.concatenate(outline)[:, 0]))
     return Card(
-        name=design.name, scene=scene.name,
-        mass_g=float(mass.total), inertia_g_mm2=walker_motion.inertia(mass),
+        name=design.name,
+        scene=scene.name,
+        mass_g=float(mass.total),
+        inertia_g_mm2=walker_motion.inertia(mass),
         outline_mm=[[[float(x), float(y)] for x, y in contour] for contour in outline],
         speed_mm_s=speed,
         velocity_relaxation_s=_needed("relaxation", numbers.velocity.time, numbers.runs),
@@ -35,15 +37,15 @@ def of(scene: Scene, design: Design, mass: MassProperties, numbers: Measured) ->
         turning_sd_rad_s=known(found["turning_scatter"], numbers.runs),
         turning_relaxation_s=known(numbers.turning.time, numbers.runs),
         rotational_diffusion_rad2_s=rotation,
-        translational_diffusion_mm2_s=_needed(
-            "translational diffusion", numbers.translation, numbers.runs
-        ),
+        translational_diffusion_mm2_s=_needed("translational diffusion", numbers.translation, numbers.runs),
         delay_s=known(numbers.delay.mean, numbers.runs),
         sideways_mm_s=known(found["sideways_speed"], numbers.runs),
-        restitution=scene.crowd.restitution, friction=scene.crowd.friction,
-        wall_restitution=scene.arena.wall_restitution, wall_friction=scene.arena.wall_friction,
+        restitution=scene.crowd.restitution,
+        friction=scene.crowd.friction,
+        wall_restitution=scene.arena.wall_restitution,
+        wall_friction=scene.arena.wall_friction,
         overdamped=overdamped.judge(speed, turning, rotation, numbers.velocity, length),
-    )  # fmt: skip
+    )
 
 
 def _needed(what: str, estimate: Estimate, runs: int) -> Known:

@@ -50,9 +50,7 @@ class Measured(NamedTuple):
     """How it was measured, in words."""
 
 
-def simulated(
-    scene: Scene, design: Design, mass: MassProperties, progress: Progress
-) -> Measured:  # fmt: skip
+def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
     """Measure runs of a walker alone, each another print where the scene says so.
 
     Raises InputError for a scene in which it cannot turn, and where too few runs end well.
@@ -120,9 +118,16 @@ def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     leaning = relaxation.leaning(own, velocity.time.value or 0.0)
     doubts = () if exact else tuple(moved.doubts)
     return Measured(
-        moved, velocity, translation, turning, delay.measure(own), leaning, own.interval,
-        len(own.tracks), (*notes, *doubts),
-    )  # fmt: skip
+        moved,
+        velocity,
+        translation,
+        turning,
+        delay.measure(own),
+        leaning,
+        own.interval,
+        len(own.tracks),
+        (*notes, *doubts),
+    )
 
 
 def centre(mass: MassProperties) -> Array:
@@ -155,8 +160,7 @@ def _every(own: Tracks, stride: int) -> Tracks:
     """Every so many frames of each track."""
     thinned = tuple(
         track._replace(
-            position=track.position[::stride],
-            heading=None if track.heading is None else track.heading[::stride],
+            position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]
         )
         for track in own.tracks
     )

@@ -35,9 +35,7 @@ def pages(markers: Sequence[Cap]) -> list[Figure]:
     down = max(1, int((height - TOP - BOTTOM + BESIDE) / (side + BESIDE)))
     full = across * down
     sheets = [markers[first : first + full] for first in range(0, len(markers), full)]
-    return [
-        _page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)
-    ]
+    return [_page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)]
 
 
 @figures.style({})
@@ -60,21 +58,30 @@ def _page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]
     cap = sheet[0]
     own = "" if count == 1 else f", page {number} of {count}"
     axes.text(
-        EDGE, height - 12.0,
+        EDGE,
+        height - 12.0,
         f"walkergen: markers {cap.dictionary} (OpenCV's ArUco), {cap.marker_mm:g} mm wide{own}",
-        fontsize=10.0, va="top",
-    )  # fmt: skip
+        fontsize=10.0,
+        va="top",
+    )
     axes.text(
-        EDGE, height - 17.5,
+        EDGE,
+        height - 17.5,
         "Print at 100 %, on matt paper. Cut along the grey lines, and glue each flat on its walker "
         "with the notch to the front.",
-        fontsize=7.5, va="top",
-    )  # fmt: skip
+        fontsize=7.5,
+        va="top",
+    )
     axes.plot([EDGE, EDGE + RULE], [20.0, 20.0], color="black", lw=0.6)
     for tick in np.arange(0.0, RULE + 1.0, 10.0):
         axes.plot([EDGE + tick] * 2, [20.0, 22.0], color="black", lw=0.6)
-    axes.text(EDGE, 18.5, f"{RULE:g} mm: if yours differ, so do the markers: tell `track` their "
-              "true size", fontsize=7.5, va="top")  # fmt: skip
+    axes.text(
+        EDGE,
+        18.5,
+        f"{RULE:g} mm: if yours differ, so do the markers: tell `track` their true size",
+        fontsize=7.5,
+        va="top",
+    )
     return figure
 
 
@@ -94,10 +101,7 @@ def _tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
 def pdf(drawn: Sequence[Figure]) -> bytes:
     """All pages in one PDF, without the date: equal pages give equal bytes."""
     buffer = BytesIO()
-    with (
-        figures.style(),
-        PdfPages(buffer, metadata={"CreationDate": None, "Title": "walkergen: markers"}) as book,
-    ):
+    with figures.style(), PdfPages(buffer, metadata={"CreationDate": None, "Title": "walkergen: markers"}) as book:
         for page in drawn:
             book.savefig(page)
     return buffer.getvalue()

@@ -13,9 +13,7 @@ from walkergen.walker import caps, mass
 from walkergen.walker.caps import Cap
 from walkergen.walker.design import Design
 
-COLUMNS = (
-    "number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "height_mm", "mass_g",
-)  # fmt: skip
+COLUMNS = ("number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "height_mm", "mass_g")
 """Columns of caps.csv."""
 
 FINEST_CELL = 2.0
@@ -42,9 +40,7 @@ def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
     for caps that `track` could not read in one film.
     """
     bearers = [
-        (design, item, design.cap)
-        for design, item in zip(designs, items, strict=True)
-        if design.cap is not None
+        (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
     ]
     capped: list[Capped] = []
     for offset, (design, item, own) in enumerate(bearers):
@@ -70,15 +66,20 @@ def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
 
 def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
     """Findings on printed caps: cells against lines, relief against layers."""
-    printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped
-               if entry.cap.kind != "paper"}  # fmt: skip
+    printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
     least = FINEST_CELL * printer.line_width_mm
     return [
-        new("warning", "cells of the caps may close up", cap.cell, least, "mm",
-            "raise cap.marker_mm, or print markers on paper")._replace(where=entry.item)
+        new(
+            "warning",
+            "cells of the caps may close up",
+            cap.cell,
+            least,
+            "mm",
+            "raise cap.marker_mm, or print markers on paper",
+        )._replace(where=entry.item)
         for cap, entry in printed.items()
         if cap.cell < least
-    ]  # fmt: skip
+    ]
 
 
 def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
@@ -95,9 +96,7 @@ def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tup
         yield f"caps_{number}.png", data
     printed = [entry.cap for entry in capped if entry.cap.kind != "paper"]
     meshes = [caps.mesh(cap) for cap in printed]
-    parts = [
-        Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)
-    ]
+    parts = [Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)]
     for printer in printers if printed else ():
         for number, plate in enumerate(packing.pack(parts, printer), start=1):
             name = f"caps_{printer.name}_{number}"
@@ -126,5 +125,13 @@ def advice(capped: Sequence[Capped]) -> list[str]:
 def _row(entry: Capped) -> tuple[object, ...]:
     cap = entry.cap
     height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
-    return (cap.number, entry.item, cap.kind, cap.dictionary, cap.marker_mm, round(cap.side, 6),
-            round(height, 6), round(entry.grams, 7))  # fmt: skip
+    return (
+        cap.number,
+        entry.item,
+        cap.kind,
+        cap.dictionary,
+        cap.marker_mm,
+        round(cap.side, 6),
+        round(height, 6),
+        round(entry.grams, 7),
+    )

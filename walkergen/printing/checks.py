@@ -39,11 +39,7 @@ the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed witho
 
 
 def of_batch(
-    designs: Sequence[Design],
-    meshes: Sequence[Mesh],
-    parts: Sequence[Part],
-    plates: Sequence[Plate],
-    printer: Printer,
+    designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
     """Findings on a whole print; designs, meshes (as they lie on the bed) and parts are in the same
     order.
@@ -104,11 +100,20 @@ def of_printer(printer: Printer) -> list[Finding]:
     findings = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
         level: Level = "error" if layer > nozzle else "warning"
-        findings.append(new(level, "layers are thick for the nozzle", layer,
-                            THICKEST_LAYER * nozzle, "mm", "lower layer_height_mm"))  # fmt: skip
+        findings.append(
+            new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle, "mm", "lower layer_height_mm")
+        )
     if width <= layer:
-        findings.append(new("error", "lines are not wider than layers are high", width, layer,
-                          "mm", "raise line_width_mm or lower layer_height_mm"))  # fmt: skip
+        findings.append(
+            new(
+                "error",
+                "lines are not wider than layers are high",
+                width,
+                layer,
+                "mm",
+                "raise line_width_mm or lower layer_height_mm",
+            )
+        )
     return [finding._replace(where=printer.name) for finding in findings]
 
 
@@ -144,8 +149,7 @@ def grouped(findings: Sequence[Finding]) -> list[Finding]:
     for finding in findings:
         places.setdefault(finding._replace(where=""), []).append(finding.where)
     merged = [
-        key._replace(where=at[0] + (f" and {len(at) - 1} more" if len(at) > 1 else ""))
-        for key, at in places.items()
+        key._replace(where=at[0] + (f" and {len(at) - 1} more" if len(at) > 1 else "")) for key, at in places.items()
     ]
     return sorted(merged, key=lambda finding: ("error", "warning", "advice").index(finding.level))
 
@@ -154,8 +158,7 @@ def line(finding: Finding) -> str:
     """Format a finding in one line, without its level."""
     unit = f" {finding.unit}" if finding.unit else ""
     return (
-        f"{finding.where}: {finding.what}: {finding.seen:.4g}{unit}, limit "
-        f"{finding.limit:.4g}{unit}: {finding.change}"
+        f"{finding.where}: {finding.what}: {finding.seen:.4g}{unit}, limit {finding.limit:.4g}{unit}: {finding.change}"
     )
 
 
@@ -166,9 +169,7 @@ def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
             yield finding
 
 
-def _wall(
-    name: str, thickness: float, printer: Printer, mass_sd: float, slant: float = 1.0
-) -> Finding | None:
+def _wall(name: str, thickness: float, printer: Printer, mass_sd: float, slant: float = 1.0) -> Finding | None:
     """Finding on a wall whose layers are thicker than it is by 1 / `slant`; None when it is good.
 
     `mass_sd` is the relative deviation of masses that the prediction allows for.
@@ -177,12 +178,23 @@ def _wall(
     lines, expected = section / width, walls.deviation(section, printer)
     change = f"{_nearest_good(thickness, printer, slant):g} mm would do"
     if lines < ONE_LINE[0]:
-        return new("error", f"{walls.the(name)} is thinner than {ONE_LINE[0]:g} printed lines",
-                   thickness, ONE_LINE[0] * width * slant, "mm", change)  # fmt: skip
+        return new(
+            "error",
+            f"{walls.the(name)} is thinner than {ONE_LINE[0]:g} printed lines",
+            thickness,
+            ONE_LINE[0] * width * slant,
+            "mm",
+            change,
+        )
     if section <= walls.vanishes_below(printer):
-        return new("error", f"{walls.the(name)} gets no plastic, thin walls not being detected",
-                   thickness, walls.vanishes_below(printer) * slant, "mm",
-                   f"set thin_walls = true; or {change}")  # fmt: skip
+        return new(
+            "error",
+            f"{walls.the(name)} gets no plastic, thin walls not being detected",
+            thickness,
+            walls.vanishes_below(printer) * slant,
+            "mm",
+            f"set thin_walls = true; or {change}",
+        )
     wall = f"{walls.the(name)} ({thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
         what = f"{wall} plastic {expected:+.0%}) is more than one line and less than two"
@@ -190,8 +202,7 @@ def _wall(
     what = f"plastic in {wall} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
-        return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
-                    f"{change}, or {weigh}")  # fmt: skip
+        return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
     if abs(expected) > mass_sd:
         return new("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
@@ -212,9 +223,7 @@ def _nearest_good(thickness: float, printer: Printer, slant: float) -> float:
     """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
-    return next(
-        candidate for candidate in candidates if candidate > 0 and _good(candidate / slant, printer)
-    )
+    return next(candidate for candidate in candidates if candidate > 0 and _good(candidate / slant, printer))
 
 
 def _instead_of_arachne(lines: float, printer: Printer) -> str:
@@ -228,22 +237,38 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     for window, name in walls.alike(design, solids.window_width):
         if 0.0 < window < width:
             sides = "leg and brace" if name == "leg" else f"leg and brace of {name}"
-            yield new("warning", f"the window between {sides} may fuse", window, width, "mm",
-                      "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
+            yield new(
+                "warning",
+                f"the window between {sides} may fuse",
+                window,
+                width,
+                "mm",
+                "tilt the legs more, or less; the legs are braced either way",
+            )
     clearance = solids.clearance(design.limbs)
     if clearance < width:
-        yield new("warning", f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse",
-                  clearance, width, "mm",
-                  "raise legs.contact_spacing_mm" if design.pair else "move them apart",
-                  )  # fmt: skip
+        yield new(
+            "warning",
+            f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse",
+            clearance,
+            width,
+            "mm",
+            "raise legs.contact_spacing_mm" if design.pair else "move them apart",
+        )
 
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
     what = "serial number" if marks.kind == "none" else marks.kind
     if marks != marks.bare and marks.line_mm < width - NOISE_MM:
-        yield new("advice", f"the {what} may close up: their strokes against a line",
-                   marks.line_mm, width, "mm", "raise marks.line_mm")  # fmt: skip
+        yield new(
+            "advice",
+            f"the {what} may close up: their strokes against a line",
+            marks.line_mm,
+            width,
+            "mm",
+            "raise marks.line_mm",
+        )
 
 
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -265,12 +290,24 @@ def _whole(what: str, length: float, height: float, key: str) -> Iterator[Findin
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)
     if layers <= 0.5:
-        yield new("error", f"the {what} is less than half a layer", length, 0.5 * height, "mm",
-                  f"raise {key} or lower layer_height_mm")  # fmt: skip
+        yield new(
+            "error",
+            f"the {what} is less than half a layer",
+            length,
+            0.5 * height,
+            "mm",
+            f"raise {key} or lower layer_height_mm",
+        )
     elif abs(layers - whole) > NOISE_MM:
         printed = max(1, whole) * height
-        yield new("warning", f"the {what} is not a whole number of layers", layers, whole, "layers",
-                  f"make {key} {printed:.6g}, which is what prints")  # fmt: skip
+        yield new(
+            "warning",
+            f"the {what} is not a whole number of layers",
+            layers,
+            whole,
+            "layers",
+            f"make {key} {printed:.6g}, which is what prints",
+        )
 
 
 def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
@@ -293,29 +330,46 @@ def _size(part: Part, printer: Printer) -> Iterator[Finding]:
         ("height", part.height, printer.height_mm),
     ):
         if seen > limit + NOISE_MM:
-            yield new("error", f"its {what} as printed exceeds the printer's", seen, limit, "mm",
-                       "make it smaller or take a larger printer")  # fmt: skip
+            yield new(
+                "error",
+                f"its {what} as printed exceeds the printer's",
+                seen,
+                limit,
+                "mm",
+                "make it smaller or take a larger printer",
+            )
 
 
 def _mesh(mesh: Mesh) -> Iterator[Finding]:
     bodies = solids.bodies(mesh)
     if bodies != 1:
-        yield new("error", "the mesh is not one closed body", bodies, 1, "bodies",
-                   "enlarge details below about 1e-5 mm, which files do not hold")  # fmt: skip
+        yield new(
+            "error",
+            "the mesh is not one closed body",
+            bodies,
+            1,
+            "bodies",
+            "enlarge details below about 1e-5 mm, which files do not hold",
+        )
 
 
 def _repairs(design: Design) -> Iterator[Finding]:
     if changes := design.body.shape.changes:
-        yield new("warning", f"the body's mesh was repaired ({'; '.join(changes)})",
-                  len(changes), 0, "changes", "look at preview.png before the print")  # fmt: skip
+        yield new(
+            "warning",
+            f"the body's mesh was repaired ({'; '.join(changes)})",
+            len(changes),
+            0,
+            "changes",
+            "look at preview.png before the print",
+        )
 
 
 def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
     area = section_area(mesh, 0.5 * printer.layer_height_mm)
     change = "set brim_width_mm, and cut it off every leg"
     if area < SMALLEST_CONTACT_MM2:
-        yield new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
-                  change)  # fmt: skip
+        yield new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2", change)
     yield from _upright(walls.of_design(design))
 
 
@@ -342,12 +396,9 @@ def section_area(mesh: Mesh, height: float) -> float:
     for alone in range(3):
         tip_above = above[:, alone]
         for side, turn in ((True, 1), (False, -1)):
-            cut = (
-                (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
-            )
+            cut = (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
             tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
-            lines.append(np.stack([_crossing(tip, left, mesh, height),
-                                   _crossing(tip, right, mesh, height)], axis=1))  # fmt: skip
+            lines.append(np.stack([_crossing(tip, left, mesh, height), _crossing(tip, right, mesh, height)], axis=1))
     (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
     return 0.5 * abs(float((ax * by - ay * bx).sum()))
 
@@ -370,9 +421,14 @@ def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Itera
     for what, reach in rings.items():
         over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
         for index in np.flatnonzero(over > NOISE_MM)[:1]:
-            yield new("error", f"{what} leaves the bed", over[index], 0.0, "mm",
-                       "raise margin_mm, or make brim or skirt smaller",
-                       )._replace(where=labels[index])  # fmt: skip
+            yield new(
+                "error",
+                f"{what} leaves the bed",
+                over[index],
+                0.0,
+                "mm",
+                "raise margin_mm, or make brim or skirt smaller",
+            )._replace(where=labels[index])
 
 
 def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
@@ -385,5 +441,6 @@ def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterato
             overlap = gaps[second] < brims - NOISE_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            yield new(level, f"{what} {other}", gaps[second], wanted, "mm",
-                       "move them apart")._replace(where=labels[first])  # fmt: skip
+            yield new(level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")._replace(
+                where=labels[first]
+            )

@@ -50,9 +50,7 @@ def sides(mesh: Mesh) -> float:
     return float(np.hypot(normals[:, 0], normals[:, 1]).sum())
 
 
-def of_plate(
-    plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer
-) -> Estimate:
+def of_plate(plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer) -> Estimate:
     """Estimate of a plate; `loads` are those of one copy of each of the parts, in their order."""
     placed = [placement.part for placement in plate.placements]
     copies, height = [loads[part] for part in placed], printer.layer_height_mm
@@ -70,7 +68,5 @@ def of_plate(
 
 def duration(seconds: float) -> str:
     """Time to two digits, in the largest unit of which there are at least two."""
-    unit, length = next(
-        (pair for pair in (("h", 3600.0), ("min", 60.0)) if seconds >= 2.0 * pair[1]), ("s", 1.0)
-    )
+    unit, length = next((pair for pair in (("h", 3600.0), ("min", 60.0)) if seconds >= 2.0 * pair[1]), ("s", 1.0))
     return f"{float(f'{seconds / length:.2g}'):g} {unit}"

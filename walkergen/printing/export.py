@@ -63,9 +63,7 @@ def part_3mf(mesh: Mesh, name: str) -> bytes:
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
-def threemf_bytes(
-    solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None
-) -> bytes:
+def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None) -> bytes:
     """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
     A copy whose part number is not its solid's name has an object of its own, which refers to the
@@ -156,8 +154,10 @@ def _model_settings(named: Sequence[_Named], title: str) -> bytes:
             "    </part>",
             "  </object>",
         ]
-    lines += ["  <plate>", *(f"    {_setting(*pair)}" for pair in
-              (("plater_id", "1"), ("plater_name", title), ("locked", "false")))]  # fmt: skip
+    lines += [
+        "  <plate>",
+        *(f"    {_setting(*pair)}" for pair in (("plater_id", "1"), ("plater_name", title), ("locked", "false"))),
+    ]
     for item in named:
         pairs = (("object_id", f"{item.number}"), ("instance_id", "0"))
         settings = "".join(_setting(*pair) for pair in pairs)

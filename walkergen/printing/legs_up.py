@@ -64,21 +64,30 @@ def overhang(design: Design, mesh: Mesh) -> float:
 def _steep(design: Design) -> Iterator[Finding]:
     for tilt, name in walls.alike(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
         if tilt > STEEPEST_DEG:
-            yield new("warning", f"{walls.the(name)} prints upright, over air", tilt,
-                      STEEPEST_DEG, "deg", "tilt it less, or print it with supports")  # fmt: skip
+            yield new(
+                "warning",
+                f"{walls.the(name)} prints upright, over air",
+                tilt,
+                STEEPEST_DEG,
+                "deg",
+                "tilt it less, or print it with supports",
+            )
 
 
 def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
-    for (slope, thickness), name in walls.alike(
-        design, lambda limb: (math.tan(abs(limb.tilt)), limb.thickness)
-    ):
+    for (slope, thickness), name in walls.alike(design, lambda limb: (math.tan(abs(limb.tilt)), limb.thickness)):
         step, limit = printer.layer_height_mm * slope, WIDEST_STEP * thickness
         if step > limit + NOISE_MM:
             lower = math.floor(100.0 * limit / slope) / 100.0
             advice = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
-            yield new("warning", f"{walls.the(name)} prints as a staircase: a layer's "
-                      "step against half the thickness", step, limit, "mm",
-                      f"{advice}make the leg thicker")  # fmt: skip
+            yield new(
+                "warning",
+                f"{walls.the(name)} prints as a staircase: a layer's step against half the thickness",
+                step,
+                limit,
+                "mm",
+                f"{advice}make the leg thicker",
+            )
 
 
 def _soft(design: Design) -> Iterator[Finding]:
@@ -86,16 +95,25 @@ def _soft(design: Design) -> Iterator[Finding]:
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
     if not design.braced and spread < LEAST_SPREAD_PERCENT:
         enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
-        yield new("advice", "legs printed upright bend across their layers, which is weaker and "
-                  "softer: the deviation of E", spread, LEAST_SPREAD_PERCENT, "%",
-                  f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg "
-                  "(walkergen bench)")  # fmt: skip
+        yield new(
+            "advice",
+            "legs printed upright bend across their layers, which is weaker and softer: the deviation of E",
+            spread,
+            LEAST_SPREAD_PERCENT,
+            "%",
+            f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (walkergen bench)",
+        )
 
 
 def _overhang(design: Design, mesh: Mesh) -> Iterator[Finding]:
     area = overhang(design, mesh)
     if area > SMALLEST_OVERHANG_MM2:
         turn = ", or turn the mesh by body.up" if design.body.mesh is not None else ""
-        yield new("warning", f"the body hangs over air by more than {STEEPEST_DEG:g} deg as it "
-                  "lies, upside down", area, SMALLEST_OVERHANG_MM2, "mm2",
-                  f"print it with supports on the bed{turn}")  # fmt: skip
+        yield new(
+            "warning",
+            f"the body hangs over air by more than {STEEPEST_DEG:g} deg as it lies, upside down",
+            area,
+            SMALLEST_OVERHANG_MM2,
+            "mm2",
+            f"print it with supports on the bed{turn}",
+        )

@@ -28,8 +28,7 @@ def settings(members: Sequence[Design]) -> list[Setting]:
         Setting(
             "orientation" if len(lying) == 1 else f"orientation of {', '.join(designs)}",
             f"as in the file: {way}",
-            "layers run across the leg's width" if way == ON_SIDE
-            else "layers lie across the leg: weaker, softer",
+            "layers run across the leg's width" if way == ON_SIDE else "layers lie across the leg: weaker, softer",
         )
         for way, designs in lying.items()
-    ]  # fmt: skip
+    ]

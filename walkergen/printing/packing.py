@@ -89,10 +89,7 @@ def capacity(part: Part, printer: Printer) -> int:
 
 
 def pack(
-    parts: Sequence[Part],
-    printer: Printer,
-    max_plates: int | None = None,
-    max_parts: int = MOST_PARTS,
+    parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MOST_PARTS
 ) -> list[Plate]:
     """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
@@ -205,9 +202,7 @@ def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Pla
     return [*plates, _centred(placed, (right, y + row_depth), printer)] if placed else plates
 
 
-def _centred(
-    placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer
-) -> Plate:
+def _centred(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
     """Plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
 
     `used` is the width and depth of all their cells, micrometres.
@@ -215,19 +210,13 @@ def _centred(
     edge, (bed_width, bed_depth) = border(printer), _bed(printer)
     right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
     return Plate(
-        tuple(
-            Placement(part, copy, edge + 1e-3 * (x + right), edge + 1e-3 * (y + back))
-            for part, copy, x, y in placed
-        )
+        tuple(Placement(part, copy, edge + 1e-3 * (x + right), edge + 1e-3 * (y + back)) for part, copy, x, y in placed)
     )
 
 
 def _free(printer: Printer) -> tuple[float, float]:
     """Width and depth of the bed inside its border, mm."""
-    return (
-        printer.bed_width_mm - 2.0 * border(printer),
-        printer.bed_depth_mm - 2.0 * border(printer),
-    )
+    return (printer.bed_width_mm - 2.0 * border(printer), printer.bed_depth_mm - 2.0 * border(printer))
 
 
 def _bed(printer: Printer) -> tuple[int, int]:
@@ -256,6 +245,5 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     raise PlateError(
         f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
         f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
-        f"{border(printer):g} mm, {printer.height_mm:g} mm high"
-        + (f"; neither do {others} more" if others else "")
+        f"{border(printer):g} mm, {printer.height_mm:g} mm high" + (f"; neither do {others} more" if others else "")
     )

@@ -65,16 +65,12 @@ def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> La
 def loads(laid: Laid, density: float) -> list[Load]:
     """Plastic of each piece at a density, g/cm^3, as drawn."""
     return [
-        Load(
-            float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.sides(piece.mesh)
-        )
+        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.sides(piece.mesh))
         for piece in laid.pieces
     ]
 
 
-def files(
-    laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool
-) -> Iterator[tuple[str, bytes]]:
+def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
     yield from slicer.files(laid.printer, material, start)
@@ -88,9 +84,7 @@ def files(
                 map_figure = _map(laid, plate, name)
             picture = figures.png(map_figure, THUMBNAIL_DPI)
             yield f"{name}.png", figures.png(map_figure, 130)
-        suffix, data = packing.plate_file(
-            plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer
-        )
+        suffix, data = packing.plate_file(plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer)
         yield f"{name}{suffix}", data
     for piece in laid.pieces:
         yield f"{start}_stl/{piece.name}.stl", export.stl_bytes(piece.mesh, piece.name)
@@ -104,9 +98,7 @@ def _map(laid: Laid, plate: Plate, title: str) -> "Figure":
     scale = 10.0 / max(wide, deep)
     width, height = scale * wide + 0.8, scale * deep + 0.9
     figure = Figure(figsize=(width, height))
-    axes = figure.add_axes(
-        (0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height)
-    )
+    axes = figure.add_axes((0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height))
     _draw(axes, laid, plate)
     axes.set_xlabel("x (mm), front")
     axes.set_ylabel("y (mm)")
@@ -127,9 +119,7 @@ def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
         silhouette = plate_map.triangles(modeller.solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
         faces = list(silhouette + np.array((placed.x, placed.y)))
-        axes.add_collection(
-            PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3)
-        )
+        axes.add_collection(PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3))
     plate_map.draw_bed(axes, laid.printer)
 
 
@@ -139,7 +129,12 @@ def _label(axes: "Axes", laid: Laid, plate: Plate) -> None:
         piece, part = laid.pieces[placed.part], laid.parts[placed.part]
         words = piece.label + (f"-{placed.copy}" if piece.copies > 1 else "")
         axes.annotate(
-            words, (placed.x + 0.5 * part.width, placed.y + part.depth), xytext=(0, -1),
-            textcoords="offset points", ha="center", va="top", fontsize=7,
+            words,
+            (placed.x + 0.5 * part.width, placed.y + part.depth),
+            xytext=(0, -1),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=7,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9},
-        )  # fmt: skip
+        )

@@ -61,9 +61,7 @@ THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
 @figures.style({})
-def png(
-    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str
-) -> bytes:
+def png(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
     """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
 
     Where `members` are of several designs, labels begin with the design's letter.
@@ -90,9 +88,7 @@ def png(
     return figures.png(figure, 130)
 
 
-def _place(
-    figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]
-) -> None:
+def _place(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
     """Give a map its size (inches), and the figure room for everything around it.
 
     `key` is the width of the small picture beside the map; `lines` are the heading, then the names
@@ -107,9 +103,7 @@ def _place(
     below = AROUND.below + LINE_INCHES * (len(lines) - 1)
     whole_width, whole_height = left + width + right, below + height + AROUND.above
     figure.set_size_inches(whole_width, whole_height)
-    axes.set_position(
-        (left / whole_width, below / whole_height, width / whole_width, height / whole_height)
-    )
+    axes.set_position((left / whole_width, below / whole_height, width / whole_width, height / whole_height))
 
 
 def _window(axes: Axes, printer: Printer) -> Bbox:
@@ -137,9 +131,7 @@ def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
     high = KEY * shown.width / shown.height * bed[1] / bed[0]
     key = axes.inset_axes((1.02, 1.0 - high, KEY, high))
     key.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
-    key.add_patch(
-        Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2")
-    )
+    key.add_patch(Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2"))
     key.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
     key.set_ylim(-0.02 * bed[1], 1.02 * bed[1])
     key.set_aspect("equal")
@@ -148,9 +140,7 @@ def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
 
 
 @figures.style({})
-def thumbnail(
-    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate
-) -> bytes:
+def thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> bytes:
     """Draw a small picture of the plate without words: PNG, 256 pixels wide."""
     size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
     figure = Figure(figsize=size)
@@ -160,26 +150,20 @@ def thumbnail(
     return figures.png(figure, THUMBNAIL_DPI)
 
 
-def _draw_parts(
-    axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate
-) -> None:
-    views = {
-        part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}
-    }
+def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> None:
+    views = {part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}}
     for kind, colour in figures.COLOURS.items():
         copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
         corners = [np.array((placed.x, placed.y)) for placed in copies]
         for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
             triangles = [
-                getattr(views[placed.part], layer) + corner
-                for placed, corner in zip(copies, corners, strict=True)
+                getattr(views[placed.part], layer) + corner for placed, corner in zip(copies, corners, strict=True)
             ]
             if sum(map(len, triangles)):
                 tone = tuple(shade * part for part in colour)
                 faces = PolyCollection(
-                    list(np.concatenate(triangles)),
-                    facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label,
-                )  # fmt: skip
+                    list(np.concatenate(triangles)), facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label
+                )
                 axes.add_collection(faces)
     draw_bed(axes, printer)
 
@@ -208,9 +192,7 @@ def _view(design: Design, mesh: Mesh) -> _View:
     return _View(whole, legs)
 
 
-def _silhouettes(
-    design: Design, mesh: Mesh
-) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
+def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
     solid = modeller.solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
     legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
@@ -240,9 +222,7 @@ def _named(letters: Mapping[str, str]) -> list[str]:
     return listed[:MOST_LISTED] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
 
 
-def _label_parts(
-    axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float
-) -> None:
+def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
     """Write a label for each part, as large as fits: between two equal legs, else on the part."""
     letters = names.letters(members)
     rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
@@ -255,10 +235,7 @@ def _label_parts(
             room = _between_legs if on_side else _on_part
             rooms[key] = room(design, meshes[placed.part], len(label))
         x, y, height = rooms[key]
-        axes.text(
-            placed.x + x, placed.y + y, label,
-            ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0),
-        )  # fmt: skip
+        axes.text(placed.x + x, placed.y + y, label, ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0))
 
 
 def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:

@@ -67,33 +67,24 @@ def arrange(
     return checked(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 
 
-def unplaced(
-    members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
-) -> Layout:
+def unplaced(members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer) -> Layout:
     """Parts as they lie on the bed, on no plate yet and not checked."""
     meshes = as_printed(members, built)
     parts = [
         packing.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
-        for design, name, mesh, count in zip(
-            members, names.parts(members), meshes, copies, strict=True
-        )
+        for design, name, mesh, count in zip(members, names.parts(members), meshes, copies, strict=True)
     ]
     return Layout(printer, members, built, meshes, parts, [], [])
 
 
 def as_printed(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
     """Meshes of walkers as they lie on the bed, in their order."""
-    return [
-        solids.as_printed(design, built_solids.walker)
-        for design, built_solids in zip(members, built, strict=True)
-    ]
+    return [solids.as_printed(design, built_solids.walker) for design, built_solids in zip(members, built, strict=True)]
 
 
 def checked(layout: Layout) -> Layout:
     """Run the printability checks on an arrangement; returns it with their findings."""
-    findings = checks.of_batch(
-        layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
-    )
+    findings = checks.of_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
     return layout._replace(findings=findings)
 
 
@@ -106,17 +97,21 @@ def places(layout: Layout) -> list[Place]:
             item = packing.item_name(part, placed.copy)
             lengths = (placed.x, placed.y, part.width, part.depth)
             row = Place(
-                layout.printer.name, number, item, part.name, design.tilt_deg,
-                design.kind, design.mark, placed.copy,
+                layout.printer.name,
+                number,
+                item,
+                part.name,
+                design.tilt_deg,
+                design.kind,
+                design.mark,
+                placed.copy,
                 *(round(length, 6) for length in lengths),
-            )  # fmt: skip
+            )
             rows.append(row)
     return rows
 
 
-def files(
-    layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
-) -> Iterator[tuple[str, bytes]]:
+def files(layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
@@ -140,18 +135,14 @@ def files(
             view = layout.printer, layout.members, meshes, plate
             yield f"{name}.png", plate_map.png(*view, name)
             thumbnail = plate_map.thumbnail(*view)
-        suffix, data = packing.plate_file(
-            plate, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer
-        )
+        suffix, data = packing.plate_file(plate, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer)
         yield f"{name}{suffix}", data
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
     weighed = [
         sheet.weigh(part.name, design, built_solids, layout.printer)
-        for part, design, built_solids in zip(
-            layout.parts, layout.members, layout.built, strict=True
-        )
+        for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
     form = weights.form(layout.members, "DESIGN")
     printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)

@@ -29,31 +29,56 @@ def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
     """Findings on the pockets of one walker, in whichever way it lies."""
     clearance, wanted = design.fit.clearance_mm, printer.pocket_clearance_mm
     if design.parts and clearance < wanted - NOISE_MM:
-        yield new("warning", f"{' and '.join(design.parts)} may not go into the pocket as this "
-                  "printer prints it", clearance, wanted, "mm",
-                  f"set pockets.clearance_mm = {wanted:g}")  # fmt: skip
+        yield new(
+            "warning",
+            f"{' and '.join(design.parts)} may not go into the pocket as this printer prints it",
+            clearance,
+            wanted,
+            "mm",
+            f"set pockets.clearance_mm = {wanted:g}",
+        )
     channel = design.fit.channel_mm
     if len(design.parts) > 1 and 0.0 < channel < 2.0 * printer.line_width_mm:
-        yield new("warning", "the channel of the wires may fuse", channel,
-                  2.0 * printer.line_width_mm, "mm", "raise pockets.channel_mm, or make it 0 and "
-                  "lead the wires outside")  # fmt: skip
+        yield new(
+            "warning",
+            "the channel of the wires may fuse",
+            channel,
+            2.0 * printer.line_width_mm,
+            "mm",
+            "raise pockets.channel_mm, or make it 0 and lead the wires outside",
+        )
     between = pockets.wall_between(design, printer.line_width_mm)
     if between < printer.line_width_mm - NOISE_MM:
-        yield new("warning", "the wall between the pockets of motor and battery is thinner than a "
-                  "printed line, or open", between, printer.line_width_mm, "mm",
-                  "move one of them (along_mm, across_mm, up_mm)")  # fmt: skip
+        yield new(
+            "warning",
+            "the wall between the pockets of motor and battery is thinner than a printed line, or open",
+            between,
+            printer.line_width_mm,
+            "mm",
+            "move one of them (along_mm, across_mm, up_mm)",
+        )
     for name, part in design.parts.items():
         wall = thinnest_wall(part, design)
         if wall < printer.line_width_mm - NOISE_MM:
-            yield new("warning", f"the wall around the pocket of the {name} is thinner than a "
-                      "printed line, or open", wall, printer.line_width_mm, "mm",
-                      f"move the {name} inward, or make the body larger")  # fmt: skip
+            yield new(
+                "warning",
+                f"the wall around the pocket of the {name} is thinner than a printed line, or open",
+                wall,
+                printer.line_width_mm,
+                "mm",
+                f"move the {name} inward, or make the body larger",
+            )
         span = ceiling(part, design)
         if span > WIDEST_BRIDGE_MM:
             better = "side" if solids.on_side(design) else "down"
-            yield new("warning", f"the pocket of the {name} prints with its floor over air", span,
-                      WIDEST_BRIDGE_MM, "mm", f"set {name}.opens = {better!r}, or print it with "
-                      "supports on the bed")  # fmt: skip
+            yield new(
+                "warning",
+                f"the pocket of the {name} prints with its floor over air",
+                span,
+                WIDEST_BRIDGE_MM,
+                "mm",
+                f"set {name}.opens = {better!r}, or print it with supports on the bed",
+            )
 
 
 def ceiling(part: Part, design: Design) -> float:

@@ -36,10 +36,7 @@ def drawing_of(design: Design) -> list[Polygon]:
         return profile_of(design)
     elif design.body.mesh:
         why = "its body is a mesh"
-    raise InputError(
-        f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or "
-        "3mf"
-    )
+    raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or 3mf")
 
 
 def profile_of(design: Design) -> list[Polygon]:
@@ -50,11 +47,7 @@ def profile_of(design: Design) -> list[Polygon]:
     import shapely
 
     body, limbs = solids.outline(design)
-    legs = [
-        part + np.array(limb.anchor)
-        for limb, parts in zip(design.limbs, limbs, strict=True)
-        for part in parts
-    ]
+    legs = [part + np.array(limb.anchor) for limb, parts in zip(design.limbs, limbs, strict=True) for part in parts]
     united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
     if not isinstance(united, shapely.Polygon):
         raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")

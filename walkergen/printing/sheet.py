@@ -69,20 +69,13 @@ class Batch(NamedTuple):
     """Name of the file for weighed masses."""
 
 
-def to_markdown(
-    batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str
-) -> str:
+def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    sections = [
-        *of_print(batch, [weight.load for weight in weights], findings, legend),
-        _weighing(weights, batch),
-    ]
+    sections = [*of_print(batch, [weight.load for weight in weights], findings, legend), _weighing(weights, batch)]
     return "\n\n".join(sections) + "\n"
 
 
-def of_print(
-    batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str
-) -> list[str]:
+def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> list[str]:
     """Sections of a sheet up to the end of the print; `loads` are those of the parts."""
     printer = batch.printer
     return [
@@ -180,13 +173,25 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
     rows = []
     for number, plate in enumerate(batch.plates, start=1):
         amounts = estimate.of_plate(plate, batch.parts, loads, batch.printer)
-        rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"{amounts.grams:.2f}",
-                     f"{amounts.metres:.2f}", str(amounts.layers),
-                     estimate.duration(amounts.seconds / amounts.layers),
-                     estimate.duration(amounts.seconds)))  # fmt: skip
+        rows.append(
+            (
+                f"`{batch.stem}_{number}{packing.suffix()}`",
+                f"{amounts.grams:.2f}",
+                f"{amounts.metres:.2f}",
+                str(amounts.layers),
+                estimate.duration(amounts.seconds / amounts.layers),
+                estimate.duration(amounts.seconds),
+            )
+        )
     error = f"{100 * estimate.TIME_TOLERANCE:g} %"
-    headings = ("file", "plastic, g", f"filament {slicer.FILAMENT_MM:g} mm, m", "layers",
-                "mean layer", f"all, ± {error}")  # fmt: skip
+    headings = (
+        "file",
+        "plastic, g",
+        f"filament {slicer.FILAMENT_MM:g} mm, m",
+        "layers",
+        "mean layer",
+        f"all, ± {error}",
+    )
     return (
         "## Plastic and time\n\n"
         "Without skirt, brim and purge. Grams are the legs as sliced and the bodies as drawn, at "
@@ -197,20 +202,22 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
 
 
 def _findings(findings: Sequence[Finding]) -> str:
-    lines = [
-        f"- **{finding.level}** {checks.line(finding)}" for finding in checks.grouped(findings)
-    ]
+    lines = [f"- **{finding.level}** {checks.line(finding)}" for finding in checks.grouped(findings)]
     return "## Checks before the print\n\n" + ("\n".join(lines) or "Nothing found.")
 
 
 def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
     rows = [
-        (f"`{weight.name}`", f"{weight.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
-         f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
-         "")
+        (
+            f"`{weight.name}`",
+            f"{weight.whole_g:.4f}",
+            ("" if name == "leg" else f"{name}: ") + f"{leg.mesh_g:.4f}",
+            f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
+            "",
+        )
         for weight in {weight.name: weight for weight in weights}.values()
         for leg, name in weight.legs
-    ]  # fmt: skip
+    ]
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
     return (
@@ -219,9 +226,7 @@ def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
         "`walkergen predict` takes it by `--weights`. Cut the legs "
         f"off one spare part of each kind, flush with the body, and weigh them together: {share}. "
         "Speeds rest on both masses.\n\n"
-        + table(
-            ("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows
-        )
+        + table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
     )
 
 

@@ -19,11 +19,17 @@ INFILL_OVERLAP_PERCENT = 7
 """Overlap at which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %;
 its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
 
-WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_",
-          "first_layer_")  # fmt: skip
+WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_", "first_layer_")
 
-ORCA_WIDTHS = ("", "outer_wall_", "inner_wall_", "sparse_infill_", "internal_solid_infill_",
-               "top_surface_", "initial_layer_")  # fmt: skip
+ORCA_WIDTHS = (
+    "",
+    "outer_wall_",
+    "inner_wall_",
+    "sparse_infill_",
+    "internal_solid_infill_",
+    "top_surface_",
+    "initial_layer_",
+)
 
 
 class Setting(NamedTuple):
@@ -39,9 +45,11 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
 
     `orientations` are the lines that say how parts lie.
     """
-    thin = "" if printer.wall_generator == "arachne" else (
-        ", thin walls detected" if printer.thin_walls else ", thin walls NOT detected"
-    )  # fmt: skip
+    thin = (
+        ""
+        if printer.wall_generator == "arachne"
+        else (", thin walls detected" if printer.thin_walls else ", thin walls NOT detected")
+    )
     skirt = f"{printer.skirt_loops} loops, {printer.skirt_distance_mm:g} mm away"
     height = f"{printer.layer_height_mm:g} mm"
     return [

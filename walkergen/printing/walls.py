@@ -101,10 +101,7 @@ def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
     sharing: dict[Key, list[str]] = {}
     for number, limb in enumerate(design.limbs, start=1):
         sharing.setdefault(key(limb), []).append(f"legs[{number}]")
-    return [
-        (shared, "leg" if len(sharing) == 1 else ", ".join(names))
-        for shared, names in sharing.items()
-    ]
+    return [(shared, "leg" if len(sharing) == 1 else ", ".join(names)) for shared, names in sharing.items()]
 
 
 def the(name: str) -> str:
@@ -162,9 +159,7 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
     if limb.braced:
         pieces.append((limb.brace, limb.length * math.cos(limb.tilt)))
     drawn = sum(thickness * length for thickness, length in pieces)
-    return (
-        sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
-    )
+    return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
 
 
 def vanishes_below(printer: Printer) -> float:

@@ -145,10 +145,13 @@ def _pairs(shapes, lows, highs, leaves, stack, tolerance):
 def _apart(low, high, one, lows, highs, other):
     """True when box `one` of the first list and box `other` of the second do not meet."""
     return (
-        low[one, 0] > highs[other, 0] or high[one, 0] < lows[other, 0]
-        or low[one, 1] > highs[other, 1] or high[one, 1] < lows[other, 1]
-        or low[one, 2] > highs[other, 2] or high[one, 2] < lows[other, 2]
-    )  # fmt: skip
+        low[one, 0] > highs[other, 0]
+        or high[one, 0] < lows[other, 0]
+        or low[one, 1] > highs[other, 1]
+        or high[one, 1] < lows[other, 1]
+        or low[one, 2] > highs[other, 2]
+        or high[one, 2] < lows[other, 2]
+    )
 
 
 @lean
@@ -227,9 +230,7 @@ def _inside(shapes, triangle, edge, other, corner):
         ui = shapes.corners[triangle, following, i] - shapes.corners[triangle, edge, i]
         uj = shapes.corners[triangle, following, j] - shapes.corners[triangle, edge, j]
         inward = shapes.normals[triangle, i] * uj - shapes.normals[triangle, j] * ui
-        across += inward * (
-            shapes.corners[other, corner, axis] - shapes.corners[triangle, edge, axis]
-        )
+        across += inward * (shapes.corners[other, corner, axis] - shapes.corners[triangle, edge, axis])
     return across / np.sqrt(length) if length > 0.0 else 0.0
 
 

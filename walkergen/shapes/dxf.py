@@ -27,9 +27,19 @@ VERSION = "R2000"
 """Format of what is written: the oldest that states its unit, which every laser cutter reads."""
 
 ANNOTATIONS = {
-    "ARC_DIMENSION", "ATTDEF", "ATTRIB", "DIMENSION", "HATCH", "LEADER", "MTEXT", "MULTILEADER",
-    "POINT", "TEXT", "TOLERANCE", "VIEWPORT",
-}  # fmt: skip
+    "ARC_DIMENSION",
+    "ATTDEF",
+    "ATTRIB",
+    "DIMENSION",
+    "HATCH",
+    "LEADER",
+    "MTEXT",
+    "MULTILEADER",
+    "POINT",
+    "TEXT",
+    "TOLERANCE",
+    "VIEWPORT",
+}
 """Entities that explain or colour a drawing and are no outline."""
 
 COMPOSITE = {"INSERT", "LWPOLYLINE", "POLYLINE"}
@@ -94,9 +104,7 @@ def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
         return []
     size = _size(entities, source)
     curves = [_points(entity, FLATNESS * size, source) for entity in entities]
-    return [
-        Shape([scale * polygon for polygon in _joined(curves, GAP * size, source)], nonzero=False)
-    ]
+    return [Shape([scale * polygon for polygon in _joined(curves, GAP * size, source)], nonzero=False)]
 
 
 def _document(data: bytes) -> "Drawing":
@@ -133,9 +141,7 @@ def _scale(document: "Drawing", data: bytes, source: str) -> float:
 
 def _entities(document: "Drawing", source: str) -> Iterator[Any]:
     """Lines and curves of the model space that are seen, blocks and polylines taken apart."""
-    hidden = {
-        layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()
-    }
+    hidden = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
     waiting = deque((entity, 0) for entity in document.modelspace())
     seen = 0
     while waiting:
@@ -143,8 +149,7 @@ def _entities(document: "Drawing", source: str) -> Iterator[Any]:
         kind, seen = entity.dxftype(), seen + 1
         if seen + len(waiting) > MOST_ENTITIES or depth > DEEPEST:
             raise InputError(
-                f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than "
-                f"{DEEPEST} deep; simplify it"
+                f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than {DEEPEST} deep; simplify it"
             )
         if entity.dxf.layer.lower() in hidden or entity.dxf.get("invisible", 0):
             continue
@@ -185,9 +190,7 @@ def _points(entity: Any, tolerance: float, source: str) -> Array:
     elif kind in ("ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
         points = list(entity.flattening(tolerance))
     else:
-        raise InputError(
-            f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines"
-        )
+        raise InputError(f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines")
     if len(points) < 2:
         raise InputError(f"{source}: a {kind} draws nothing (a radius of 0?); leave it out")
     placed = np.array([tuple(point) for point in points], dtype=float)

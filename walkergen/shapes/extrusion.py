@@ -46,9 +46,7 @@ def extruded(
     """
     reach = max(float(np.abs(profile).max()) for profile in profiles)
     scale = _scale(max(reach, depth))
-    section = manifold3d.CrossSection(
-        [scale * profile for profile in profiles], manifold3d.FillRule.Positive
-    )
+    section = manifold3d.CrossSection([scale * profile for profile in profiles], manifold3d.FillRule.Positive)
     if windows == 0:
         section = _without_slivers(section)
     solid = manifold3d.Manifold.extrude(section, scale * depth)
@@ -57,9 +55,7 @@ def extruded(
     # k bodies with h holes have k + h contours and genus 1 - k + h: equal holes mean one body.
     genus, holes = solid.genus(), section.num_contour() - 1
     if (not pieces and genus != holes) or (windows is not None and genus != windows):
-        raise SolidError(
-            f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes"
-        )
+        raise SolidError(f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes")
     if engraving.profiles:
         solid = _engraved(solid, engraving, depth, scale)
     mesh = modeller.mesh_of(solid)
@@ -85,20 +81,15 @@ def _signed_area(polygon: Polygon) -> float:
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
 
-def _engraved(
-    solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float
-) -> manifold3d.Manifold:
+def _engraved(solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float) -> manifold3d.Manifold:
     """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
-    section = manifold3d.CrossSection(
-        [scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive
-    )
+    section = manifold3d.CrossSection([scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive)
     tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
     cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
     # A pocket, with or without islands, leaves one body and opens no window.
     if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
         raise SolidError(
-            f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} "
-            f"after {solid.genus()}"
+            f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} after {solid.genus()}"
         )
     return cut
 

@@ -137,9 +137,7 @@ def _of_shells(mesh: Mesh, shells: Shells) -> str:
         return f"is inside out: its volume is {volume:.4g} mm^3; try repair = true, which turns it"
     if len(outward) > 1:
         sizes = np.sort(shells.volumes[outward])[::-1]
-        listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (
-            ", ..." if len(sizes) > 5 else ""
-        )
+        listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
         return (
             f"holds {len(outward)} bodies of {listed} mm^3; give one, or try repair = true, which "
             "unites those that overlap"

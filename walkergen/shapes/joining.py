@@ -40,9 +40,7 @@ class Footing(NamedTuple):
     this leaves no gap."""
 
 
-def footing(
-    body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs"
-) -> Footing:
+def footing(body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs") -> Footing:
     """Find where a leg of rectangular section meets the body.
 
     The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
@@ -58,8 +56,7 @@ def footing(
     far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
     leg = prism(foot, direction, thickness, width, far)
     outside = [
-        modeller.mesh_of(piece).vertices
-        for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
+        modeller.mesh_of(piece).vertices for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
     ]
     heights = [(points - foot) @ direction for points in outside]
     lower = [height for height in heights if height.min() < CRUMB * far]
@@ -81,8 +78,7 @@ def prism(foot: Array, direction: Array, thickness: float, width: float, length:
     ring = np.array([-side - across, side - across, side + across, -side + across])
     vertices = foot + np.concatenate([ring, ring + along])
     # Corners 0 1 2 3 at the foot, 4 5 6 7 at the top; triangles counter-clockwise from outside
-    quads = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3),
-                      (3, 7, 4, 0)])  # fmt: skip
+    quads = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
     return Mesh(vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
 
 
@@ -124,9 +120,7 @@ def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     lowest = min(pieces, key=lambda piece: piece.bounding_box()[1])
     if len(pieces) > 1:
         loose = sum(piece.volume() for piece in pieces) - lowest.volume()
-        raise GeometryError(
-            f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body"
-        )
+        raise GeometryError(f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body")
     return modeller.mesh_of(lowest)
 
 
@@ -141,12 +135,9 @@ def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh
     pieces = modeller.bodies(whole)
     if len(pieces) != 1:
         raise GeometryError(
-            f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every "
-            "leg reach into the body"
+            f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every leg reach into the body"
         )
     volumes = [part.volume() for part in parts]
     if not max(volumes) * (1.0 - CRUMB) <= whole.volume() <= sum(volumes) * (1.0 + CRUMB):
-        raise SolidError(
-            f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3"
-        )
+        raise SolidError(f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3")
     return modeller.mesh_of(whole)

@@ -24,9 +24,8 @@ FINE = 2.0**20
 
 
 def letters(
-    text: str, height: float, connected: bool = True, source: str = "body.text",
-    rails: float | None = None,
-) -> list[Polygon]:  # fmt: skip
+    text: str, height: float, connected: bool = True, source: str = "body.text", rails: float | None = None
+) -> list[Polygon]:
     """Outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
 
     With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters.
@@ -36,9 +35,7 @@ def letters(
     """
     where = f"{source} = {text if len(text) <= MOST_CHARACTERS else text[:20] + '...'!r}"
     if not 1 <= len(text) <= MOST_CHARACTERS:
-        raise GeometryError(
-            f"{where}: has {len(text)} characters, allowed are 1 to {MOST_CHARACTERS}; shorten it"
-        )
+        raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MOST_CHARACTERS}; shorten it")
     _check_characters(text, where)
     if not text.strip():
         raise GeometryError(f"{where}: draws nothing; write a letter or digit")
@@ -64,9 +61,7 @@ def _check_characters(text: str, where: str) -> None:
         else:
             continue
         name = unicodedata.name(character, "a control character")
-        raise GeometryError(
-            f"{where}: U+{ord(character):04X} ({name}) {problem}; leave it out or draw it"
-        )
+        raise GeometryError(f"{where}: U+{ord(character):04X} ({name}) {problem}; leave it out or draw it")
 
 
 def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
@@ -74,10 +69,9 @@ def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
     x = np.concatenate(drawn)[:, 0]
     left, right = float(x.min()), float(x.max())
     bars = [
-        np.array([(left, y - 0.5 * width), (right, y - 0.5 * width),
-                  (right, y + 0.5 * width), (left, y + 0.5 * width)])
+        np.array([(left, y - 0.5 * width), (right, y - 0.5 * width), (right, y + 0.5 * width), (left, y + 0.5 * width)])
         for y in (0.0, height)
-    ]  # fmt: skip
+    ]
     return _united([*drawn, *bars])
 
 
@@ -89,16 +83,11 @@ def _check_connected(text: str, where: str, rails: float | None) -> None:
     if broken:
         named = ", ".join(map(repr, broken))
         raise GeometryError(
-            f"{where}: {named} is drawn in several pieces, a body is one; use other letters, or "
-            "engrave the text"
+            f"{where}: {named} is drawn in several pieces, a body is one; use other letters, or engrave the text"
         )
-    apart = next(
-        f"{left!r} and {right!r}" for left, right in pairwise(text)
-        if _pieces(left + right) != 1
-    )  # fmt: skip
+    apart = next(f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right) != 1)
     raise GeometryError(
-        f"{where}: {apart} do not touch, a body is one piece; join them by body.rails_mm = 2, or "
-        "engrave the text"
+        f"{where}: {apart} do not touch, a body is one piece; join them by body.rails_mm = 2, or engrave the text"
     )
 
 

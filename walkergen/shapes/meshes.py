@@ -48,9 +48,7 @@ def load(path: Path, source: str) -> Loaded:
     """Read a mesh file. Raises InputError, beginning with `source`, for what is not one."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
-        raise InputError(
-            f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}"
-        )
+        raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, kind.upper()):
         parts = [_part(source, *raw) for raw in _raw(data, kind, source)]
@@ -59,8 +57,7 @@ def load(path: Path, source: str) -> Loaded:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
     if count > MOST_TRIANGLES:
         raise InputError(
-            f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: "
-            "100000 are enough for any print"
+            f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
         )
     return Loaded(tuple(parts), hashlib.sha256(data).hexdigest())
 
@@ -118,9 +115,7 @@ def _part(source: str, name: str, vertices: Array, triangles: Indices) -> Part:
         raise InputError(f"{source}: a triangle has a corner that does not exist; export it anew")
     bad = int((~np.isfinite(vertices).all(axis=1)).sum())
     if bad:
-        raise InputError(
-            f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew"
-        )
+        raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew")
     if len(vertices) and (far := float(np.abs(vertices).max())) > FARTHEST:
         raise InputError(f"{source}: a coordinate of {far:.3g}, at most {FARTHEST:g}: export in mm")
     return Part(name, *merged(vertices, triangles))

@@ -55,9 +55,7 @@ def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list
     return sound([Shape([np.vstack([upper, -upper]) * axes], False)], f"{source} = {length:g}")
 
 
-def polygon(
-    points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm"
-) -> list[Polygon]:
+def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
     """Outline through a person's points, mm, in either sense; the last is joined to the first.
 
     Raises GeometryError, which begins with `source`, for fewer than three points, a point that
@@ -80,9 +78,7 @@ def polygon(
     return sound([Shape([corners], False)], where)
 
 
-def from_file(
-    path: Path, scale_mm: float | None = None, source: str = "body.outline"
-) -> list[Polygon]:
+def from_file(path: Path, scale_mm: float | None = None, source: str = "body.outline") -> list[Polygon]:
     """Outline of the closed paths of an .svg or .dxf file, as people see it (SVG has y down).
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing.
@@ -117,9 +113,7 @@ def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[
         pieces = [contour for contour, level in zip(contours, levels, strict=True) if level == 0]
         if connected and len(pieces) > 1:
             places = " and ".join(_shown(piece.mean(axis=0)) for piece in pieces[:2])
-            raise GeometryError(
-                f"is in {len(pieces)} pieces, as about {places}; join them or keep one"
-            )
+            raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
     except GeometryError as error:
         raise GeometryError(f"{source}: {error}") from None
     every = np.vstack(pieces)
@@ -151,22 +145,18 @@ def _check_extent(contours: Sequence[Polygon]) -> None:
     number = sum(map(len, contours))
     if number > MOST_POINTS or len(contours) > MOST_CONTOURS:
         raise GeometryError(
-            f"has {number} points in {len(contours)} contours, more than {MOST_POINTS} in "
-            f"{MOST_CONTOURS}; simplify it"
+            f"has {number} points in {len(contours)} contours, more than {MOST_POINTS} in {MOST_CONTOURS}; simplify it"
         )
     every = np.vstack(contours)
     within = (np.abs(every) <= FARTHEST).all(axis=1)
     if not within.all():
         wrong = int(np.flatnonzero(~within)[0]) + 1
-        raise GeometryError(
-            f"point {wrong} is {_shown(every[wrong - 1])}; give finite numbers up to {FARTHEST:g}"
-        )
+        raise GeometryError(f"point {wrong} is {_shown(every[wrong - 1])}; give finite numbers up to {FARTHEST:g}")
     size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
     if not SMALLEST <= size <= LARGEST:
         hint = "micrometres" if size > LARGEST else "metres or inches"
         raise GeometryError(
-            f"is {size:g} mm long, allowed are {SMALLEST:g} to {LARGEST:g} mm; were {hint} taken "
-            "for millimetres?"
+            f"is {size:g} mm long, allowed are {SMALLEST:g} to {LARGEST:g} mm; were {hint} taken for millimetres?"
         )
 
 
@@ -219,8 +209,7 @@ def _levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | 
 
     seen = [drawn(number) for number in range(len(contours))]
     return [
-        sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None
-        for number in range(len(contours))
+        sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None for number in range(len(contours))
     ]
 
 

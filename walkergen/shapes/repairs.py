@@ -26,9 +26,7 @@ CRUMBS = 0.01
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
-    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
-        _merged, _without_doubles, _filled, _turned, _united,
-    )  # fmt: skip
+    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (_merged, _without_doubles, _filled, _turned, _united)
     before, changes = mesh, []
     for step in steps:
         mesh, change = step(mesh)
@@ -146,10 +144,7 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
     outward = np.flatnonzero(pieces.volumes > 0.0)
     if len(outward) < 2 or len(outward) < pieces.number:
         return mesh, ""
-    solids = [
-        modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number]))
-        for number in outward
-    ]
+    solids = [modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number])) for number in outward]
     whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
     rest = sum(abs(body.volume()) for body in bodies[1:])

@@ -36,9 +36,7 @@ def unpack(data: bytes, source: str) -> Corners:
     start = HEADER_BYTES + COUNT_BYTES
     count = int.from_bytes(data[HEADER_BYTES:start], "little")
     if len(data) != start + count * TRIANGLE.itemsize or count == 0:
-        raise InputError(
-            f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; write it anew"
-        )
+        raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; write it anew")
     corners: Corners = np.frombuffer(data, TRIANGLE, offset=start)["corners"]
     if not np.isfinite(corners).all():
         raise InputError(f"{source}: a corner is not finite; write the file anew")

@@ -30,11 +30,19 @@ MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
 
 UNREADABLE = {
-    "script": "a script", "animate": "an animation", "animateTransform": "an animation",
-    "animateMotion": "an animation", "set": "an animation", "image": "a picture", "text": "text",
-    "foreignObject": "a foreign object", "clipPath": "a clip path", "mask": "a mask",
-    "symbol": "a symbol", "marker": "a marker",
-}  # fmt: skip
+    "script": "a script",
+    "animate": "an animation",
+    "animateTransform": "an animation",
+    "animateMotion": "an animation",
+    "set": "an animation",
+    "image": "a picture",
+    "text": "text",
+    "foreignObject": "a foreign object",
+    "clipPath": "a clip path",
+    "mask": "a mask",
+    "symbol": "a symbol",
+    "marker": "a marker",
+}
 """Elements that make what people see other than the closed paths of the file."""
 
 NUMBER = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
@@ -45,7 +53,7 @@ NUMBERS = {
     ),
     "d": re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*"),
     "points": re.compile(r"[0-9eE.,+\-\s]*"),
-}  # fmt: skip
+}
 """What attributes of shapes look like; svgelements leaves out what it cannot read."""
 
 SHAPES = {"circle", "ellipse", "line", "path", "polygon", "polyline", "rect"}
@@ -64,8 +72,7 @@ def pack(polygons: Sequence[Array]) -> bytes:
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
     page = f"{float(right - left)!r}", f"{float(top - bottom)!r}"
     path = " ".join(
-        "M " + " L ".join(f"{float(x - left)!r},{float(top - y)!r}" for x, y in polygon) + " Z"
-        for polygon in polygons
+        "M " + " L ".join(f"{float(x - left)!r},{float(top - y)!r}" for x, y in polygon) + " Z" for polygon in polygons
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{page[0]}mm" height="{page[1]}mm" '
@@ -147,10 +154,7 @@ def _refuse_unreadable(root: ET.Element, source: str) -> None:
 
 
 def _repeated(
-    element: ET.Element,
-    targets: dict[str, ET.Element],
-    counts: dict[ET.Element, float],
-    source: str,
+    element: ET.Element, targets: dict[str, ET.Element], counts: dict[ET.Element, float], source: str
 ) -> float:
     """Number of elements that are drawn, those that <use> repeats counted every time.
 
@@ -179,9 +183,7 @@ def _used(element: ET.Element, targets: dict[str, ET.Element], source: str) -> I
     for key, link in element.attrib.items():
         if key.rsplit("}", 1)[-1] == "href":
             if link[:1] != "#" or link[1:] not in targets:
-                raise InputError(
-                    f"{source}: <use> refers to {link[:60]!r}, which the file does not hold"
-                )
+                raise InputError(f"{source}: <use> refers to {link[:60]!r}, which the file does not hold")
             yield targets[link[1:]]
 
 
@@ -190,8 +192,7 @@ def _scale(root: ET.Element, source: str) -> tuple[float, float]:
     page = _length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))
     if page[0] is None or page[1] is None:
         seen = " and ".join(
-            f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}"
-            for key in ("width", "height")
+            f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
         )
         raise InputError(
             f"{source}: states no size in mm ({seen}): set scale_mm, the mm per unit of the "

@@ -124,14 +124,12 @@ def _count(data: bytes, source: str) -> None:
     objects = _Objects()
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            models = {name: archive.read(name) for name in archive.namelist()
-                      if name.lower().endswith(".model")}  # fmt: skip
+            models = {name: archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")}
         if not any(b"component" in text or b"\x00" in text for text in models.values()):
             return
         for path, text in models.items():
             objects.parse(path, text)
-    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError,
-            expat.ExpatError):  # fmt: skip
+    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError, expat.ExpatError):
         return
     try:
         placed = sum(map(objects.count, objects.items))
@@ -139,8 +137,7 @@ def _count(data: bytes, source: str) -> None:
         raise InputError(f"{source}: {error}") from None
     if placed > MOST_PARTS:
         raise InputError(
-            f"{source}: places more than {MOST_PARTS} meshes by components within components; "
-            "join them into fewer"
+            f"{source}: places more than {MOST_PARTS} meshes by components within components; join them into fewer"
         )
 
 
@@ -160,13 +157,9 @@ def _meshes(resource: Any, name: str, chain: list[Any], unit: float, source: str
     return parts
 
 
-def _placed(
-    name: str, vertices: Array, triangles: npt.NDArray[np.int64], chain: list[Any], unit: float
-) -> Part:
+def _placed(name: str, vertices: Array, triangles: npt.NDArray[np.int64], chain: list[Any], unit: float) -> Part:
     for step in reversed(chain):
-        moved = step.GetObjectTransform() if hasattr(step, "GetObjectTransform") else (
-            step.GetTransform()
-        )  # fmt: skip
+        moved = step.GetObjectTransform() if hasattr(step, "GetObjectTransform") else (step.GetTransform())
         matrix = np.array([list(row) for row in moved.Fields], np.float64)
         vertices = vertices @ matrix[:3] + matrix[3]
         if np.linalg.det(matrix[:3]) < 0.0:  # a mirror image is turned inside out

@@ -30,9 +30,7 @@ class Explained(NamedTuple):
     what a plane cannot do without."""
 
 
-def explain(
-    plan: Plan, design: Design, mass: MassProperties, measured: bool, progress: Progress
-) -> list[Explained]:
+def explain(plan: Plan, design: Design, mass: MassProperties, measured: bool, progress: Progress) -> list[Explained]:
     """Rows for all effects of a plan; `measured` times those that are on and have a switch."""
     effects = plan.resolved.effects
     whole = cpu_per_second(plan) if measured else None

@@ -19,14 +19,7 @@ from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
 from walkergen.simulation import observables, orbits, record
 from walkergen.simulation.model import Plan
-from walkergen.simulation.run import (
-    ENDED_WELL,
-    Outcome,
-    RunResult,
-    compile_kernels,
-    simulate,
-    with_impacts,
-)
+from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate, with_impacts
 
 FEWEST_RUNS = 4
 """Number of runs that ended well below which a mean has no error bar (see `mean_speed`)."""

@@ -81,12 +81,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
         scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
         design.model_dump(
             mode="json",
-            exclude={
-                "name": True,
-                "description": True,
-                "family": True,
-                "material": {"nozzle_deg_c", "bed_deg_c"},
-            },
+            exclude={"name": True, "description": True, "family": True, "material": {"nozzle_deg_c", "bed_deg_c"}},
         ),
         __version__,
         kernels.digest(),
@@ -117,21 +112,21 @@ def measure(experiment: Experiment, progress: Progress, threads: int | None = No
     or the design, and KeyboardInterrupt when no run was done.
     """
     plan = prepare(experiment.scene, experiment.design, experiment.mass)
-    summary, results = ensemble.measure(
-        plan, progress, threads, experiment.impacts, experiment.sample_interval
-    )
+    summary, results = ensemble.measure(plan, progress, threads, experiment.impacts, experiment.sample_interval)
     verdicts, step = resolution.judge(plan, summary), getattr(plan.world.options, "step", None)
     return Results(
-        key(experiment), plan.resolved.model, resolution.bounded(verdicts, summary), results,
-        verdicts, resolution.warnings(plan), None if step is None else 1e6 * step,
-    )  # fmt: skip
+        key(experiment),
+        plan.resolved.model,
+        resolution.bounded(verdicts, summary),
+        results,
+        verdicts,
+        resolution.warnings(plan),
+        None if step is None else 1e6 * step,
+    )
 
 
 def each(
-    wanted: Sequence[Experiment],
-    titles: Sequence[str],
-    progress: Progress,
-    executor: Executor | None,
+    wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress, executor: Executor | None
 ) -> Iterator[Results]:
     """Points in their order, yielded when done; progress is reported under their titles.
 
@@ -151,9 +146,7 @@ def each(
         yield point
 
 
-def on_threads(
-    wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress
-) -> Iterator[Results]:
+def on_threads(wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
     """Points in their order, each on a thread of its own: best for points of a single run.
 
     Ends without those not yet begun when it is left or interrupted.

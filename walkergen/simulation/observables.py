@@ -21,20 +21,24 @@ IMPACTS, CONTACT = "impacts_per_s", "contact_fraction"
 BY_IMPULSE, BY_NUMBER, POWERS = "type_fractions_by_impulse", "type_fractions", "energies_per_s"
 
 POWER_ROWS = {
-    "from_plate": record.PLATE_WORK, "impacts": record.IMPACT_LOSS,
-    "friction": record.FRICTION_LOSS, "damping": record.DAMPING_LOSS,
-}  # fmt: skip
+    "from_plate": record.PLATE_WORK,
+    "impacts": record.IMPACT_LOSS,
+    "friction": record.FRICTION_LOSS,
+    "damping": record.DAMPING_LOSS,
+}
 """Names of the powers and their rows in `Tally.sums`."""
 
 COUNTS = (*record.KINDS, "sticking")
 """Names of shares of impacts by number, in the order of `Tally.counts` after all impacts."""
 
 NAMES = (
-    SPEED, IMPACTS, CONTACT,
+    SPEED,
+    IMPACTS,
+    CONTACT,
     *(f"{POWERS}.{name}" for name in POWER_ROWS),
     *(f"{BY_IMPULSE}.{name}" for name in record.KINDS),
     *(f"{BY_NUMBER}.{name}" for name in COUNTS),
-)  # fmt: skip
+)
 """Names of the observables of every model."""
 
 FEWEST_RUNS = 4
@@ -62,13 +66,8 @@ def observe(results: Sequence[RunResult]) -> dict[str, Observed]:
     per = {IMPACTS: (impacts, elapsed), CONTACT: (sums[:, record.CONTACT_TIME], elapsed)}
     per |= {f"{POWERS}.{name}": (sums[:, row], elapsed) for name, row in POWER_ROWS.items()}
     whole = impulses.sum(axis=1)
-    per |= {
-        f"{BY_IMPULSE}.{name}": (impulses[:, place], whole)
-        for place, name in enumerate(record.KINDS)
-    }
-    per |= {
-        f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNTS)
-    }
+    per |= {f"{BY_IMPULSE}.{name}": (impulses[:, place], whole) for place, name in enumerate(record.KINDS)}
+    per |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNTS)}
     return {name: quotient(above, below) for name, (above, below) in per.items()}
 
 
@@ -91,7 +90,5 @@ def of_table(observed: Mapping[str, Observed], table: str) -> dict[str, float]:
     """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
     return {
-        name.removeprefix(start): observable.value
-        for name, observable in observed.items()
-        if name.startswith(start)
+        name.removeprefix(start): observable.value for name, observable in observed.items() if name.startswith(start)
     }

@@ -97,8 +97,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     landings = landings[np.isin(landings[:, 1], on_plate)]
     return Poses(
         times=rows[:, 0],
-        places=np.column_stack([states[:, SHOWN_X], states[:, HEIGHT], -states[:, SHOWN_Y]])
-        - start,
+        places=np.column_stack([states[:, SHOWN_X], states[:, HEIGHT], -states[:, SHOWN_Y]]) - start,
         turns=states[:, Q_0 : Q_Z + 1],
         heading=states[:, HEADING],
         corners=points[:, on_plate, :3] - start,

@@ -35,9 +35,15 @@ bounces, and of the label 0.02: 0.04 and 0.02 elsewhere; that of the power of im
 hardly lose any (20 deg, label 0.8): 0.05 elsewhere."""
 
 SHARES = {
-    "I": 0.07, "II": 0.08, "III": 0.16, "IV": 0.015, "from rest": 0.01, "II mirrored": 0.03,
-    "III mirrored": 0.1, "sticking": 0.13,
-}  # fmt: skip
+    "I": 0.07,
+    "II": 0.08,
+    "III": 0.16,
+    "IV": 0.015,
+    "from rest": 0.01,
+    "II mirrored": 0.03,
+    "III mirrored": 0.1,
+    "sticking": 0.13,
+}
 """The same for shares of types, by impulse and by number, as differences of shares. The largest are
 of the same walker, whose landings begin with hardly any slip."""
 

@@ -54,9 +54,12 @@ ENDED_WELL = (Outcome.OK, Outcome.STUCK)
 """Outcomes of runs whose speed counts."""
 
 ENDS = {
-    TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED,
-    INSIDE: Outcome.INSIDE, RUNAWAY: Outcome.RUNAWAY,
-}  # fmt: skip
+    TOPPLED: Outcome.TOPPLED,
+    FAILED: Outcome.FAILED,
+    FOLDED: Outcome.FOLDED,
+    INSIDE: Outcome.INSIDE,
+    RUNAWAY: Outcome.RUNAWAY,
+}
 """Outcome of each status of `world` other than OK."""
 
 UNFINISHED = {Outcome.FAILED, Outcome.INSIDE, Outcome.STOPPED, Outcome.RUNAWAY}
@@ -99,9 +102,7 @@ def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
     return drop(plan, np.random.default_rng([plan.scene.run.seed, number]))
 
 
-def drop(
-    plan: Plan, rng: np.random.Generator, common_phase: float | None = None
-) -> tuple[Plan, Array]:
+def drop(plan: Plan, rng: np.random.Generator, common_phase: float | None = None) -> tuple[Plan, Array]:
     """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
@@ -150,18 +151,12 @@ def simulate(
     error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
     if outcome not in UNFINISHED and error > run.energy_tolerance:
         outcome = Outcome.ENERGY
-    if (
-        outcome is Outcome.OK
-        and tally.counts[record.IMPACTS] == 0
-        and places[done, 0] == places[0, 0]
-    ):
+    if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done, 0] == places[0, 0]:
         outcome = Outcome.STUCK
     speeds = _advances(places[: done + 1], plan.scene.arena.kind == "plane") / block
     speed = float(speeds.mean()) if done else 0.0
     cpu = time.thread_time() - started
-    return RunResult(
-        number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1]
-    )
+    return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1])
 
 
 def _advances(places: Array, on_plane: bool) -> Array:

@@ -28,9 +28,16 @@ progress; a leg turned by 90 deg against the body; a foot inside the plate, at t
 deeper than a step explains; impacts gained energy without bound, as those of relaxed legs can."""
 
 RIGID_COLUMNS = (
-    "x_mm", "y_mm", "pitch_rad", "v_x_mm_s", "v_y_mm_s", "pitch_rate_rad_s", "phase_rad",
-    "mode_back", "mode_front",
-)  # fmt: skip
+    "x_mm",
+    "y_mm",
+    "pitch_rad",
+    "v_x_mm_s",
+    "v_y_mm_s",
+    "pitch_rate_rad_s",
+    "phase_rad",
+    "mode_back",
+    "mode_front",
+)
 """Names, with units, of the entries of a rigid walker's state, in their order."""
 
 LEG_COLUMNS = ("alpha_back_rad", "alpha_front_rad", "rate_back_rad_s", "rate_front_rad_s")

@@ -116,9 +116,7 @@ def _check(numbers: Array) -> None:
     if not np.isfinite(numbers).all():
         raise TheoryError("balance: tensors and levers of the feet must be finite numbers")
     if not ((xx > 0) & (yy > 0) & (xx * yy > xy * xy)).all():
-        raise TheoryError(
-            "balance: the inverse-mass tensor of every foot must be positive definite"
-        )
+        raise TheoryError("balance: the inverse-mass tensor of every foot must be positive definite")
     if not ((x.min(axis=0) < 0) & (x.max(axis=0) > 0)).all():
         raise TheoryError(
             f"feet at {_places(numbers)} mm (x, y) from the centre of mass: the walker tips unless "
@@ -170,9 +168,7 @@ def _solve(feet: Array, low: Array, high: Array, law: int) -> tuple[Array, Array
 def _strike(feet: Array, speed: float, law: int, ratios: Array, impulses: Array) -> None:
     """Fill force ratios F_x / F_y and normal impulses of feet that slide at a speed, for w = 1."""
     for i, foot in enumerate(feet):
-        hit = impact(
-            foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION], law
-        )
+        hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION], law)
         impulses[i] = hit.F_y
         ratios[i] = hit.F_x / hit.F_y
 

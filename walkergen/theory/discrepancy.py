@@ -39,11 +39,26 @@ SLIGHT_DEG = 1.0
 
 MOST_SLOPE_DEG = 5.0
 
-COVERED = frozenset({
-    "name", "description", "drive", "contact", "prediction", "arena", "legs", "run", "effects",
-    "plate.slope_deg", "plate.noise_ratio", "plate.noise_low_hz", "plate.noise_high_hz",
-    "plate.roughness_length_mm", "feet.unevenness_um", "feet.unevenness_sd_um",
-})  # fmt: skip
+COVERED = frozenset(
+    {
+        "name",
+        "description",
+        "drive",
+        "contact",
+        "prediction",
+        "arena",
+        "legs",
+        "run",
+        "effects",
+        "plate.slope_deg",
+        "plate.noise_ratio",
+        "plate.noise_low_hz",
+        "plate.noise_high_hz",
+        "plate.roughness_length_mm",
+        "feet.unevenness_um",
+        "feet.unevenness_sd_um",
+    }
+)
 """Tables and keys of a scene that the table covers, each in a range of its own; of any other key
 it covers the default."""
 
@@ -103,8 +118,7 @@ class Place(NamedTuple):
         return self._replace(
             restitution=restitution,
             log_friction=np.log(safe),
-            log_hinge_ratio=self.log_hinge_ratio
-            + np.log(thickness * np.sqrt(modulus * thickness / leg_mass)),
+            log_hinge_ratio=self.log_hinge_ratio + np.log(thickness * np.sqrt(modulus * thickness / leg_mass)),
             log_mass_ratio=self.log_mass_ratio + np.log(leg_mass / body_mass),
             log_foot_ratio=self.log_foot_ratio + 0.5 * np.log(thickness * modulus / body_mass),
             slope_ratio=self.slope_ratio * math.exp(float(self.log_friction)) / safe,
@@ -208,10 +222,7 @@ def numbers(scene: Scene, design: Design, mass: MassProperties, drive: Drive) ->
 def check(scene: Scene, place: Place, braced: bool) -> None:
     """Refuse walkers and scenes that the table does not cover. Raises UnknownError."""
     plate = scene.plate
-    band = (plate.noise_low_hz, plate.noise_high_hz) == (
-        Plate().noise_low_hz,
-        Plate().noise_high_hz,
-    )
+    band = (plate.noise_low_hz, plate.noise_high_hz) == (Plate().noise_low_hz, Plate().noise_high_hz)
     for reason, covered in (
         (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
         ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),

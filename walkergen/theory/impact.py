@@ -100,14 +100,7 @@ def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
 
 @kernel
 def impact(
-    H_xx: float,
-    H_xy: float,
-    H_yy: float,
-    v_x: float,
-    v_y: float,
-    restitution: float,
-    friction: float,
-    law: int,
+    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float, law: int
 ) -> Impact:
     """Compute impulse and outcome of one impact; the kernel of everything that collides.
 
@@ -129,14 +122,7 @@ def impact(
 
 @kernel
 def _follow(
-    H_xx: float,
-    H_xy: float,
-    H_yy: float,
-    v_x: float,
-    v_y: float,
-    restitution: float,
-    friction: float,
-    law: int,
+    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float, law: int
 ) -> Impact:
     """Impact of a foot that approaches at a speed whose square neither under- nor overflows."""
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
@@ -247,6 +233,4 @@ def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
 
     Negative when energy is lost; Newton's law can make it positive with friction.
     """
-    return 0.5 * (
-        outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y)
-    )
+    return 0.5 * (outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y))

@@ -24,9 +24,6 @@ def tilts(design: Design, mode: Mode) -> Range:
     """Tilts of the theory's largest speed over realistic contacts, to 0.25 deg within 0.25..25."""
     tried = np.arange(0.25, 25.1, 0.25)
     e, mu = np.meshgrid(RESTITUTIONS, FRICTIONS)
-    speeds = [
-        factors(solids.mass_of(design.variant(tilt_deg=float(tilt))), e, mu, mode).mean
-        for tilt in tried
-    ]
+    speeds = [factors(solids.mass_of(design.variant(tilt_deg=float(tilt))), e, mu, mode).mean for tilt in tried]
     tops = tried[np.argmax(speeds, axis=0)]
     return Range(mode, float(tops.min()), float(tops.max()))

@@ -61,9 +61,7 @@ class Ride(NamedTuple):
     lever_across: float
 
 
-SIGNED = frozenset(Ride._fields) - {
-    "log_count", "log_breadth_ratio", "log_roll_ratio", "height_ratio", "lever_up",
-}  # fmt: skip
+SIGNED = frozenset(Ride._fields) - {"log_count", "log_breadth_ratio", "log_roll_ratio", "height_ratio", "lever_up"}
 """Names of numbers whose other sign belongs to a mirror image, which the table knows too."""
 
 NAMES = (*Place._fields[:12], *Ride._fields)
@@ -108,9 +106,10 @@ def _conditions(scene: Scene, design: Design) -> list[tuple[str, bool]]:
     first = limbs[0]
     alike = all(
         limb._replace(along=first.along, across=first.across, bottom=first.bottom) == first
-        and limb.friction is None and limb.restitution is None
+        and limb.friction is None
+        and limb.restitution is None
         for limb in limbs
-    )  # fmt: skip
+    )
     named = any(np.allclose(np.abs(axis), np.abs(own), atol=1e-6) for own in AXES.values())
     beyond = discrepancy.beyond(scene)
     return [
@@ -142,9 +141,13 @@ def _ride(scene: Scene, design: Design, mass: MassProperties) -> Ride:
         0.5 * math.log(roll / float(mass.M) / span**2),
         float(fore),
         float(height),
-        along, across, up,
-        float(place[0]) / span, float(place[1]) / span, aside / span,
-    )  # fmt: skip
+        along,
+        across,
+        up,
+        float(place[0]) / span,
+        float(place[1]) / span,
+        aside / span,
+    )
 
 
 def _check(ridden: Ridden) -> None:
@@ -176,23 +179,25 @@ def coordinates(numbers: Array) -> Array:
     of = dict(zip(NAMES, numbers.T, strict=True))
     tilt, aside = of["root_tilt"] ** 2, of["lever_across"]
     against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - of["log_friction"]
-    return np.column_stack([
-        of["lean"] * of["root_tilt"],
-        of["lean"] * tilt / (tilt + SLIGHT_DEG),
-        of["fore_ratio"],
-        of["lever_along"],
-        of["axis_across"],
-        of["axis_up"] * aside,
-        of["axis_along"] * aside,
-        of["axis_along"] ** 2,
-        of["axis_up"] ** 2,
-        np.abs(aside),
-        of["lever_up"],
-        np.clip(against, -FAR_OFF, FAR_OFF),
-        np.log(of["gamma"]),
-        np.sqrt(of["unevenness_ratio"]),
-        *(of[name] for name in PLAIN),
-    ])  # fmt: skip
+    return np.column_stack(
+        [
+            of["lean"] * of["root_tilt"],
+            of["lean"] * tilt / (tilt + SLIGHT_DEG),
+            of["fore_ratio"],
+            of["lever_along"],
+            of["axis_across"],
+            of["axis_up"] * aside,
+            of["axis_along"] * aside,
+            of["axis_along"] ** 2,
+            of["axis_up"] ** 2,
+            np.abs(aside),
+            of["lever_up"],
+            np.clip(against, -FAR_OFF, FAR_OFF),
+            np.log(of["gamma"]),
+            np.sqrt(of["unevenness_ratio"]),
+            *(of[name] for name in PLAIN),
+        ]
+    )
 
 
 ODD = 6
@@ -200,10 +205,20 @@ ODD = 6
 way."""
 
 PLAIN = (
-    "restitution", "log_friction", "log_hinge_ratio", "length_ratio", "log_mass_ratio",
-    "log_gyration_ratio", "log_foot_ratio", "log_amplitude_ratio", "log_width_ratio", "log_count",
-    "log_breadth_ratio", "log_roll_ratio", "height_ratio",
-)  # fmt: skip
+    "restitution",
+    "log_friction",
+    "log_hinge_ratio",
+    "length_ratio",
+    "log_mass_ratio",
+    "log_gyration_ratio",
+    "log_foot_ratio",
+    "log_amplitude_ratio",
+    "log_width_ratio",
+    "log_count",
+    "log_breadth_ratio",
+    "log_roll_ratio",
+    "height_ratio",
+)
 """Names of the numbers that are inputs as they are."""
 
 SLIGHT_DEG = 4.0

@@ -78,13 +78,10 @@ class Speed(NamedTuple):
 
 
 def speed_of(
-    value: float | None, se: float | None, low_95: float | None, high_95: float | None,
-    orbit: str = "",
-) -> Speed:  # fmt: skip
+    value: float | None, se: float | None, low_95: float | None, high_95: float | None, orbit: str = ""
+) -> Speed:
     """Speed of numbers of which None is unknown, all in mm/s."""
-    four = [
-        math.nan if number is None else float(number) for number in (value, se, low_95, high_95)
-    ]
+    four = [math.nan if number is None else float(number) for number in (value, se, low_95, high_95)]
     return Speed(four[0], four[1], four[2], four[3], orbit)
 
 
@@ -125,9 +122,7 @@ class Prediction(NamedTuple):
     @property
     def speed(self) -> Speed:
         """Speed with its bounds; its `se` is the standard deviation of the distribution."""
-        return Speed(
-            self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s
-        )
+        return Speed(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
 
 
 class Spread(NamedTuple):
@@ -172,18 +167,19 @@ def _paced(scene: Scene, swing: float, pace: Array, moment: Array) -> float | Ar
     return swing if scene.drive.kind == "plate" else swing * pace * moment
 
 
-def theory_speeds(
-    design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn
-) -> Array:
+def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
     masses = scaled(mass, drawn.of("body mass", 1.0), tables.leg_masses(design, drawn))
     by_foot = stationary(
-        design, masses,
+        design,
+        masses,
         drawn.of("contact.restitution", contact.restitution),
         drawn.of("contact.friction", contact.friction),
-        mode, contact.law, (contact.restitution, contact.friction),
-    )  # fmt: skip
+        mode,
+        contact.law,
+        (contact.restitution, contact.friction),
+    )
     pace, moment = tables.of_motor(scene, drawn)
     return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
 
@@ -210,9 +206,7 @@ def drawn_inputs(scene: Scene, design: Design) -> Drawn:
     return uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
 
 
-def predict(
-    design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb"
-) -> Prediction:
+def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
     """Predict the speed of one walker, and what the theory has for it (docs/physics.md section 4).
 
     `mode` is the theory's. Members of a family share their random numbers. Raises TheoryError when
@@ -225,10 +219,12 @@ def predict(
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
     theory = float(by_foot.factor) * _impact_speed(scene, design, mass)
     notes = [
-        _outside(speeds), speeds.stand_in, by_foot.note,
+        _outside(speeds),
+        speeds.stand_in,
+        by_foot.note,
         *_notes(by_foot, contact.friction, mode),
         "" if low95 <= theory <= high95 else LEAVES,
-    ]  # fmt: skip
+    ]
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
@@ -304,9 +300,7 @@ class Curve(NamedTuple):
     """True where a foot can stick, so that the paper's eq. 15 fails."""
 
 
-def curve(
-    design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = POINTS
-) -> Curve:
+def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = POINTS) -> Curve:
     """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
 
     The walkers bear no marks, because these number a family's tilts only, not those in between.
@@ -318,9 +312,7 @@ def curve(
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        by_foot = stationary(
-            variant, mass, contact.restitution, contact.friction, mode, contact.law
-        )
+        by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
         speeds = spread(variant, mass, scene, mode, drawn)
         quantiles.append(np.quantile(speeds.speed, levels))
         theory.append(float(by_foot.factor) * _impact_speed(scene, variant, mass))

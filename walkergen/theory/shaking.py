@@ -84,15 +84,11 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Shaken:
     forward = math.sqrt(max(1.0 - along * along, 0.0))
     place = from_centre(design, mass, np.array([motor.along_mm, motor.up_mm])) - mass.centre
     lever = math.hypot(*place, motor.across_mm) / math.sqrt(float(mass.J) / float(mass.M))
-    across, off = (
-        float(np.interp(whole.peak_gamma, PUSHES, sds)) for sds in (ACROSS_SDS, LEVER_SDS)
-    )
+    across, off = (float(np.interp(whole.peak_gamma, PUSHES, sds)) for sds in (ACROSS_SDS, LEVER_SDS))
     upright = max(1.0 - abs(design.tilt_deg) / UPRIGHT_DEG, 0.0)
     across, off = forward * max(across, UPRIGHT_SD * upright), lever * off
     left_out = [
-        words
-        for words, error in (("its push along the run", across), ("that it turns the body", off))
-        if error > WIDE
+        words for words, error in (("its push along the run", across), ("that it turns the body", off)) if error > WIDE
     ]
     note = "by a plate that shakes as its motor does"
     if left_out:

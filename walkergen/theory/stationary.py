@@ -68,9 +68,7 @@ def stationary(
     return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
 
 
-def _own(
-    written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
-) -> float | Array:
+def _own(written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf) -> float | Array:
     """Friction or restitution of a foot: its own in the scene's proportion, or the scene's."""
     if written is None:
         return scenes

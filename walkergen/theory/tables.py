@@ -85,9 +85,7 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Tabled:
         raise UnknownError("; ".join(filter(None, (reason, str(error))))) from None
     shaken = shaking.of(scene, design, mass)
     note = f"{shaken.note} ({reason})" if reason else shaken.note
-    return Tabled(
-        design, scene, place, None, shaken.swing, shaken.drive.amplitude, shaken.error_sd, note
-    )
+    return Tabled(design, scene, place, None, shaken.swing, shaken.drive.amplitude, shaken.error_sd, note)
 
 
 def digests(scene: Scene) -> list[str]:

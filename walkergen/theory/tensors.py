@@ -26,9 +26,7 @@ def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMas
     """Inverse of I/mass + P(lever)/inertia, in g: the mass felt at a point of a free rigid body."""
     x, y = lever[..., 0], lever[..., 1]
     scale = mass / (inertia + mass * (x * x + y * y))
-    return InverseMass(
-        scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y)
-    )
+    return InverseMass(scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y))
 
 
 def rigid(M: Values, J: Values, d: Array) -> InverseMass:
@@ -40,9 +38,7 @@ def rigid(M: Values, J: Values, d: Array) -> InverseMass:
     return InverseMass(1.0 / M + y * y / J, -x * y / J, 1.0 / M + x * x / J)
 
 
-def flexible(
-    M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array
-) -> InverseMass:
+def flexible(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array) -> InverseMass:
     """Tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
 
     The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre

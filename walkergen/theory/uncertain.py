@@ -69,22 +69,29 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     known = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
-        Input("legs.thickness_mm", design.limbs[0].thickness, design.limbs[0].thickness_sd,
-              0.25 * design.limbs[0].thickness, 4.0 * design.limbs[0].thickness),
-        Input("material.youngs_modulus_gpa", design.material.youngs_modulus_gpa,
-              design.material.youngs_modulus_sd_gpa, 0.1 * design.material.youngs_modulus_gpa),
+        Input(
+            "legs.thickness_mm",
+            design.limbs[0].thickness,
+            design.limbs[0].thickness_sd,
+            0.25 * design.limbs[0].thickness,
+            4.0 * design.limbs[0].thickness,
+        ),
+        Input(
+            "material.youngs_modulus_gpa",
+            design.material.youngs_modulus_gpa,
+            design.material.youngs_modulus_sd_gpa,
+            0.1 * design.material.youngs_modulus_gpa,
+        ),
         Input("legs.damping_ratio", scene.legs.damping_ratio, scene.legs.damping_ratio_sd),
         Input("body mass", 1.0, mass_sd, 0.01),
         Input("leg mass", 1.0, mass_sd, 0.01),
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
         *_of_motor(scene.drive),
-    )  # fmt: skip
+    )
     off = {"leg mass"} if design.braced else set()
     if scene.effects.unevenness is False:
         off.add("feet.unevenness_um")
-    return tuple(
-        one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name]
-    )
+    return tuple(one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name])
 
 
 def _of_motor(drive: Drive) -> tuple[Input, ...]:
@@ -93,10 +100,11 @@ def _of_motor(drive: Drive) -> tuple[Input, ...]:
         return ()
     pace, moment = drive.frequency, drive.eccentric
     return (
-        Input(shaking.FREQUENCY, pace, drive.frequency_sd_hz,
-              max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])),
+        Input(
+            shaking.FREQUENCY, pace, drive.frequency_sd_hz, max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])
+        ),
         Input(shaking.MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
-    )  # fmt: skip
+    )
 
 
 class Drawn(NamedTuple):
@@ -135,10 +143,39 @@ def _draws(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
 
 
 LATTICE = (
-    1, 182667, 469891, 498753, 110745, 446247, 250185, 118627, 245333, 283199, 408519, 391023,
-    246327, 126539, 399185, 461527, 300343, 69681, 516695, 436179, 106383, 238523, 413283, 70841,
-    47719, 300129, 113029, 123925, 410745, 211325, 17489, 511893,
-)  # fmt: skip
+    1,
+    182667,
+    469891,
+    498753,
+    110745,
+    446247,
+    250185,
+    118627,
+    245333,
+    283199,
+    408519,
+    391023,
+    246327,
+    126539,
+    399185,
+    461527,
+    300343,
+    69681,
+    516695,
+    436179,
+    106383,
+    238523,
+    413283,
+    70841,
+    47719,
+    300129,
+    113029,
+    123925,
+    410745,
+    211325,
+    17489,
+    511893,
+)
 """Generating vector of a lattice whose first 2^m points, m up to 20, are each a good lattice
 (R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
 
@@ -173,9 +210,7 @@ def quantiles(law: Input, shares: Array) -> Array:
     return np.asarray(np.abs(values) if law.folded else np.clip(values, law.low, law.high))
 
 
-def applied(
-    scene: Scene, design: Design, values: Mapping[str, float]
-) -> tuple[Scene, Design, MassProperties]:
+def applied(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
     """Scene, design and masses with the inputs set to `values`; others keep their means.
 
     Feet of another material change in the proportion in which the scene's contact does.
@@ -254,9 +289,7 @@ class Share(NamedTuple):
     total_se: float
 
 
-def shares(
-    quantities: Sequence[Input], function: Callable[[Array], Array], seed: int
-) -> tuple[Share, ...]:
+def shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
     """First-order and total shares of a function's variance, largest total first.
 
     The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
@@ -264,14 +297,10 @@ def shares(
     """
     generators = np.random.default_rng(seed).spawn(SHARE_SETS)
     repeats = np.array([indices(quantities, function, generator) for generator in generators])
-    return listed(
-        quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS)
-    )
+    return listed(quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
 
 
-def indices(
-    quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator
-) -> Array:
+def indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
     """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
     from scipy.stats import sobol_indices
 

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
 Points = Annotated[
-    list[Annotated[list[float], Field(min_length=2, max_length=2)]],
-    Field(min_length=3, max_length=100_000),
+    list[Annotated[list[float], Field(min_length=2, max_length=2)]], Field(min_length=3, max_length=100_000)
 ]
 
 DRAWN = ("disc", "ellipse", "polygon")
@@ -70,9 +69,7 @@ class Body(Section):
     def _one_source(self) -> "Body":
         sources = [key for key in SOURCES if getattr(self, key) is not None]
         if len(sources) > 1:
-            raise ValueError(
-                f"{' and '.join(sources)} each give the body a shape: keep one of them"
-            )
+            raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
         if (self.points_mm is not None) != (self.outline == "polygon"):
             raise ValueError('points_mm and outline = "polygon" go together')
         if self.scale_mm is not None and not (self.mesh or self._drawing):
@@ -90,10 +87,11 @@ class Body(Section):
         """Sizes that follow from a source of the shape."""
         flat = {"disc": {"depth_mm"}, "ellipse": set()}
         return {
-            "profile_mm": {"length_mm", "thickness_mm"}, "text": {"length_mm"},
+            "profile_mm": {"length_mm", "thickness_mm"},
+            "text": {"length_mm"},
             "mesh": {"length_mm", "depth_mm", "thickness_mm"},
             "outline": flat.get(self.outline or "", {"length_mm", "depth_mm"}),
-        }[source]  # fmt: skip
+        }[source]
 
     @property
     def idle(self) -> set[str]:
@@ -102,10 +100,11 @@ class Body(Section):
         for key in set(SOURCES) - keys:
             keys |= self._follows(key)
         needs = {
-            "points_mm": self.outline == "polygon", "rails_mm": self.text is not None,
+            "points_mm": self.outline == "polygon",
+            "rails_mm": self.text is not None,
             "scale_mm": bool(self.mesh or self._drawing),
             **dict.fromkeys(("up", "forward", "legs_below_mm", "repair"), bool(self.mesh)),
-        }  # fmt: skip
+        }
         return keys | {key for key, needed in needs.items() if not needed}
 
     @property
@@ -190,9 +189,7 @@ def _shape(keys: str) -> Shape:
     if body.mesh is not None:
         from walkergen.walker import own_mesh
 
-        own = own_mesh.read(
-            Path(body.mesh), body.scale_mm or 1.0, body.up, body.forward, body.repair
-        )
+        own = own_mesh.read(Path(body.mesh), body.scale_mm or 1.0, body.up, body.forward, body.repair)
         if body.legs_below_mm is not None:
             from walkergen.walker import whole_mesh
 

@@ -44,11 +44,7 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = pair_of(trial, depth, -0.5 * thickness)
-    problems = [
-        *_too_short(back),
-        *_off_body(_farther(back, front), length),
-        *_off_side(back, depth),
-    ]
+    problems = [*_too_short(back), *_off_body(_farther(back, front), length), *_off_side(back, depth)]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         problems.append(
@@ -60,8 +56,7 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
         brace_x = abs(back.brace_offset)
         if brace_x + back.half_width + 0.5 * back.brace >= spacing:
             problems.append(
-                f"a leg crosses the other leg's brace: it spans {brace_x:.3f} mm, the contact "
-                f"spacing is {spacing:g} mm"
+                f"a leg crosses the other leg's brace: it spans {brace_x:.3f} mm, the contact spacing is {spacing:g} mm"
             )
         problems += _brace_off_body((back, front), length)
     return problems
@@ -105,14 +100,12 @@ def _off_side(limb: Limb, depth: float) -> list[str]:
 
 
 def _thick_brace(limb: Limb) -> list[str]:
-    foot_width = limb.thickness * {
-        "flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0
-    }[limb.foot]  # fmt: skip
+    foot_width = (
+        limb.thickness * {"flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0}[limb.foot]
+    )
     if limb.brace <= foot_width:
         return []
-    return [
-        f"the brace ({limb.brace:g} mm) is thicker than the foot it stands on ({foot_width:.3f} mm)"
-    ]
+    return [f"the brace ({limb.brace:g} mm) is thicker than the foot it stands on ({foot_width:.3f} mm)"]
 
 
 def _brace_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
@@ -120,10 +113,7 @@ def _brace_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
     reach = max(abs(limb.anchor[0] + limb.brace_offset) + 0.5 * limb.brace for limb in limbs)
     if reach <= half_body:
         return []
-    return [
-        f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at "
-        f"{half_body:.3f} mm"
-    ]
+    return [f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at {half_body:.3f} mm"]
 
 
 def _largest_tilt(legs: Legs, size: Size) -> float | None:
@@ -144,10 +134,7 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
     problems = []
     sections = [
         shapely.union_all(
-            [
-                shapely.Polygon(piece + np.array(limb.anchor))
-                for piece in profiles.limb(limb, segments=16)
-            ]
+            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in profiles.limb(limb, segments=16)]
         )
         for limb in limbs
     ]
@@ -204,9 +191,7 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
         if limb.braced:
             left = min(left, x + limb.brace_offset - 0.5 * limb.brace)
             right = max(right, x + limb.brace_offset + 0.5 * limb.brace)
-        top = shapely.box(
-            left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width
-        )
+        top = shapely.box(left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width)
         outside = top.difference(ground.buffer(ROUNDING_MM)).area
         if outside > 0.0:
             percent = max(1.0, 100 * outside / top.area)

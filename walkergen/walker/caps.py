@@ -121,9 +121,10 @@ def white(number: int) -> npt.NDArray[np.bool_]:
 def symmetric() -> set[int]:
     """Numbers of markers that are their own mirror images: a mirror shows them turned, no more."""
     return {
-        number for number in range(len(CODES) // 4)
+        number
+        for number in range(len(CODES) // 4)
         if any((np.rot90(white(number)[:, ::-1], turn) == white(number)).all() for turn in range(4))
-    }  # fmt: skip
+    }
 
 
 def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
@@ -132,8 +133,12 @@ def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
     Cells of the code are larger by a part of a cell on all sides, `overlap`.
     """
     half, inner = 0.5 * SIDE, 0.5 * CELLS
-    frame = [(-half, inner, half, half), (-half, -half, half, -inner),
-             (-half, -half, -inner, half), (inner, -half, half, half)]  # fmt: skip
+    frame = [
+        (-half, inner, half, half),
+        (-half, -half, half, -inner),
+        (-half, -half, -inner, half),
+        (inner, -half, half, half),
+    ]
     for row, column in np.argwhere(~white(cap.number)[BORDER:-BORDER, BORDER:-BORDER]):
         x, y = inner - row, inner - column  # the upper left corner of a cell seen from above
         frame.append((x - 1.0 - overlap, y - 1.0 - overlap, x + overlap, y + overlap))
@@ -146,10 +151,9 @@ def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
 def outline(cap: Cap) -> Array:
     """Outline of a tile with its notch in the middle of the front, counter-clockwise, mm."""
     half, notch = 0.5 * cap.side, NOTCH * cap.cell
-    return np.array([
-        (-half, -half), (half, -half), (half, -notch), (half - notch, 0.0), (half, notch),
-        (half, half), (-half, half),
-    ])  # fmt: skip
+    return np.array(
+        [(-half, -half), (half, -half), (half, -notch), (half - notch, 0.0), (half, notch), (half, half), (-half, half)]
+    )
 
 
 @lru_cache(maxsize=256)

@@ -13,15 +13,7 @@ from operator import not_
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    Discriminator,
-    Field,
-    SerializeAsAny,
-    Tag,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, field_validator, model_validator
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
@@ -41,9 +33,7 @@ class Family(Section):
     tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=1000)] = Field(
         default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
     )
-    legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = Field(
-        default_factory=lambda: list(KINDS)
-    )
+    legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = Field(default_factory=lambda: list(KINDS))
 
     @field_validator("tilt_deg", "legs")
     @classmethod
@@ -126,8 +116,7 @@ class Design(Section):
             number = f"marks.serial = {marks.serial}"
             key = number if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
             faults.append(
-                f"{key}: only a rectangular body in side view bears marks, and a body in plan view "
-                "text: leave them out"
+                f"{key}: only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
             )
         length, thickness, depth = self.size
         if in_letters:  # letters on a body in plan view go into its upper side
@@ -140,8 +129,7 @@ class Design(Section):
             faults = payload.problems(self.parts, self.fit, self.size, foot)
         if self.pockets is not None and not self.parts:
             faults.append(
-                "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or "
-                "leave them out"
+                "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out"
             )
         if faults:
             raise GeometryError("\n".join(faults))
@@ -260,9 +248,7 @@ class Design(Section):
         places = [limb.along for limb in self.limbs]
         return max(places) - min(places)
 
-    def variant(
-        self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any
-    ) -> "Design":
+    def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
         """Design with another tilt or kind of legs, or with other values of any dotted keys.
 
         Keys are those of the file: `variant(**{"legs.flexible_thickness_mm": 0.3})`. Everything is
@@ -284,9 +270,7 @@ class Design(Section):
             own = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
             return {key: value for key, value in own.items() if value is not None}
         if kind not in (None, self.kind):
-            raise GeometryError(
-                f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}"
-            )
+            raise GeometryError(f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}")
         if tilt_deg not in (None, self.tilt_deg) and not self.follows:
             raise GeometryError(
                 f"{self.name}: every one of its legs has its own tilt, so that there is no variant "
@@ -294,9 +278,7 @@ class Design(Section):
             )
         return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
 
-    def members(
-        self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None
-    ) -> list["Design"]:
+    def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
         """Variants of a family, kinds outermost; by default those of its [family] table.
 
         Raises GeometryError, with the limit that was exceeded and the tilts at which, if any member
@@ -322,11 +304,14 @@ class Design(Section):
                     for line in str(error).splitlines():
                         problems.setdefault(line, []).append(f"{tilt:g}")
         if problems:
-            raise GeometryError("\n".join(
-                line if len(where) == len(chosen) * len(tilts) or "tilt_deg = " in line
-                else f"at tilt {', '.join(dict.fromkeys(where))} deg: {line}"
-                for line, where in problems.items()
-            ))  # fmt: skip
+            raise GeometryError(
+                "\n".join(
+                    line
+                    if len(where) == len(chosen) * len(tilts) or "tilt_deg = " in line
+                    else f"at tilt {', '.join(dict.fromkeys(where))} deg: {line}"
+                    for line, where in problems.items()
+                )
+            )
         return variants
 
     def _repr_html_(self) -> str:
@@ -364,8 +349,7 @@ def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
             "the height above its lowest point below which it is legs"
         )
     if "body" in data or "legs" in data:
-        raise GeometryError("walker = ...: a finished walker has its body and legs: leave out "
-                            "[body] and [legs]")  # fmt: skip
+        raise GeometryError("walker = ...: a finished walker has its body and legs: leave out [body] and [legs]")
     whole["body"] = {key: value for key, value in table.items() if key != "legs"}
     if "legs" in table:
         whole["legs"] = {"kind": table["legs"]}

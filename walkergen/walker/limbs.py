@@ -159,13 +159,23 @@ def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
     half = 0.5 * legs.contact_spacing_mm
     return tuple(
         Limb(
-            legs.kind, math.radians(legs.tilt_deg), legs.length_mm, legs.thickness_mm,
-            legs.thickness_sd_mm, legs.brace_thickness_mm, legs.foot, along, 0.0,
-            legs.width_mm or depth, bottom,
-            embedding_in(bottom), None, None,
+            legs.kind,
+            math.radians(legs.tilt_deg),
+            legs.length_mm,
+            legs.thickness_mm,
+            legs.thickness_sd_mm,
+            legs.brace_thickness_mm,
+            legs.foot,
+            along,
+            0.0,
+            legs.width_mm or depth,
+            bottom,
+            embedding_in(bottom),
+            None,
+            None,
         )
         for along in (-half, half)
-    )  # fmt: skip
+    )
 
 
 def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
@@ -173,7 +183,18 @@ def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
     tilt = follow_deg if leg.tilt_deg is None else leg.tilt_deg
     thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
     return Limb(
-        leg.kind, math.radians(0.0 - tilt if leg.mirrored else tilt), leg.length_mm, thickness,
-        leg.thickness_sd_mm, leg.brace_thickness_mm, leg.foot, leg.along_mm, leg.across_mm,
-        leg.width_mm or depth, bottom, embedding_in(bottom), leg.friction, leg.restitution,
-    )  # fmt: skip
+        leg.kind,
+        math.radians(0.0 - tilt if leg.mirrored else tilt),
+        leg.length_mm,
+        thickness,
+        leg.thickness_sd_mm,
+        leg.brace_thickness_mm,
+        leg.foot,
+        leg.along_mm,
+        leg.across_mm,
+        leg.width_mm or depth,
+        bottom,
+        embedding_in(bottom),
+        leg.friction,
+        leg.restitution,
+    )

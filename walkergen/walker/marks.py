@@ -23,9 +23,19 @@ NARROW, WIDE, START = 1, 2, 3
 """Widths of notches, in units of two lines; one unit of body stands between two notches."""
 
 SEGMENTS = {
-    "0": "abcdef", "1": "bc", "2": "abdeg", "3": "abcdg", "4": "bcfg", "5": "acdfg",
-    "6": "acdefg", "7": "abc", "8": "abcdefg", "9": "abcdfg", "-": "g", ".": "h",
-}  # fmt: skip
+    "0": "abcdef",
+    "1": "bc",
+    "2": "abdeg",
+    "3": "abcdg",
+    "4": "bcfg",
+    "5": "acdfg",
+    "6": "acdefg",
+    "7": "abc",
+    "8": "abcdefg",
+    "9": "abcdfg",
+    "-": "g",
+    ".": "h",
+}
 """Lit segments of a seven-segment display: a to f clockwise from the top, g middle, h a point."""
 
 SHORTEST_DIGIT = 5.0
@@ -58,9 +68,7 @@ class Marks(Section):
     def _lettered(self) -> "Marks":
         if (self.kind == "text") != (self.text is not None):
             other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
-            raise ValueError(
-                f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together'
-            )
+            raise ValueError(f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together')
         return self
 
 
@@ -151,9 +159,7 @@ def _notched(marks: Marks) -> float:
     return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
-def problems(
-    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]
-) -> list[str]:
+def problems(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]) -> list[str]:
     """Reasons why a body of length, thickness, depth (mm) cannot bear its marks, one line each."""
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
@@ -191,9 +197,7 @@ def _unfit_notches(
     return reasons
 
 
-def _unfit_digits(
-    marks: Marks, text: str, length: float, thickness: float, depth: float
-) -> list[str]:
+def _unfit_digits(marks: Marks, text: str, length: float, thickness: float, depth: float) -> list[str]:
     """Reasons why digits do not fit onto a face of length and thickness, mm."""
     reasons = []
     serial = marks.serial is not None

@@ -121,9 +121,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     corners = (mesh.vertices - origin)[mesh.triangles]
     x, y, z = corners.transpose(2, 1, 0)
     six_volumes = (
-        x[0] * (y[1] * z[2] - z[1] * y[2])
-        + y[0] * (z[1] * x[2] - x[1] * z[2])
-        + z[0] * (x[1] * y[2] - y[1] * x[2])
+        x[0] * (y[1] * z[2] - z[1] * y[2]) + y[0] * (z[1] * x[2] - x[1] * z[2]) + z[0] * (x[1] * y[2] - y[1] * x[2])
     )
     volume = six_volumes.sum() / 6.0
     total = corners.sum(axis=1)
@@ -136,9 +134,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(
-    design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | None = None
-) -> MassProperties:
+def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
     """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
     The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
@@ -166,10 +162,17 @@ def assemble(
         c_A = own.centre[:2]
         # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
         aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
-        placed.append(LegMass(
-            own.mass, own.inertia, np.array(limb.anchor) - O, c_A,
-            np.array(limb.anchor_to_foot) - c_A, limb.across + aside, own.tensor,
-        ))  # fmt: skip
+        placed.append(
+            LegMass(
+                own.mass,
+                own.inertia,
+                np.array(limb.anchor) - O,
+                c_A,
+                np.array(limb.anchor_to_foot) - c_A,
+                limb.across + aside,
+                own.tensor,
+            )
+        )
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
     return frozen(loose, [limb.braced for limb in limbs])
@@ -237,11 +240,13 @@ def frozen(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
         whole = Spatial(float(middle[2]), tensor)
     legs = [
         leg._replace(
-            m=0.0 if is_rigid else leg.m, j=0.0 if is_rigid else leg.j, anchor=leg.anchor - O,
+            m=0.0 if is_rigid else leg.m,
+            j=0.0 if is_rigid else leg.j,
+            anchor=leg.anchor - O,
             tensor=np.zeros((3, 3)) if is_rigid and leg.tensor is not None else leg.tensor,
         )
         for leg, is_rigid in zip(mass.legs, rigid, strict=True)
-    ]  # fmt: skip
+    ]
     return MassProperties(M, J, tuple(legs), all(rigid), whole)
 
 
@@ -252,18 +257,13 @@ def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
     if whole is not None:
         whole = whole._replace(body=whole.body * body[sides])
     legs = tuple(
-        own._replace(
-            m=own.m * leg, j=own.j * leg,
-            tensor=None if own.tensor is None else own.tensor * leg[sides],
-        )
+        own._replace(m=own.m * leg, j=own.j * leg, tensor=None if own.tensor is None else own.tensor * leg[sides])
         for own in mass.legs
-    )  # fmt: skip
+    )
     return mass._replace(M=mass.M * body, J=mass.J * body, legs=legs, spatial=whole)
 
 
-def joined(
-    body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array
-) -> tuple[Array, Array]:
+def joined(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array) -> tuple[Array, Array]:
     """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
 
     Masses of the body and these legs, shape (1 + legs,), g; their centres from O, shape

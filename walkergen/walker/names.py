@@ -109,9 +109,7 @@ def how_to_read(marks: Marks) -> str:
     if marks.kind == "none":
         return f"Digits engraved into the body.{number}" if number else ""
     if marks.kind == "digits":
-        instruction = (
-            "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
-        )
+        instruction = "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
         return instruction + number
     if marks.kind == "text":
         return f"Letters engraved into the body: they name the design, not the tilt.{number}"

@@ -34,12 +34,7 @@ class OwnMesh(NamedTuple):
 
 
 def read(
-    path: Path,
-    scale_mm: float = 1.0,
-    up: Axis = "z",
-    forward: Axis = "x",
-    repair: bool = False,
-    key: str = "body.mesh",
+    path: Path, scale_mm: float = 1.0, up: Axis = "z", forward: Axis = "x", repair: bool = False, key: str = "body.mesh"
 ) -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
@@ -67,9 +62,7 @@ def rotation(up: Axis, forward: Axis, key: str) -> Array:
     """Rotation from a file's axes to walkergen's, shape (3, 3). Raises InputError for one axis."""
     for name, axis in (("up", up), ("forward", forward)):
         if axis not in get_args(Axis):
-            raise InputError(
-                f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}"
-            )
+            raise InputError(f"{key}: {name} = {axis!r}: must be one of {', '.join(get_args(Axis))}")
     if up[-1] == forward[-1]:
         raise InputError(f"{key}: up = {up!r} and forward = {forward!r} are one axis; change one")
     x, y = _unit(forward), _unit(up)
@@ -101,9 +94,11 @@ def _refuse_size(mesh: Mesh, source: str, scale_mm: float) -> None:
         for name, unit in UNITS.items()
         if SMALLEST <= size * unit <= LARGEST
     ]
-    ask = f"is it drawn in another unit? scale_mm = {' or '.join(fitting)}" if fitting else (
-        "set scale_mm, the millimetres of the file's unit"
-    )  # fmt: skip
+    ask = (
+        f"is it drawn in another unit? scale_mm = {' or '.join(fitting)}"
+        if fitting
+        else ("set scale_mm, the millimetres of the file's unit")
+    )
     raise InputError(
         f"{source}: the longest side is {size:.4g} mm at scale_mm = {scale_mm:g}, "
         f"must lie in {SMALLEST:g}..{LARGEST:g} mm; {ask}"

@@ -126,10 +126,7 @@ class Battery(Part):
         if self.shape is not None and own:
             raise ValueError(f"{own[0]} follows from shape = {self.shape!r}: keep one of them")
         if self.shape is None and (len(own) < 2 or self.mass_g is None):
-            raise ValueError(
-                f"a battery needs shape, one of {', '.join(CELLS)}, or diameter_mm, height_mm and "
-                "mass_g"
-            )
+            raise ValueError(f"a battery needs shape, one of {', '.join(CELLS)}, or diameter_mm, height_mm and mass_g")
         return self
 
     @property
@@ -147,9 +144,7 @@ class Battery(Part):
 class Pockets(Section):
     """Pockets of motor and battery, and what joins them: wires in a channel, and glue."""
 
-    clearance_mm: Annotated[
-        float, Field(ge=0, le=2, description="printers state theirs: pocket_clearance_mm")
-    ] = 0.2
+    clearance_mm: Annotated[float, Field(ge=0, le=2, description="printers state theirs: pocket_clearance_mm")] = 0.2
     """Gap on every side between a part and the wall of its pocket."""
     channel_mm: Annotated[float, Field(ge=0, le=5, description="0 for no channel")] = 1.0
     """Width and height of the channel for the wires from motor to battery. 0: none."""

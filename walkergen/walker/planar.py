@@ -29,9 +29,7 @@ def in_plane(design: Design, mass: MassProperties) -> Planar:
         key = limb._replace(width=0.0, across=0.0, thickness_sd=0.0)
         groups.setdefault(key, []).append((limb, leg))
     merged = sorted((_merged(group) for group in groups.values()), key=lambda pair: pair[0].along)
-    return Planar(
-        mass._replace(legs=tuple(leg for _, leg in merged)), tuple(limb for limb, _ in merged)
-    )
+    return Planar(mass._replace(legs=tuple(leg for _, leg in merged)), tuple(limb for limb, _ in merged))
 
 
 def _merged(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:

@@ -78,10 +78,7 @@ def without(design: "Design") -> "Design":
 
 def solids_of(design: "Design") -> dict[str, Mesh]:
     """Meshes of a design's parts themselves, without clearance, in the design's frame."""
-    return {
-        name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0)))
-        for name, part in design.parts.items()
-    }
+    return {name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0))) for name, part in design.parts.items()}
 
 
 def wall_between(design: "Design", most: float) -> float:
@@ -137,9 +134,7 @@ def _points(cylinder: Cylinder, design: "Design", clearance: float) -> Array:
 def _swept(part: Part, design: "Design") -> manifold3d.Manifold:
     """Room that a part takes and passes on its way in."""
     points = _points(part.cylinder, design, design.fit.clearance_mm)
-    return _hull(
-        np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])])
-    )
+    return _hull(np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])]))
 
 
 def _far(points: Array, design: "Design") -> float:
@@ -181,9 +176,7 @@ def _refuse_shared(design: "Design") -> None:
         )
 
 
-def _refuse_leg(
-    name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: "Design"
-) -> None:
+def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: "Design") -> None:
     """Raise GeometryError where a pocket cuts a leg, or its root in the body."""
     for number, leg in enumerate(legs, start=1):
         lost = modeller.evaluated(leg ^ tool).volume()
@@ -205,9 +198,7 @@ def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Des
     below = np.array(OUT["up" if part.opens == "down" else "down"])
     layer = _hull(points + FLOOR_MM * below) - _hull(points)
     # A round part need not sink in to its middle: only the lowest of its floor counts
-    floor = modeller.evaluated(
-        layer.trim_by_plane(below.tolist(), float((points @ below).max()) - FLOOR_MM)
-    )
+    floor = modeller.evaluated(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - FLOOR_MM))
     solid = modeller.evaluated(floor ^ body).volume() / floor.volume()
     if solid < 1.0 - ROUNDING:
         raise GeometryError(

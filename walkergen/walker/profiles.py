@@ -47,9 +47,7 @@ def _half_circle(tilt: float, segments: int) -> Polygon:
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
-    angles = np.concatenate(
-        [np.linspace(start, lowest, before + 1), np.linspace(lowest, end, after + 1)[1:]]
-    )
+    angles = np.concatenate([np.linspace(start, lowest, before + 1), np.linspace(lowest, end, after + 1)[1:]])
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     circle[before] = (0.0, -1.0)
     return circle

@@ -88,10 +88,9 @@ def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
     if design.whole:
         roots = [
-            leg._replace(vertices=leg.vertices + np.array([*limb.anchor, _left_side(
-                limb, design.size.depth)]))
+            leg._replace(vertices=leg.vertices + np.array([*limb.anchor, _left_side(limb, design.size.depth)]))
             for limb, leg in zip(design.limbs, solid.legs, strict=True)
-        ]  # fmt: skip
+        ]
     else:
         roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
     walker, body = pockets.cut(design, solid.walker, solid.body, roots)
@@ -163,9 +162,7 @@ def _lettered(ground: Mesh, design: Design) -> Mesh:
     # Half of the tool stands above the body, the other half makes the pockets
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
-        raise GeometryError(
-            f"{_key(design)}: the letters leave the outline: make text_height_mm smaller"
-        )
+        raise GeometryError(f"{_key(design)}: the letters leave the outline: make text_height_mm smaller")
     return modeller.mesh_of(cut)
 
 
@@ -325,8 +322,7 @@ def clearance(limbs: Sequence[Limb]) -> float:
         if back.tilt == front.tilt:
             apart.append(spacing - (back.half_width + front.half_width))
         else:
-            apart.append(min(spacing, front.anchor[0] - back.anchor[0])
-                         - (back.half_width + front.half_width))  # fmt: skip
+            apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
         for limb in (back, front):
             if limb.braced:
                 crossing = abs(limb.brace_offset) + limb.half_width + 0.5 * limb.brace
@@ -365,14 +361,9 @@ def _body_profile(design: Design) -> Polygon:
     x, y = 0.5 * length, 0.5 * thickness
     edge = [
         corner
-        for notch in marks.notches(
-            design.marks, design.family.tilt_deg, design.tilt_deg, length, thickness
-        )
-        for corner in (
-            (notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom),
-            (notch.left, y),
-        )
-    ]  # fmt: skip
+        for notch in marks.notches(design.marks, design.family.tilt_deg, design.tilt_deg, length, thickness)
+        for corner in ((notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom), (notch.left, y))
+    ]
     return np.array([(-x, -y), (x, -y), (x, y), *edge, (-x, y)])
 
 
@@ -381,7 +372,4 @@ def _engraved(design: Design) -> list[Polygon]:
     if design.letters:
         return _lettering(design, design.size.length, design.size.thickness)
     strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
-    return [
-        np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
-        for s in strokes
-    ]
+    return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]

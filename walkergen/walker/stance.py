@@ -32,25 +32,19 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """
     for name in ("motor", "battery"):
         if data.get(name) is not None:
-            raise GeometryError(
-                f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level"
-            )
+            raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
     body = Body.model_validate(data.get("body", {}))
     legs = [Leg.model_validate(leg) for leg in _listed(data)]
     shape = body.shape
     if shape.side is None:
         raise GeometryError(
-            "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the "
-            "feet level"
+            "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the feet level"
         )
     if any(leg.foot == "flat" for leg in legs):
         raise GeometryError(
-            "stance = 'as built': a flat foot is cut for a level stance; use foot = 'square' or "
-            "'round'"
+            "stance = 'as built': a flat foot is cut for a level stance; use foot = 'square' or 'round'"
         )
-    built = [
-        limb_of(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs
-    ]
+    built = [limb_of(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
     back = min(built, key=lambda limb: limb.along)
     front = max(built, key=lambda limb: limb.along)
     lean = _lean(back, front)
@@ -101,9 +95,7 @@ def _foot(limb: Limb, lean: float) -> Array:
     return _turned(np.array(limb.anchor), lean) + turned.anchor_to_foot
 
 
-def _standing(
-    leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float
-) -> dict[str, Any]:
+def _standing(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
     """Keys of a leg of the walker as it stands; lengths count from its lowest level, `bottom`."""
     tilt = limb.tilt - lean
     anchor, foot = _turned(np.array(limb.anchor), lean) - middle, _foot(limb, lean) - middle
@@ -119,11 +111,13 @@ def _standing(
 def check(limbs: Sequence[Limb], mass: MassProperties) -> None:
     """Raise GeometryError unless the centre of mass is above the feet."""
     centre = _centre(mass)
-    corners = np.array([
-        (leg.foot[0], limb.across + side * 0.5 * limb.width)
-        for limb, leg in zip(limbs, mass.legs, strict=True)
-        for side in (-1.0, 1.0)
-    ])  # fmt: skip
+    corners = np.array(
+        [
+            (leg.foot[0], limb.across + side * 0.5 * limb.width)
+            for limb, leg in zip(limbs, mass.legs, strict=True)
+            for side in (-1.0, 1.0)
+        ]
+    )
     around = np.sort(np.arctan2(*(corners - centre).T[::-1]))
     gaps = np.diff(np.append(around, around[0] + 2.0 * math.pi))
     if gaps.max() < math.pi - ROUNDING_MM:

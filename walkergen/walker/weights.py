@@ -135,9 +135,7 @@ def unused(path: Path, members: Sequence[Design]) -> list[str]:
     own = _parts(members)
     masses = (row["part"].strip() for _, row in _rows(path) if _values(row))
     known = {*own, *CARRIED}
-    return list(dict.fromkeys(
-        COPY.sub("", name) for name in masses if not known & {name, COPY.sub("", name)}
-    ))  # fmt: skip
+    return list(dict.fromkeys(COPY.sub("", name) for name in masses if not known & {name, COPY.sub("", name)}))
 
 
 def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
@@ -225,9 +223,7 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     return table.rows
 
 
-def _row_of(
-    name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
-) -> str | None:
+def _row_of(name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
     """Part of a row, or what walkers carry; None for another walker. Raises InputError."""
     if not any(name in carried(design) for design in members):
         return _part_of(name, parts, members)
@@ -244,8 +240,7 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
             value = words.value(cell)
             if value is None or not LIGHTEST <= value <= HEAVIEST:
                 raise InputError(
-                    f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, "
-                    "in grams"
+                    f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, in grams"
                 )
             values[quantity] = value
     return values
@@ -253,11 +248,7 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
 
 def _parts(members: Sequence[Design]) -> dict[str, str]:
     """Names of members by the names that files may have for them."""
-    return {
-        names.part(design, stem): names.part(design)
-        for design in members
-        for stem in (design.name, names.STEM)
-    }
+    return {names.part(design, stem): names.part(design) for design in members for stem in (design.name, names.STEM)}
 
 
 def _named(name: str, parts: Mapping[str, str]) -> str | None:

@@ -68,21 +68,17 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
     """
     bottom, top = float(mesh.vertices[:, 1].min()), float(mesh.vertices[:, 1].max())
     if not 0.0 < below_mm < top - bottom:
-        raise GeometryError(
-            f"{key} = {below_mm:g}: must lie in 0..{top - bottom:.4g} mm, the walker's height"
-        )
+        raise GeometryError(f"{key} = {below_mm:g}: must lie in 0..{top - bottom:.4g} mm, the walker's height")
     height = bottom + below_mm
     upper, lower = modeller.solid(mesh).split_by_plane((0.0, 1.0, 0.0), height)
     tops, pieces = (modeller.bodies(modeller.evaluated(half)) for half in (upper, lower))
     if len(tops) != 1:
         raise GeometryError(
-            f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; "
-            "cut lower or higher"
+            f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; cut lower or higher"
         )
     if not 0 < len(pieces) <= MOST_LEGS:
         raise GeometryError(
-            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MOST_LEGS} "
-            "legs; cut elsewhere"
+            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MOST_LEGS} legs; cut elsewhere"
         )
     legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
     ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
@@ -98,13 +94,15 @@ def centred(cut: CutWalker) -> CutWalker:
         _shifted(cut.body, shift),
         tuple(
             leg._replace(
-                mesh=_shifted(leg.mesh, shift), anchor=leg.anchor + shift, foot=leg.foot + shift,
+                mesh=_shifted(leg.mesh, shift),
+                anchor=leg.anchor + shift,
+                foot=leg.foot + shift,
                 z=leg.z + float(shift[2]),
             )
             for leg in cut.legs
         ),
         _shifted(cut.whole, shift),
-    )  # fmt: skip
+    )
 
 
 def _shifted(mesh: Mesh, shift: Array) -> Mesh:
@@ -123,10 +121,21 @@ def limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
         )
     plain = Legs(kind=kind)
     return Limb(
-        kind, leg.tilt, leg.length, leg.thickness, plain.thickness_sd_mm, plain.brace_thickness_mm,
-        "flat", float(leg.foot[0]), leg.z - 0.5 * depth, leg.width, float(leg.anchor[1]), 0.0,
-        None, None,
-    )  # fmt: skip
+        kind,
+        leg.tilt,
+        leg.length,
+        leg.thickness,
+        plain.thickness_sd_mm,
+        plain.brace_thickness_mm,
+        "flat",
+        float(leg.foot[0]),
+        leg.z - 0.5 * depth,
+        leg.width,
+        float(leg.anchor[1]),
+        0.0,
+        None,
+        None,
+    )
 
 
 def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
@@ -141,9 +150,16 @@ def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
     dx, dy = anchor[0] - foot[0], anchor[1] - foot[1]
     tilt = math.atan2(dx, dy)
     return CutLeg(
-        mesh, anchor, foot, tilt, math.hypot(dx, dy), float(extent[0]) * math.cos(tilt),
-        float(extent[2]), float(0.5 * (points[:, 2].max() + points[:, 2].min())), len(struts),
-    )  # fmt: skip
+        mesh,
+        anchor,
+        foot,
+        tilt,
+        math.hypot(dx, dy),
+        float(extent[0]) * math.cos(tilt),
+        float(extent[2]),
+        float(0.5 * (points[:, 2].max() + points[:, 2].min())),
+        len(struts),
+    )
 
 
 def _foot(mesh: Mesh) -> Array:
@@ -178,6 +194,4 @@ def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
             centroid = areas[mine] @ corners[mine].mean(axis=1) / area
             struts.append((area, corners[mine].reshape(-1, 3), centroid))
     struts.sort(key=lambda strut: -strut[0])
-    return [
-        (points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]
-    ]
+    return [(points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]]

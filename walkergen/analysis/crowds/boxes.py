@@ -65,10 +65,7 @@ def sums(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
     """
     frames, count = x.shape
     across = grid.used.shape
-    columns, rows = (
-        np.floor(places / grid.side + 0.5 * number)
-        for places, number in zip((x, y), across, strict=True)
-    )
+    columns, rows = (np.floor(places / grid.side + 0.5 * number) for places, number in zip((x, y), across, strict=True))
     within = (columns >= 0) & (columns < across[0]) & (rows >= 0) & (rows < across[1])
     cells = across[0] * across[1]
     frame = np.broadcast_to(np.arange(frames)[:, None], x.shape)[within]

@@ -51,10 +51,9 @@ def measure(film: CrowdFilm) -> Clusters:
         sizes = sizes_of(links, len(seen))
         own = np.repeat(sizes, sizes)  # of each walker's cluster
         octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
-        rows.append((
-            float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(),
-            2.0 * len(links) / len(own),
-        ))  # fmt: skip
+        rows.append(
+            (float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(), 2.0 * len(links) / len(own))
+        )
     number, largest, size, alone, touching = np.array(rows, dtype=float).T
     return Clusters(number, largest, size, alone, touching, octaves / octaves.sum())
 

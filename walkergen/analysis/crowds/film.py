@@ -68,9 +68,7 @@ class CrowdFilm(NamedTuple):
         return self._replace(**kept)
 
 
-def of_places(
-    times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish
-) -> CrowdFilm:
+def of_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
     """Film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
 
     Each of `kinds` (N) has its contours in `outlines`, or there are no outlines at all.

@@ -57,9 +57,8 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
         variances.append([((count - own) ** 2).mean() / fixed for count in counts])
     by_run = np.array(variances).reshape(len(parts), len(films)).T
     return Fluctuations(
-        np.array(sides), np.array(means), by_run,
-        np.array([_exponent(np.array(means), row) for row in by_run]),
-    )  # fmt: skip
+        np.array(sides), np.array(means), by_run, np.array([_exponent(np.array(means), row) for row in by_run])
+    )
 
 
 def _parts(film: CrowdFilm) -> list[int]:

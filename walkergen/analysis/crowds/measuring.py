@@ -11,15 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.crowds import (
-    clusters,
-    fluctuations,
-    order,
-    packing,
-    pairs,
-    spreading,
-    walls,
-)
+from walkergen.analysis.crowds import clusters, fluctuations, order, packing, pairs, spreading, walls
 from walkergen.analysis.crowds.film import CrowdFilm
 from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.motion import Curve
@@ -30,14 +22,27 @@ from walkergen.numerics import statistics
 Array = npt.NDArray[np.float64]
 
 UNITS = {
-    "packing": "", "packing_scatter": "",
-    "polar_order": "", "nematic_order": "", "local_polar_order": "", "local_nematic_order": "",
-    "circulation": "", "milling": "",
-    "speed": "mm_s", "speed_along_heading": "mm_s", "spread_exponent": "",
+    "packing": "",
+    "packing_scatter": "",
+    "polar_order": "",
+    "nematic_order": "",
+    "local_polar_order": "",
+    "local_nematic_order": "",
+    "circulation": "",
+    "milling": "",
+    "speed": "mm_s",
+    "speed_along_heading": "mm_s",
+    "spread_exponent": "",
     "fluctuation_exponent": "",
-    "clusters": "", "largest_cluster": "", "cluster_size": "", "alone": "", "touching": "",
-    "wall_density": "", "wall_speed": "mm_s", "wall_alignment": "",
-}  # fmt: skip
+    "clusters": "",
+    "largest_cluster": "",
+    "cluster_size": "",
+    "alone": "",
+    "touching": "",
+    "wall_density": "",
+    "wall_speed": "mm_s",
+    "wall_alignment": "",
+}
 """Names of the numbers and their units as keys write them ("" is a pure number). `milling` is the
 mean modulus of `circulation`, which may go either way; `wall_density` is over the mean."""
 
@@ -113,12 +118,17 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
     film = films[0]
     return CrowdStatistics(
         {name: _estimate(name, by_run[name], runs, film) for name in UNITS},
-        _by_chance(film), by_run,
+        _by_chance(film),
+        by_run,
         {name: _joined([run.series[name] for run in runs]) for name in runs[0].series},
         {name: _joined([run.curves[name] for run in runs]) for name in runs[0].curves},
-        len(films), round(film.walkers), shortest, float(film.times[-1] - film.times[0]), film.dish,
+        len(films),
+        round(film.walkers),
+        shortest,
+        float(film.times[-1] - film.times[0]),
+        film.dish,
         _notes(films),
-    )  # fmt: skip
+    )
 
 
 def _check(films: Sequence[CrowdFilm]) -> None:
@@ -127,13 +137,9 @@ def _check(films: Sequence[CrowdFilm]) -> None:
     first = films[0]
     for film in films:
         if film.dish != first.dish or set(film.kinds) != set(first.kinds):
-            raise InputError(
-                f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart"
-            )
+            raise InputError(f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart")
         if len(film.times) < FEWEST_FRAMES:
-            raise InputError(
-                f"a run of a crowd has {len(film.times)} frames: needs {FEWEST_FRAMES} at least"
-            )
+            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {FEWEST_FRAMES} at least")
         if len(film.kinds) < 2:
             raise InputError("a crowd of 1 walker: needs 2 at least; leave --dish out")
 
@@ -190,14 +196,14 @@ def _add_sized(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
     if local.shape[1] > 1:
         run.curves["local_packing"] = packing.density_of(local)
     joined = clusters.measure(few)
-    run.curves["cluster_shares"] = (
-        np.exp2(np.arange(len(joined.shares), dtype=float)),
-        joined.shares,
-    )
+    run.curves["cluster_shares"] = (np.exp2(np.arange(len(joined.shares), dtype=float)), joined.shares)
     for name, values in (
-        ("clusters", joined.number), ("largest_cluster", joined.largest),
-        ("cluster_size", joined.size), ("alone", joined.alone), ("touching", joined.touching),
-    ):  # fmt: skip
+        ("clusters", joined.number),
+        ("largest_cluster", joined.largest),
+        ("cluster_size", joined.size),
+        ("alone", joined.alone),
+        ("touching", joined.touching),
+    ):
         run.series[name] = few.times, values
 
 
@@ -215,10 +221,9 @@ def _add_walls(run: _Run, film: CrowdFilm) -> None:
 
 def _each(runs: Sequence[_Run], name: str) -> Array:
     """Number of each run: the mean of its course in time, or that of the whole; NaN without."""
-    return np.array([
-        _mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan)
-        for run in runs
-    ])  # fmt: skip
+    return np.array(
+        [_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
+    )
 
 
 def _estimate(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Estimate:
@@ -252,8 +257,7 @@ def _refusal(name: str, film: CrowdFilm) -> str:
     walled = name.startswith("wall_") or name in ("circulation", "milling")
     if walled and film.dish.period:
         return NO_WALL
-    outlined = ("packing", "packing_scatter", "clusters", "largest_cluster", "cluster_size",
-                "alone", "touching")  # fmt: skip
+    outlined = ("packing", "packing_scatter", "clusters", "largest_cluster", "cluster_size", "alone", "touching")
     if name in outlined and not film.sized:
         return NO_OUTLINE
     return NO_PAIRS if film.headed or name in outlined else NO_HEADING
@@ -275,26 +279,33 @@ def _by_chance(film: CrowdFilm) -> dict[str, float]:
     """Numbers of walkers at random places and headings, where they are known."""
     walkers = max(film.walkers, 1.0)
     return {
-        "polar_order": order.by_chance(walkers), "nematic_order": order.by_chance(walkers),
-        "local_polar_order": 0.0, "local_nematic_order": 0.0, "circulation": 0.0,
-        "milling": order.circulation_by_chance(walkers), "fluctuation_exponent": 0.5,
-        "wall_density": 1.0, "wall_alignment": 0.0,
-    }  # fmt: skip
+        "polar_order": order.by_chance(walkers),
+        "nematic_order": order.by_chance(walkers),
+        "local_polar_order": 0.0,
+        "local_nematic_order": 0.0,
+        "circulation": 0.0,
+        "milling": order.circulation_by_chance(walkers),
+        "fluctuation_exponent": 0.5,
+        "wall_density": 1.0,
+        "wall_alignment": 0.0,
+    }
 
 
 def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
     film = films[0]
     errors = (
-        f"errors are from the scatter of {len(films)} independent runs" if len(films) > 1 else
-        "one run: errors are from the time over which numbers are correlated in it, where it is "
+        f"errors are from the scatter of {len(films)} independent runs"
+        if len(films) > 1
+        else "one run: errors are from the time over which numbers are correlated in it, where it is "
         "long beside that; changes rarer than the run is long escape"
-    )  # fmt: skip
+    )
     lines = [errors]
     if film.sized:
         how = (
             f"outlines are nearer than {clusters.TOUCHING * float(film.radii.mean()):.3g} mm"
-            if film.outlines else "centres are nearer than the sum of the outer radii"
-        )  # fmt: skip
+            if film.outlines
+            else "centres are nearer than the sum of the outer radii"
+        )
         lines.append(f"walkers touch, and are of one cluster, where their {how}")
     near = pairs.NEAR * pairs.scale(film)
     lines.append(f"local orders are means over pairs nearer than {near:.3g} mm")
@@ -307,8 +318,7 @@ def _row_means(values: Array) -> Array:
     """Mean over the walkers that are known at each time; NaN where there are none."""
     known = np.isfinite(values)
     count = known.sum(axis=1)
-    return np.where(count > 0, np.where(known, values, 0.0).sum(axis=1) / np.maximum(count, 1),
-                    math.nan)  # fmt: skip
+    return np.where(count > 0, np.where(known, values, 0.0).sum(axis=1) / np.maximum(count, 1), math.nan)
 
 
 def _mean(values: Array) -> float:

@@ -90,8 +90,6 @@ def _by_chance(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
     low, width = edges[:-1, None], np.diff(edges)[:, None]
     radius = low + width * NODES
     middle_x, middle_y = ground.wrapped(x, y, film.dish)
-    share = ground.share_inside(
-        middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish
-    )
+    share = ground.share_inside(middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish)
     rings = (2.0 * np.pi * radius * width * share.sum(axis=0)).mean(axis=1)
     return np.asarray(0.5 * (len(x) - 1) / film.dish.area * rings)

@@ -52,11 +52,14 @@ def measure(film: CrowdFilm) -> Walls:
     at_wall_area = 1.0 - float(ground.area_beyond(np.array(at_wall), dish)) / dish.area
     near_share = (distance < at_wall).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
     return Walls(
-        0.5 * (edges[1:] + edges[:-1]), share / area,
-        _binned(between, speed, edges), _binned(distance, along, edges),
-        near_share / at_wall_area, _mean(speed, between < at_wall),
+        0.5 * (edges[1:] + edges[:-1]),
+        share / area,
+        _binned(between, speed, edges),
+        _binned(distance, along, edges),
+        near_share / at_wall_area,
+        _mean(speed, between < at_wall),
         _mean(along, distance < at_wall),
-    )  # fmt: skip
+    )
 
 
 def _binned(distance: Array, values: Array, edges: Array) -> Array:
@@ -71,5 +74,4 @@ def _mean(values: Array, chosen: npt.NDArray[np.bool_]) -> Array:
     """Mean over the chosen walkers at each time; NaN where there are none."""
     chosen = chosen & np.isfinite(values)
     count = chosen.sum(axis=1)
-    return np.where(count > 0, np.where(chosen, values, 0.0).sum(axis=1) / np.maximum(count, 1),
-                    np.nan)  # fmt: skip
+    return np.where(count > 0, np.where(chosen, values, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)

@@ -81,10 +81,23 @@ def _limb(leg, anchor, reach, cos, sin, pitch, alpha, implicit):
     k_x, k_y = -leg.mass * C_y * mobility, leg.mass * C_x * mobility
     k_t = (leg.mass * (A_x * C_x + A_y * C_y) - implicit) * mobility
     return Limb(
-        A_x, A_y, C_x, C_y, r_x, r_y, k_x, k_y, k_t, mobility,
-        1.0 + r_y * k_x, r_y * k_y, -A_y + r_y * k_t,
-        -r_x * k_x, 1.0 - r_x * k_y, A_x - r_x * k_t,
-    )  # fmt: skip
+        A_x,
+        A_y,
+        C_x,
+        C_y,
+        r_x,
+        r_y,
+        k_x,
+        k_y,
+        k_t,
+        mobility,
+        1.0 + r_y * k_x,
+        r_y * k_y,
+        -A_y + r_y * k_t,
+        -r_x * k_x,
+        1.0 - r_x * k_y,
+        A_x - r_x * k_t,
+    )
 
 
 @kernel
@@ -120,10 +133,15 @@ def chain_of(walker, state, implicit):
     c_xx, c_xy, c_xt = yy * tt - yt * yt, xt * yt - xy * tt, xy * yt - yy * xt
     d = 1.0 / (xx * c_xx + xy * c_xy + xt * c_xt)
     return Chain(
-        c_xx * d, c_xy * d, c_xt * d,
-        (xx * tt - xt * xt) * d, (xy * xt - xx * yt) * d, (xx * yy - xy * xy) * d,
-        back, front,
-    )  # fmt: skip
+        c_xx * d,
+        c_xy * d,
+        c_xt * d,
+        (xx * tt - xt * xt) * d,
+        (xy * xt - xx * yt) * d,
+        (xx * yy - xy * xy) * d,
+        back,
+        front,
+    )
 
 
 @kernel

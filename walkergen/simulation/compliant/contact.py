@@ -29,16 +29,7 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.drive import velocity
 from walkergen.simulation.record import Tally, add_impulse, note_event, tally_impact
-from walkergen.simulation.world import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
-    FORWARD,
-    MODE_BACK,
-    MODE_FRONT,
-    OPEN,
-    PHASE,
-    STICK,
-)
+from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, FORWARD, MODE_BACK, MODE_FRONT, OPEN, PHASE, STICK
 from walkergen.theory.impact import FROM_REST, III_MIRRORED, TYPE_I, TYPE_III, TYPE_IV, impact
 
 SHARING = 1e-12
@@ -173,15 +164,9 @@ def solve(W, u, touching, guess, friction, rows):
         d = applied(W, F)
         violation = 0.0
         if touching[0]:
-            violation = _violation(
-                back, u[0] + d[0], u[1] + d[1], F[0], F[1],
-                W.bb_xx, W.bb_yy, friction[0],
-            )  # fmt: skip
+            violation = _violation(back, u[0] + d[0], u[1] + d[1], F[0], F[1], W.bb_xx, W.bb_yy, friction[0])
         if touching[1]:
-            other = _violation(
-                front, u[2] + d[2], u[3] + d[3], F[2], F[3],
-                W.ff_xx, W.ff_yy, friction[1],
-            )  # fmt: skip
+            other = _violation(front, u[2] + d[2], u[3] + d[3], F[2], F[3], W.ff_xx, W.ff_yy, friction[1])
             violation = max(violation, other)
         if violation < best:
             best, best_back, best_front, best_F = violation, back, front, F
@@ -318,10 +303,7 @@ def settle(world, state, implicit, rows):
     """
     chain = chain_of(world.walker, state, implicit)
     back, front = gaps(world.drive, state, chain)
-    modes = (
-        (OPEN if state[MODE_BACK] == OPEN else FORWARD),
-        (OPEN if state[MODE_FRONT] == OPEN else FORWARD),
-    )
+    modes = ((OPEN if state[MODE_BACK] == OPEN else FORWARD), (OPEN if state[MODE_FRONT] == OPEN else FORWARD))
     W = mobility_of(chain)
     F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], SMOOTH, rows)
     shift(state, push(chain, F))

@@ -9,13 +9,7 @@ of second order in its length, with an error that vanishes for small angles of l
 import math
 
 from walkergen.numerics.kernels import inlined, kernel
-from walkergen.simulation.compliant.chain import (
-    LOOSE,
-    chain_of,
-    free_acceleration,
-    longest_leg,
-    turned,
-)
+from walkergen.simulation.compliant.chain import LOOSE, chain_of, free_acceleration, longest_leg, turned
 from walkergen.simulation.drive import derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import DAMPING_LOSS
@@ -108,10 +102,7 @@ def _oscillate(value, rate, square, decay, t):
     else:
         cos = math.exp(-decay * t)
         sin = cos * t
-    return (
-        cos * value + sin * (rate + decay * value),
-        cos * rate - sin * (decay * rate + square * value),
-    )
+    return (cos * value + sin * (rate + decay * value), cos * rate - sin * (decay * rate + square * value))
 
 
 @inlined
@@ -127,9 +118,7 @@ def _swing(legs, walker, state, t, sums):
     u_1, du_1 = _oscillate(u, du, k * m_1, 0.5 * c_1 * m_1, t)
     v_1, dv_1 = _oscillate(v, dv, k * m_2, 0.5 * c_2 * m_2, t)
     sums[DAMPING_LOSS] += 0.5 * (
-        k * (u * u + v * v - u_1 * u_1 - v_1 * v_1)
-        + (du * du - du_1 * du_1) / m_1
-        + (dv * dv - dv_1 * dv_1) / m_2
+        k * (u * u + v * v - u_1 * u_1 - v_1 * v_1) + (du * du - du_1 * du_1) / m_1 + (dv * dv - dv_1 * dv_1) / m_2
     )
     share_b, share_f = s.share_back, s.share_front * unroot
     b_1, f_1 = s.cos * u_1 - s.sin * v_1, s.sin * u_1 + s.cos * v_1
@@ -215,8 +204,7 @@ def _clear_time(legs, world, state, chain, gaps, pull):
     amplitude = math.sqrt(
         state[ANGLE_BACK] ** 2
         + (root * state[ANGLE_FRONT]) ** 2
-        + (state[RATE_BACK] ** 2 + (root * state[RATE_FRONT]) ** 2)
-        / (legs[0].stiffness * s.mobility_1)
+        + (state[RATE_BACK] ** 2 + (root * state[RATE_FRONT]) ** 2) / (legs[0].stiffness * s.mobility_1)
     )
     steady = spin + s.share_back * state[RATE_BACK] + s.share_front * state[RATE_FRONT]
     centre_x, _, _, turning = _centre(legs, world.walker, state)

@@ -54,10 +54,7 @@ def slower_mode(leg, swing):
     """Frequency (rad/s) and damping (twice its decay, 1/s) of the slower mode; `leg`: the back."""
     slower = min(swing.mobility_1, swing.mobility_2)
     part = swing.sin if swing.mobility_1 <= swing.mobility_2 else swing.cos
-    return (
-        math.sqrt(leg.stiffness * slower),
-        leg.damping * (1.0 + swing.excess * (part * part)) * slower,
-    )
+    return (math.sqrt(leg.stiffness * slower), leg.damping * (1.0 + swing.excess * (part * part)) * slower)
 
 
 def longest_step(walker: Any) -> float:

@@ -9,17 +9,7 @@ from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.model import Array, Model, same
-from walkergen.simulation.world import (
-    LEG_COLUMNS,
-    RATE_BACK,
-    RIGID_COLUMNS,
-    SPIN,
-    V_X,
-    State,
-    World,
-    X,
-    pose,
-)
+from walkergen.simulation.world import LEG_COLUMNS, RATE_BACK, RIGID_COLUMNS, SPIN, V_X, State, World, X, pose
 
 
 def feet(world: World, state: State) -> Array:

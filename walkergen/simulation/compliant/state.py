@@ -89,16 +89,11 @@ class Walker(NamedTuple):
 
 
 def walker_of(
-    design: Design,
-    mass: MassProperties,
-    *,
-    damping_ratio: float = 0.05,
-    spring: Spring = "cantilever",
+    design: Design, mass: MassProperties, *, damping_ratio: float = 0.05, spring: Spring = "cantilever"
 ) -> Walker:
     """Walker of a design; `damping_ratio`: of a free leg on a held body."""
     flat, size = in_plane(design, mass), design.size
-    low = np.array([(-0.5 * size.length, -0.5 * size.thickness),
-                    (0.5 * size.length, -0.5 * size.thickness)])  # fmt: skip
+    low = np.array([(-0.5 * size.length, -0.5 * size.thickness), (0.5 * size.length, -0.5 * size.thickness)])
     (left, bottom), (right, _) = from_centre(design, mass, low)
     back, front = flat.mass.legs
     modulus = design.material.youngs_modulus
@@ -158,9 +153,7 @@ def _swing(mass: MassProperties, ratios: Ratios) -> Swing:
     return Swing(*(float(value) for value in (cos, sin, *mobility, excess, *shares)))
 
 
-def start(
-    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0
-) -> State:
+def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
     """A state at rest in the laboratory, relaxed, its lower foot `clearance` mm over the plate."""
     walker = world.walker
     state = np.zeros(COMPLIANT_SIZE)

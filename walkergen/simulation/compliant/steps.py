@@ -44,13 +44,7 @@ from walkergen.simulation.compliant.contact import (
     solve,
 )
 from walkergen.simulation.compliant.flight import clear_time, fly
-from walkergen.simulation.compliant.lengths import (
-    SLIVER,
-    longest_contact,
-    longest_flight,
-    stiffening,
-    swings_back,
-)
+from walkergen.simulation.compliant.lengths import SLIVER, longest_contact, longest_flight, stiffening, swings_back
 from walkergen.simulation.drive import acceleration, derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import next_sample, take_sample
@@ -320,10 +314,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
     turning = feet_turning(state, chain)
     lift = acceleration(world.drive, state[PHASE])
     least = short * across(world.acting)
-    rest = (
-        max(short * (lift - d[1] - turning[1]), least),
-        max(short * (lift - d[3] - turning[3]), least),
-    )
+    rest = (max(short * (lift - d[1] - turning[1]), least), max(short * (lift - d[3] - turning[3]), least))
     swung = swings_back(world.walker, 2.0 * world.options.step)
     e = PLASTIC if swung else restitutions(world)
     collide(world, e, state, Instant(chain, mobility_of(chain), rows, tally), touching, rest)

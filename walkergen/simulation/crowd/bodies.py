@@ -137,12 +137,17 @@ def bodies_of(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
     first = np.cumsum([0, *(len(shape.corners) for shape in shapes)])
     edges = [shape.edges + start for shape, start in zip(shapes, first, strict=False)]
     return Bodies(
-        np.array(kinds, np.int64), first, np.cumsum([0, *(len(part) for part in edges)]),
-        np.vstack([shape.corners for shape in shapes]), np.vstack(edges),
-        np.array([shape.radius for shape in shapes]), np.array([shape.reach for shape in shapes]),
-        common_heights(shapes), np.array([(shape.bottom, shape.top) for shape in shapes]),
+        np.array(kinds, np.int64),
+        first,
+        np.cumsum([0, *(len(part) for part in edges)]),
+        np.vstack([shape.corners for shape in shapes]),
+        np.vstack(edges),
+        np.array([shape.radius for shape in shapes]),
+        np.array([shape.reach for shape in shapes]),
+        common_heights(shapes),
+        np.array([(shape.bottom, shape.top) for shape in shapes]),
         np.array([_box(shape.corners) for shape in shapes]),
-    )  # fmt: skip
+    )
 
 
 def _box(corners: Array) -> Array:
@@ -159,18 +164,22 @@ def ground_of(dish: Dish | None) -> Ground:
     return Ground(NUMBERS[dish.kind], 0.5 * dish.sizes[0], 0.5 * inner, dish.period)
 
 
-def movers_of(
-    worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]
-) -> tuple[list[Mover], Free]:
+def movers_of(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
     """Movers of walkers, and the arrays over all of them that they share."""
     count = len(worlds)
     most = max(len(world.walker.stiffness) for world in worlds)
     free = Free(
-        np.zeros((count, max(map(len, states)))), np.zeros((count, 14)),
-        np.zeros((count, 3, 3)), np.zeros((count, 6)), np.zeros(count, np.int64),
-        np.zeros(count), np.zeros((count, 3, 3)), np.zeros((count, 3, most)),
-        np.zeros((count, 3, most)), np.zeros((count, most, most)),
-    )  # fmt: skip
+        np.zeros((count, max(map(len, states)))),
+        np.zeros((count, 14)),
+        np.zeros((count, 3, 3)),
+        np.zeros((count, 6)),
+        np.zeros(count, np.int64),
+        np.zeros(count),
+        np.zeros((count, 3, 3)),
+        np.zeros((count, 3, most)),
+        np.zeros((count, 3, most)),
+        np.zeros((count, most, most)),
+    )
     movers = []
     for i, (world, state, tally) in enumerate(zip(worlds, states, tallies, strict=True)):
         walker, n = world.walker, len(world.walker.stiffness)

@@ -274,10 +274,7 @@ def _corners_of(crowd, i, j, layer, first, pushes):
         p_x, p_z = outward(planar, j, y_j, c_x, c_z)
         n_x, n_z = (x + s_x - p_x) / distance, (z + s_z - p_z) / distance
         middle = r - 0.5 * depth
-        _resolve(
-            crowd, i, j, x - middle * n_x, z - middle * n_z, n_x, n_z,
-            b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes,
-        )  # fmt: skip
+        _resolve(crowd, i, j, x - middle * n_x, z - middle * n_z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes)
     return count
 
 
@@ -319,23 +316,29 @@ def meet_wall(crowd, i, pushes):
                     n_z = (-1.0 if side == 2 else 1.0) if side >= 2 else 0.0
                     half = ground.outer if side < 2 else ground.inner
                     depth = r - half - n_x * x - n_z * z
-                    count += _at_wall(
-                        crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, depth, pushes
-                    )
+                    count += _at_wall(crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, depth, pushes)
             else:
                 size = math.sqrt(x * x + z * z)
                 n_x, n_z = -x / max(size, 1e-300), -z / max(size, 1e-300)
                 count += _at_wall(
-                    crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y,
-                    size + r - ground.outer, pushes,
-                )  # fmt: skip
+                    crowd, i, x - r * n_x, z - r * n_z, n_x, n_z, b_x, b_z, y, size + r - ground.outer, pushes
+                )
         if ground.kind == RING:
             q_x, q_z = inward(crowd.planar, i, y, 0.0, 0.0)
             distance, b_x, b_z, _, _ = closest(bodies, kind, q_x, q_z)
             x, z = outward(crowd.planar, i, y, b_x, b_z)
             size = max(math.sqrt(x * x + z * z), 1e-300)
             count += _at_wall(
-                crowd, i, x * ground.inner / size, z * ground.inner / size, x / size, z / size,
-                b_x, b_z, y, ground.inner + r - distance, pushes,
-            )  # fmt: skip
+                crowd,
+                i,
+                x * ground.inner / size,
+                z * ground.inner / size,
+                x / size,
+                z / size,
+                b_x,
+                b_z,
+                y,
+                ground.inner + r - distance,
+                pushes,
+            )
     return count

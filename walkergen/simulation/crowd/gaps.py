@@ -3,18 +3,7 @@
 import math
 
 from walkergen.numerics.kernels import inlined
-from walkergen.simulation.crowd.bodies import (
-    COS,
-    ENDLESS,
-    LEAN_X,
-    LEAN_Z,
-    PERIODIC,
-    RECTANGLE,
-    RING,
-    SIN,
-    X,
-    Z,
-)
+from walkergen.simulation.crowd.bodies import COS, ENDLESS, LEAN_X, LEAN_Z, PERIODIC, RECTANGLE, RING, SIN, X, Z
 
 FAR = 1e9
 """Gap of bodies that never meet, mm."""

@@ -147,8 +147,7 @@ def _overlap(outlines, own, other, d_x, d_y, turn, ratio):
         edge = outlines.edges[e]
         p_x, p_y = d_x + c * edge[0] - s * edge[1], d_y + s * edge[0] + c * edge[1]
         q_x, q_y = d_x + c * edge[2] - s * edge[3], d_y + s * edge[2] + c * edge[3]
-        if (max(p_x, q_x) < -reach or min(p_x, q_x) > reach
-                or max(p_y, q_y) < -reach or min(p_y, q_y) > reach):  # fmt: skip
+        if max(p_x, q_x) < -reach or min(p_x, q_x) > reach or max(p_y, q_y) < -reach or min(p_y, q_y) > reach:
             continue
         for f in range(outlines.first[own], outlines.first[own + 1]):
             if _cuts(outlines.edges[f], p_x, p_y, q_x, q_y):
@@ -287,9 +286,7 @@ def sweep(outlines, bounds, cells, places, scales, randoms, steps, growth, most)
             x, y, heading = new_x, new_y, turned
             moved += 1
         larger = min(most, scale * (1.0 + growth * randoms[i, 3]))
-        if larger > scale and free(
-            outlines, bounds, cells, places, scales, i, x, y, heading, larger
-        ):
+        if larger > scale and free(outlines, bounds, cells, places, scales, i, x, y, heading, larger):
             scale = larger
         places[i, 0], places[i, 1], places[i, 2] = x, y, heading
         scales[i] = scale

@@ -49,9 +49,7 @@ ROUNDING = 0.01
 """Distance (mm) that simplified outlines may lie inside what they stand for."""
 
 
-def place(
-    outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float
-) -> Array:
+def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, clearance_mm: float) -> Array:
     """Place x, y (mm) and heading (rad) of every walker's O, shape (N, 3), without overlap.
 
     `outlines`: contours of each walker, from O, equal walkers sharing one object; any two are
@@ -111,10 +109,7 @@ def _shapes(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array
         if margin > 0.0:
             whole = whole.buffer(margin + ROUNDING, join_style="mitre").simplify(ROUNDING)
         middle = shapely.minimum_bounding_circle(whole).centroid
-        rings = [
-            np.asarray(part.exterior.coords)[:-1] - (middle.x, middle.y)
-            for part in shapely.get_parts(whole)
-        ]
+        rings = [np.asarray(part.exterior.coords)[:-1] - (middle.x, middle.y) for part in shapely.get_parts(whole)]
         edges.append(np.vstack([np.hstack([ring, np.roll(ring, -1, axis=0)]) for ring in rings]))
         starts.append(np.array([ring[0] for ring in rings]))
         middles.append((middle.x, middle.y))
@@ -123,9 +118,13 @@ def _shapes(outlines: Sequence[Outline], margin: float) -> tuple[Outlines, Array
         inner.append(float(whole.exterior.distance(middle)) if held else 0.0)
     return Outlines(
         np.array([numbers[id(each)] for each in outlines], np.int64),
-        np.cumsum([0, *map(len, edges)]), np.vstack(edges),
-        np.cumsum([0, *map(len, starts)]), np.vstack(starts), np.array(outer), np.array(inner),
-    ), np.array(middles)  # fmt: skip
+        np.cumsum([0, *map(len, edges)]),
+        np.vstack(edges),
+        np.cumsum([0, *map(len, starts)]),
+        np.vstack(starts),
+        np.array(outer),
+        np.array(inner),
+    ), np.array(middles)
 
 
 def _about_O(places: Array, middles: Array) -> Array:
@@ -137,9 +136,8 @@ def _about_O(places: Array, middles: Array) -> Array:
 
 
 def _added(
-    shapes: Outlines, bounds: Bounds, scales: Array, order: npt.NDArray[np.int64],
-    rng: np.random.Generator,
-) -> tuple[Array, Cells] | None:  # fmt: skip
+    shapes: Outlines, bounds: Bounds, scales: Array, order: npt.NDArray[np.int64], rng: np.random.Generator
+) -> tuple[Array, Cells] | None:
     """Places of middles, and cells, of walkers added one by one; None where one found no room."""
     cells = overlap.cells_of(shapes, bounds)
     places = np.zeros((len(order), 3))
@@ -155,9 +153,8 @@ def _added(
 
 
 def _grown(
-    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array,
-    rng: np.random.Generator,
-) -> bool:  # fmt: skip
+    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator
+) -> bool:
     """Move walkers and let them grow to their size; False where they find no room for it."""
     for number, pace in enumerate(PACES):
         if number > 0:
@@ -168,9 +165,8 @@ def _grown(
 
 
 def _paced(
-    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array,
-    rng: np.random.Generator, pace: float,
-) -> bool:  # fmt: skip
+    shapes: Outlines, bounds: Bounds, cells: Cells, places: Array, scales: Array, rng: np.random.Generator, pace: float
+) -> bool:
     """Move walkers and let them grow at a pace, until all have their size or no room for it."""
     n, largest = len(places), float(shapes.outer.max())
     steps, smallest = np.array([0.3 * largest, 0.5]), float(scales.min())

@@ -69,14 +69,18 @@ def prepare(
     flat = on_plane(scene)
     every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
     shapes = tuple(
-        shape_of(design, mass, plan.world.walker)
-        for (design, mass), plan in zip(designs, every, strict=True)
+        shape_of(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
     )
     return CrowdPlan(
-        flat, every, shapes, tuple(design.name for design, _ in designs), tuple(kinds),
-        _of_centres(places, [every[kind] for kind in kinds]), _law(flat, every),
+        flat,
+        every,
+        shapes,
+        tuple(design.name for design, _ in designs),
+        tuple(kinds),
+        _of_centres(places, [every[kind] for kind in kinds]),
+        _law(flat, every),
         bodies.ground_of(None if endless else scene.crowd.dish),
-    )  # fmt: skip
+    )
 
 
 def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
@@ -177,9 +181,7 @@ def gathered(plan: CrowdPlan, walkers: Sequence[tuple[World, State]]) -> bodies.
     return _crowd(plan, worlds, states, [record.new() for _ in walkers])
 
 
-def recorded(
-    plan: CrowdPlan, before: bodies.Crowd, tallies: Sequence[record.Tally]
-) -> bodies.Crowd:
+def recorded(plan: CrowdPlan, before: bodies.Crowd, tallies: Sequence[record.Tally]) -> bodies.Crowd:
     """The same crowd with these records, which begin now."""
     worlds = [mover.world for mover in before.movers]
     crowd = _crowd(plan, worlds, [mover.state for mover in before.movers], tallies)
@@ -189,16 +191,22 @@ def recorded(
 
 
 def _crowd(
-    plan: CrowdPlan, worlds: Sequence[World], states: Sequence[State],
-    tallies: Sequence[record.Tally],
-) -> bodies.Crowd:  # fmt: skip
+    plan: CrowdPlan, worlds: Sequence[World], states: Sequence[State], tallies: Sequence[record.Tally]
+) -> bodies.Crowd:
     count = len(worlds)
     movers, free = bodies.movers_of(worlds, states, tallies)
     return bodies.Crowd(
-        kernels.listed(movers), free, bodies.bodies_of(plan.kinds, plan.shapes), plan.ground,
-        plan.law, np.zeros((count, 8)), np.full(count, OK), np.zeros((count, count), np.uint8),
-        np.zeros(7), np.zeros(1),
-    )  # fmt: skip
+        kernels.listed(movers),
+        free,
+        bodies.bodies_of(plan.kinds, plan.shapes),
+        plan.ground,
+        plan.law,
+        np.zeros((count, 8)),
+        np.full(count, OK),
+        np.zeros((count, count), np.uint8),
+        np.zeros(7),
+        np.zeros(1),
+    )
 
 
 def advance(

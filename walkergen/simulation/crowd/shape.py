@@ -51,16 +51,20 @@ class Shape(NamedTuple):
 
 def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
     """Shape of a design's body. Raises InputError for one too thin to have corners."""
-    contours = [
-        contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)
-    ]
+    contours = [contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)]
     corners, edges, radius = _core(design, contours)
     reach = float(np.hypot(*corners.T).max()) + radius
     feet = walker.root[:, 1] + walker.reach[:, 1]
     return Shape(
-        corners, edges, radius, reach, sum(Polygon(contour).area for contour in contours),
-        float(walker.corners[:, 1].min()), float(walker.corners[:, 1].max()), -float(feet.min()),
-    )  # fmt: skip
+        corners,
+        edges,
+        radius,
+        reach,
+        sum(Polygon(contour).area for contour in contours),
+        float(walker.corners[:, 1].min()),
+        float(walker.corners[:, 1].max()),
+        -float(feet.min()),
+    )
 
 
 def _core(design: Design, contours: list[Array]) -> tuple[Array, npt.NDArray[np.int64], float]:

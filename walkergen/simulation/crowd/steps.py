@@ -234,9 +234,13 @@ def advance(crowd, pairs, duration):
         _move(crowd, 0, duration)
         return duration
     plans = Plans(
-        np.empty(len(pairs)), np.empty((len(pairs), 2)), np.empty(n), np.empty((n, 2)),
-        np.empty(n, np.int64), np.empty(n, np.int64),
-    )  # fmt: skip
+        np.empty(len(pairs)),
+        np.empty((len(pairs), 2)),
+        np.empty(n),
+        np.empty((n, 2)),
+        np.empty(n, np.int64),
+        np.empty(n, np.int64),
+    )
     full = law.tick * 2.0**LEVELS
     for i in range(n):
         _move(crowd, i, 0.0)

@@ -139,9 +139,7 @@ def pull(acting, x, y, z, R):
     The centre of mass C is at (x, y, z), mm; R: body axes -> world.
     """
     f_x, f_y, f_z, p_x, p_y, p_z = _pull(acting.tether, x, y, z, R)
-    return (
-        f_x, f_y, f_z, p_y * f_z - p_z * f_y, p_z * f_x - p_x * f_z, p_x * f_y - p_y * f_x
-    )  # fmt: skip
+    return (f_x, f_y, f_z, p_y * f_z - p_z * f_y, p_z * f_x - p_x * f_z, p_x * f_y - p_y * f_x)
 
 
 @lean

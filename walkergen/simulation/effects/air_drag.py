@@ -56,8 +56,7 @@ def verdict(case: Case) -> Effect:
     wanted, speed = scene.effects.air_drag, case.shaken.peak_speed
     if wanted and case.model in ("rigid", "relaxed"):
         raise InputError(
-            f"{SWITCH} = true: the {case.model} model's flights are exact only without drag; "
-            "use legs.model 'space'"
+            f"{SWITCH} = true: the {case.model} model's flights are exact only without drag; use legs.model 'space'"
         )
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction

@@ -40,9 +40,7 @@ def verdict(case: Case) -> Effect:
     if design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
     frequencies = {
-        name: natural_frequency(
-            stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia)
-        )
+        name: natural_frequency(stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia))
         for name, limb, leg in zip(names.legs(design), design.limbs, case.mass.legs, strict=True)
         if leg.m > 0.0
     }

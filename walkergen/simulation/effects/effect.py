@@ -12,9 +12,7 @@ from walkergen.walker.mass import MassProperties
 
 ModelName = Literal["rigid", "relaxed", "compliant", "space"]
 
-METHODS: Mapping[str, str] = {
-    "rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"
-}  # fmt: skip
+METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"}
 """Method that each model implies: from event to event, or by time steps."""
 
 

@@ -53,9 +53,7 @@ def _compliance_with_brace(limb: Limb) -> float:
         return height / least
     parting = min(slope * height - inside, hidden)
     beside = height - (inside + parting) / slope
-    return (
-        inside / slope / least + math.log1p(parting / least) / slope + beside / (leg + limb.brace)
-    )
+    return inside / slope / least + math.log1p(parting / least) / slope + beside / (leg + limb.brace)
 
 
 def restitution(damping_ratio: float) -> float:

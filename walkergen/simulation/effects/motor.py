@@ -134,10 +134,7 @@ def parameters(case: Case, spins: bool) -> Rotor:
     n = along, up, across
     first = _across(n)
     h = _inertia(case) * drive.omega if spins else 0.0
-    return Rotor(
-        drive.eccentric, drive.omega, first, cross(n, first), place(case),
-        (h * n[0], h * n[1], h * n[2]),
-    )  # fmt: skip
+    return Rotor(drive.eccentric, drive.omega, first, cross(n, first), place(case), (h * n[0], h * n[1], h * n[2]))
 
 
 def held(rotor: Rotor) -> Rotor:
@@ -185,11 +182,7 @@ def swing(rotor, mass, phase, swung):
 @lean
 def moment_of(rotor, centre, mass, x, y, z):
     """Moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
-    p_x, p_y, p_z = (
-        rotor.place[0] + centre[0],
-        rotor.place[1] + centre[1],
-        rotor.place[2] + centre[2],
-    )
+    p_x, p_y, p_z = (rotor.place[0] + centre[0], rotor.place[1] + centre[1], rotor.place[2] + centre[2])
     return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 

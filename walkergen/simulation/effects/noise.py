@@ -54,9 +54,7 @@ def verdict(case: Case) -> Effect:
     """Verdict: on when the scene's plate is noisy. Raises InputError for planar models."""
     ratio = case.scene.plate.noise_ratio
     on, reason = forced(
-        case.scene.effects.plate_noise,
-        ratio > 0,
-        "plate.noise_ratio" + (" > 0" if ratio > 0 else " = 0"),
+        case.scene.effects.plate_noise, ratio > 0, "plate.noise_ratio" + (" > 0" if ratio > 0 else " = 0")
     )
     if on:
         only_in_space(case, "plate.noise_ratio", ratio, "noise", SWITCH)
@@ -90,15 +88,10 @@ def draw(case: Case, rng: np.random.Generator) -> Noise:
     velocity = np.fft.irfft(lines, count)
     scale = wanted / math.sqrt(float(np.mean(velocity**2)))
     omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)
-    heights = np.fft.irfft(
-        np.divide(scale * lines, 1j * omega, where=omega > 0.0, out=lines * 0), count
-    )
+    heights = np.fft.irfft(np.divide(scale * lines, 1j * omega, where=omega > 0.0, out=lines * 0), count)
     acceleration = np.fft.irfft(scale * lines * 1j * omega, count)
     velocities = scale * velocity
-    return Noise(
-        heights, velocities, interval,
-        float(np.abs(velocities).max()), float(np.abs(acceleration).max()),
-    )  # fmt: skip
+    return Noise(heights, velocities, interval, float(np.abs(velocities).max()), float(np.abs(acceleration).max()))
 
 
 @lean

@@ -14,9 +14,10 @@ def sticking(case: Case) -> Effect:
     scenes = case.scene.contact.friction
     ratios = [
         (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
-        if H.xy != 0.0 else math.inf
+        if H.xy != 0.0
+        else math.inf
         for limb, H in zip(case.design.limbs, feet(case.mass), strict=True)
-    ]  # fmt: skip
+    ]
     on = max(ratios) >= 1.0
     reason = "friction can hold a foot" if on else "feet always slide on in single impacts"
     meaning = "friction over |H_xy|/H_xx, the largest of all feet"

@@ -107,10 +107,7 @@ def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
     limbs = in_plane(design, mass).limbs
     if len(limbs) != 2 or limbs[0].along == limbs[1].along:
         places = ", ".join(f"{limb.along:g}" for limb in limbs)
-        return (
-            "knows two feet in the plane, one behind the other; those of this walker stand at "
-            f"{places} mm along"
-        )
+        return f"knows two feet in the plane, one behind the other; those of this walker stand at {places} mm along"
     if model != "rigid" and limbs[0].braced != limbs[1].braced:
         return "knows two legs of one kind; of this walker's one is braced, one flexible"
     return ""

@@ -95,8 +95,10 @@ def pull(spring, x, y, z, R):
         s * (R[0, 0] * d_x + R[1, 0] * d_y + R[2, 0] * d_z),
         s * (R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z),
         s * (R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z),
-        p[0], p[1], p[2],
-    )  # fmt: skip
+        p[0],
+        p[1],
+        p[2],
+    )
 
 
 @lean

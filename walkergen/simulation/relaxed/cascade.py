@@ -140,9 +140,7 @@ def _gallop(own, rigid, u_x, u_y, w_x, w_y, hit, contact):
 def _same_type(own, v_x, v_y, hit, contact):
     if not (v_y < 0.0 and abs(v_y) + abs(v_x) < 1e200):
         return False
-    there = impact(
-        own.xx, own.xy, own.yy, v_x, v_y, contact.restitution, contact.friction, contact.law
-    )
+    there = impact(own.xx, own.xy, own.yy, v_x, v_y, contact.restitution, contact.friction, contact.law)
     return there.kind == hit.kind and there.sticks == hit.sticks
 
 
@@ -154,9 +152,7 @@ def _matrix(own, rigid, u_x, u_y, hit, contact):
     """
     for step in range(4):
         q_x = u_x * (1.0 + NEIGHBOURS[step])
-        near = impact(
-            own.xx, own.xy, own.yy, q_x, u_y, contact.restitution, contact.friction, contact.law
-        )
+        near = impact(own.xx, own.xy, own.yy, q_x, u_y, contact.restitution, contact.friction, contact.law)
         if near.kind == hit.kind and near.sticks == hit.sticks:
             xx, yx = (near.F_x - hit.F_x) / (q_x - u_x), (near.F_y - hit.F_y) / (q_x - u_x)
             xy, yy = (hit.F_x - xx * u_x) / u_y, (hit.F_y - yx * u_x) / u_y

@@ -133,9 +133,5 @@ def _stop(walker, state, v_p, d):
 def _energy(world, state, v_p):
     """Kinetic energy in the plate's frame and potential energy, g mm^2/s^2."""
     v_y = state[V_Y] - v_p
-    kinetic = (
-        world.walker.mass * (state[V_X] ** 2 + v_y**2) + world.walker.inertia * state[SPIN] ** 2
-    )
-    return 0.5 * kinetic + world.walker.mass * (
-        across(world.acting) * state[Y] - along(world.acting) * state[X]
-    )
+    kinetic = world.walker.mass * (state[V_X] ** 2 + v_y**2) + world.walker.inertia * state[SPIN] ** 2
+    return 0.5 * kinetic + world.walker.mass * (across(world.acting) * state[Y] - along(world.acting) * state[X])

@@ -19,15 +19,7 @@ from walkergen.simulation.relaxed.contact import land
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
 from walkergen.simulation.relaxed.rocking import COLUMNS, FIRST, closed_foot, end_of_step, rock
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_SIZE, TRIAL_WORK, lever, levers
-from walkergen.simulation.relaxed.sustained import (
-    BREAK,
-    LIFT,
-    LIFT_BACK,
-    LIFT_FRONT,
-    end_of_stand,
-    on_one_foot,
-    stand,
-)
+from walkergen.simulation.relaxed.sustained import BREAK, LIFT, LIFT_BACK, LIFT_FRONT, end_of_stand, on_one_foot, stand
 from walkergen.simulation.world import (
     BACKWARD,
     FAILED,

@@ -13,19 +13,7 @@ from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import acceleration, derivative_bound, height, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, Point, lever
-from walkergen.simulation.world import (
-    MODE_BACK,
-    MODE_FRONT,
-    PHASE,
-    PITCH,
-    SPIN,
-    V_X,
-    V_Y,
-    State,
-    World,
-    X,
-    Y,
-)
+from walkergen.simulation.world import MODE_BACK, MODE_FRONT, PHASE, PITCH, SPIN, V_X, V_Y, State, World, X, Y
 
 # What ends a stretch of motion.
 NOTHING, TOUCH, CORNER, STUCK = 0, 1, 2, 3
@@ -107,9 +95,7 @@ def first_contact(world: World, state: State, limit: float) -> tuple[float, int]
 
 
 @kernel
-def _first_of_two(
-    world: World, first: Point, second: Point, state: State, limit: float
-) -> tuple[float, int]:
+def _first_of_two(world: World, first: Point, second: Point, state: State, limit: float) -> tuple[float, int]:
     g_y, Omega = across(world.acting), state[SPIN]
     third = abs(Omega) ** 3
     second_bound = g_y + derivative_bound(world.drive, 2)

@@ -17,19 +17,7 @@ from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, lever
 from walkergen.simulation.relaxed.sustained import BREAK, LIFT, STOP, direction, on_one_foot
-from walkergen.simulation.world import (
-    MODE_BACK,
-    MODE_FRONT,
-    OPEN,
-    PHASE,
-    PITCH,
-    SPIN,
-    STICK,
-    V_X,
-    V_Y,
-    X,
-    Y,
-)
+from walkergen.simulation.world import MODE_BACK, MODE_FRONT, OPEN, PHASE, PITCH, SPIN, STICK, V_X, V_Y, X, Y
 
 # Tolerated error of a step, in gap tolerances; longest and first step, in periods of the drive.
 TOLERANCE, LONGEST, FIRST = 50.0, 1 / 16, 1 / 128

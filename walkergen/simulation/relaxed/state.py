@@ -89,9 +89,7 @@ def safe_pitch(feet: tuple[Point, Point], corners: tuple[Point, ...]) -> float:
     smallest = math.pi
     for corner in corners:
         for sign in (1.0, -1.0):
-            crossings = [
-                math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0])) for foot in feet
-            ]
+            crossings = [math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0])) for foot in feet]
             smallest = min(smallest, max(crossings))
     return max(smallest, 0.0)
 
@@ -115,14 +113,10 @@ def walker_of(design: Design, mass: MassProperties) -> Walker:
     """Walker of one design and its (unbatched) mass properties, on two feet in its plane."""
     flat = in_plane(design, mass)
     size = design.size
-    corners = np.array([
-        (x, y)
-        for y in (-0.5 * size.thickness, 0.5 * size.thickness)
-        for x in (-0.5 * size.length, 0.5 * size.length)
-    ])  # fmt: skip
-    low_left, low_right, high_left, high_right = (
-        (float(x), float(y)) for x, y in from_centre(design, mass, corners)
+    corners = np.array(
+        [(x, y) for y in (-0.5 * size.thickness, 0.5 * size.thickness) for x in (-0.5 * size.length, 0.5 * size.length)]
     )
+    low_left, low_right, high_left, high_right = ((float(x), float(y)) for x, y in from_centre(design, mass, corners))
     back, front = (leg.anchor + (leg.c_A + leg.c_T) for leg in flat.mass.legs)
     return new(
         float(mass.M),
@@ -139,9 +133,7 @@ def level_pitch(walker: Walker) -> float:
     return math.atan((back_y - front_y) / (front_x - back_x))
 
 
-def start(
-    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0
-) -> State:
+def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
     """A state at rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
     walker, state = world.walker, np.zeros(RIGID_SIZE)
     state[PITCH], state[PHASE] = pitch, phase

@@ -16,24 +16,11 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import (
-    TWO_PI,
-    acceleration,
-    derivative_bound,
-    height,
-    moved_on,
-    velocity,
-)
+from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.cascade import stopping_impulse
 from walkergen.simulation.relaxed.flight import quadratic_wait
-from walkergen.simulation.relaxed.state import (
-    TRIAL_FRICTION,
-    TRIAL_WORK,
-    level_pitch,
-    levers,
-    rigid_tensor,
-)
+from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, level_pitch, levers, rigid_tensor
 from walkergen.simulation.world import (
     BACKWARD,
     FORWARD,
@@ -246,10 +233,7 @@ def _normals(world, back, front, pull, mode):
     if mode != STICK:
         f_x = -way * joint_friction(world.contacts, back, front, way) * pull
     torque = back[1] * f_x
-    return (
-        (torque - front[0] * pull) / (back[0] - front[0]),
-        (torque - back[0] * pull) / (front[0] - back[0]),
-    )
+    return ((torque - front[0] * pull) / (back[0] - front[0]), (torque - back[0] * pull) / (front[0] - back[0]))
 
 
 @kernel
@@ -267,9 +251,7 @@ def stand(world, state, dt, out):
         s_mu = slip * joint_friction(world.contacts, back, front, slip)
         # a_x = g_x - s mu (g_y + plate's acceleration), integrated once and twice.
         out[V_X] = state[V_X] + (g_x - s_mu * g_y) * dt - s_mu * (v_end - v_p)
-        out[X] = (
-            state[X] + dt * (state[V_X] + 0.5 * (g_x - s_mu * g_y) * dt) - s_mu * (rise - v_p * dt)
-        )
+        out[X] = state[X] + dt * (state[V_X] + 0.5 * (g_x - s_mu * g_y) * dt) - s_mu * (rise - v_p * dt)
     M = world.walker.mass
     out[TRIAL_WORK] = M * (g_y * rise + 0.5 * (v_end - v_p) * (v_end + v_p))
     slowing = 0.5 * (state[V_X] - out[V_X]) * (state[V_X] + out[V_X])

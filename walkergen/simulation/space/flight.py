@@ -13,14 +13,7 @@ from walkergen.simulation.drive import derivative_bound, moved_on
 from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
-from walkergen.simulation.effects.acting import (
-    across,
-    along,
-    force_in_space,
-    placed,
-    pull,
-    strongest,
-)
+from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull, strongest
 from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn
 from walkergen.simulation.space.state import (
     C_X,
@@ -96,9 +89,7 @@ def _strongest_pull(world, state, work, fall):
     for k in range(len(walker.leg)):
         p = work.points[k].at
         arm = max(arm, math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]))
-    return strongest(
-        world.acting, state[C_X], state[C_Y], state[C_Z], work.R, span * (speed + 2.0 * spin * arm)
-    )
+    return strongest(world.acting, state[C_X], state[C_Y], state[C_Z], work.R, span * (speed + 2.0 * spin * arm))
 
 
 @lean
@@ -123,18 +114,14 @@ def _drawn(walker, points, k, force, torque):
 def _thrown(walker, motor, points, k, d_x, d_y, d_z):
     """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
     p = points[k].at
-    return _motor_strongest(
-        motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z
-    )
+    return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
 
 
 @lean
 def leave_behind(walker, work, t_x, t_y, t_z):
     """Fill the torques on the legs by which a torque on the body leaves them behind."""
     for j in range(len(walker.stiffness)):
-        work.left[j] = -(
-            walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z
-        )
+        work.left[j] = -(walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z)
 
 
 @lean

@@ -215,10 +215,7 @@ def _spread(near, A, m, count):
             near[i].force[1], near[i].force[2] = A[c + 1, count], A[c + 2, count]
         else:
             rub = near[i].friction * press
-            near[i].force[1], near[i].force[2] = (
-                -rub * near[i].toward[0],
-                -rub * near[i].toward[1],
-            )
+            near[i].force[1], near[i].force[2] = (-rub * near[i].toward[0], -rub * near[i].toward[1])
     return pulling
 
 
@@ -232,9 +229,7 @@ def _move(near, H, m, h):
                 if near[i].tried != OPEN:
                     c = 3 * i
                     total += (
-                        H[r, c] * near[i].force[0]
-                        + H[r, c + 1] * near[i].force[1]
-                        + H[r, c + 2] * near[i].force[2]
+                        H[r, c] * near[i].force[0] + H[r, c + 1] * near[i].force[1] + H[r, c + 2] * near[i].force[2]
                     )
             near[j].middle[p] = near[j].free[p] + 0.5 * h * total
 
@@ -266,8 +261,7 @@ def _correct(near, H, m, h):
                 near[i].tried = STICK
                 changed += 1
             elif (
-                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1])
-                > TURNED * (abs(u_1) + abs(u_2))
+                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1]) > TURNED * (abs(u_1) + abs(u_2))
                 and aim(near, i, u_1, u_2, press, h) > TURNED
             ):
                 changed += 1

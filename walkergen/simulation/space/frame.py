@@ -55,9 +55,13 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
     J[m, 3], J[m, 4], J[m, 5] = t_x, t_y, t_z
     for j in range(n):
         J[m, 6 + j] = -(
-            shift[0, j] * d_x + shift[1, j] * d_y + shift[2, j] * d_z
-            + lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z
-        )  # fmt: skip
+            shift[0, j] * d_x
+            + shift[1, j] * d_y
+            + shift[2, j] * d_z
+            + lock[0, j] * t_x
+            + lock[1, j] * t_y
+            + lock[2, j] * t_z
+        )
     if leg >= 0:
         for j in range(f):
             turned = points[k].turned[j]
@@ -85,11 +89,7 @@ def _bend(state, now, points, side, leg, f, n, k):
             twist = state[LEGS + n + leg * f + 1]
             turned = points[k].turned[1]
             t_x, t_y, t_z = turned[0], turned[1], turned[2]
-            v_x, v_y, v_z = (
-                v_x + 2.0 * twist * t_x,
-                v_y + 2.0 * twist * t_y,
-                v_z + 2.0 * twist * t_z,
-            )
+            v_x, v_y, v_z = (v_x + 2.0 * twist * t_x, v_y + 2.0 * twist * t_y, v_z + 2.0 * twist * t_z)
             a_x, a_y = a_x - 2.0 * rate * twist * t_y, a_y + 2.0 * rate * twist * t_x
             small = twist * twist * t_z / side
             a_x, a_y, a_z = a_x + small * t_x, a_y + small * t_y, -twist * twist * side
@@ -151,13 +151,7 @@ def _directions(world, state, work, near, lifted, h, t, m):
     walker, R, J, points = world.walker, work.R, work.J, work.points
     lifting = plate_acceleration(world, state)
     spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
-    shift, lock, leg, f, upward = (
-        walker.shift,
-        walker.lock,
-        walker.leg,
-        walker.freedoms,
-        walker.upward,
-    )
+    shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
     roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
     b_x, b_y, b_z = _thrown_about(work.now, work.thrown)
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
@@ -176,11 +170,18 @@ def _directions(world, state, work, near, lifted, h, t, m):
             else:
                 d_x, d_y, d_z = (h_x, 0.0, h_z) if p == 1 else (-h_z, 0.0, h_x)
             _fill_row(
-                J, points, shift, lock, leg[k], f, k, 3 * i + p,
+                J,
+                points,
+                shift,
+                lock,
+                leg[k],
+                f,
+                k,
+                3 * i + p,
                 R[0, 0] * d_x + R[1, 0] * d_y + R[2, 0] * d_z,
                 R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z,
                 R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
-            )  # fmt: skip
+            )
             upright = 1.0 if p == upward[k] else 0.0
             r = 3 * i + p
             bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
@@ -245,9 +246,7 @@ def accelerate(world, state, work):
     acting[1] += walker.inverse_mass[1] * f_y
     acting[2] += walker.inverse_mass[2] * f_z
     if placed(world.acting):
-        f_x, f_y, f_z, p_x, p_y, p_z = pull(
-            world.acting, state[C_X], state[C_X + 1], state[C_X + 2], R
-        )
+        f_x, f_y, f_z, p_x, p_y, p_z = pull(world.acting, state[C_X], state[C_X + 1], state[C_X + 2], R)
         acting[0] += walker.inverse_mass[0] * f_x
         acting[1] += walker.inverse_mass[1] * f_y
         acting[2] += walker.inverse_mass[2] * f_z
@@ -262,11 +261,7 @@ def accelerate(world, state, work):
     if _motor_acts(world.acting.motor):
         m_x, m_y, m_z = _motor_spin(world.acting.motor, walker.centre, walker.mass, work.thrown)
         l_x, l_y, l_z = l_x + m_x, l_y + m_y, l_z + m_z
-    t_x, t_y, t_z = (
-        l_y * now[5] - l_z * now[4],
-        l_z * now[3] - l_x * now[5],
-        l_x * now[4] - l_y * now[3],
-    )
+    t_x, t_y, t_z = (l_y * now[5] - l_z * now[4], l_z * now[3] - l_x * now[5], l_x * now[4] - l_y * now[3])
     for row in range(3):
         acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z
     if placed(world.acting):
@@ -289,8 +284,7 @@ def _throw(world, work):
         for j in range(len(walker.stiffness)):
             work.left[j] = 0.0
     for j in range(len(walker.stiffness)):
-        work.left[j] += thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2],
-                                   p_x, p_y, p_z)  # fmt: skip
+        work.left[j] += thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], p_x, p_y, p_z)
 
 
 @lean

@@ -53,9 +53,8 @@ def leave(state, at, k, on_plate, tally):
     if on_plate:
         record.add_impulse(tally.sums, kind, state[at + J_N])
     record.note_event(
-        tally.events, state[at + LANDED], k, state[at + J_A], state[at + J_N],
-        state[at + U_A], state[at + U_N], kind,
-    )  # fmt: skip
+        tally.events, state[at + LANDED], k, state[at + J_A], state[at + J_N], state[at + U_A], state[at + U_N], kind
+    )
 
 
 @lean
@@ -87,10 +86,7 @@ def settle(state, near, i, at, unloading, t, h, sums):
         return before != OPEN
     share = near[i].share
     if before == OPEN:
-        _land(
-            state, at, t - share * h,
-            near[i].speed[0], near[i].speed[1], near[i].speed[2],
-        )  # fmt: skip
+        _land(state, at, t - share * h, near[i].speed[0], near[i].speed[1], near[i].speed[2])
         normal, _ = _released(near, i, state, at, unloading)
         sums[record.IMPACT_LOSS] -= normal
     near[i].gap[0] = gap + h * u_n

@@ -51,9 +51,7 @@ from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 
 
-def start(
-    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0
-) -> State:
+def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
     """A state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
 
     The body is rolled about its own x axis, then pitched; angles in rad. A walker that is held in
@@ -122,9 +120,7 @@ def feet(world: World, state: State) -> Array:
     corners = int(np.count_nonzero(walker.place == 0.0))
     rows = np.zeros((corners, 4))
     for k in range(corners):
-        velocity = work.R @ np.array(
-            point_velocity(copy, work.now, work.points, walker.shift, walker.leg[k], f, k)
-        )
+        velocity = work.R @ np.array(point_velocity(copy, work.now, work.points, walker.shift, walker.leg[k], f, k))
         x = state[C_X] + work.R[0] @ work.points["at"][k]
         rows[k] = x, work.points["gap"][k], velocity[0], velocity[1] - plate_velocity(world, copy)
     return 0.5 * (rows[0::2] + rows[1::2])

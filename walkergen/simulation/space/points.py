@@ -47,18 +47,17 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool) -> d
             root = np.array([*leg.anchor, limb.across]) - centre
             # A braced foot is a point of the body
             rows.append(
-                (free.index(number), root, foot, side, axis, 0.0, number) if number in free
+                (free.index(number), root, foot, side, axis, 0.0, number)
+                if number in free
                 else (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0, number)
-            )  # fmt: skip
+            )
     if walled:
         place = 0.5 * walls.gap(case)
         for edge in _edges(design):
             root = np.array([*from_centre(design, mass, edge[:2]), edge[2]]) - centre
             rows.append((-1, root, NONE, 0.0, NONE, place, -1))
     keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
-    return {
-        key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)
-    }
+    return {key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)}
 
 
 def mirror_order(walker: Walker) -> Any:

@@ -117,34 +117,46 @@ class Options(NamedTuple):
 
 # A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
 # (mm), time in which it cannot close (s).
-POINT = np.dtype((np.record, [
-    ("at", np.float64, 3), ("turned", np.float64, (2, 3)),
-    ("gap", np.float64), ("clear", np.float64),
-]))  # fmt: skip
+POINT = np.dtype(
+    (np.record, [("at", np.float64, 3), ("turned", np.float64, (2, 3)), ("gap", np.float64), ("clear", np.float64)])
+)
 
 # A contact near its surface in a frame; triples are normal, along, across, pairs along, across.
-NEAR = np.dtype((np.record, [
-    ("number", np.int64),  # among all points
-    ("tried", np.int64),  # its mode in the step
-    ("unknown", np.int64),  # its first unknown in the equations
-    # what does not change: friction coefficient, normal and tangential stiffness, normal damping
-    ("friction", np.float64), ("k_n", np.float64), ("k_t", np.float64), ("c_n", np.float64),
-    # stiffness and lasting compression of the branch it is on (loading, unloading), resistances
-    # c + h k / 2, and the share of the step, up to its end, in which it touches
-    ("stiff", np.float64), ("offset", np.float64), ("b_n", np.float64), ("b_t", np.float64),
-    ("share", np.float64),
-    # directions of its stretch as it slides, in the middle and at the end of the step, and the
-    # slip (mm/s) that they follow from
-    ("toward", np.float64, 2), ("end", np.float64, 2), ("slip", np.float64, 2),
-    ("gap", np.float64, 3),  # and stretches, mm
-    ("speed", np.float64, 3),  # over the surface, mm/s
-    ("free", np.float64, 3),  # in the middle of a step without contact forces
-    ("middle", np.float64, 3),  # the same with them
-    ("force", np.float64, 3),  # g mm/s^2
-    ("drift", np.float64, 3),  # accelerations by all but contacts and legs
-    ("impulse", np.float64, 3),  # since the frame began, g mm/s
-    ("carried", np.float64, 3),  # integrals of the impulses, g mm
-]))  # fmt: skip
+NEAR = np.dtype(
+    (
+        np.record,
+        [
+            ("number", np.int64),  # among all points
+            ("tried", np.int64),  # its mode in the step
+            ("unknown", np.int64),  # its first unknown in the equations
+            # what does not change: friction coefficient, normal and tangential stiffness, normal damping
+            ("friction", np.float64),
+            ("k_n", np.float64),
+            ("k_t", np.float64),
+            ("c_n", np.float64),
+            # stiffness and lasting compression of the branch it is on (loading, unloading), resistances
+            # c + h k / 2, and the share of the step, up to its end, in which it touches
+            ("stiff", np.float64),
+            ("offset", np.float64),
+            ("b_n", np.float64),
+            ("b_t", np.float64),
+            ("share", np.float64),
+            # directions of its stretch as it slides, in the middle and at the end of the step, and the
+            # slip (mm/s) that they follow from
+            ("toward", np.float64, 2),
+            ("end", np.float64, 2),
+            ("slip", np.float64, 2),
+            ("gap", np.float64, 3),  # and stretches, mm
+            ("speed", np.float64, 3),  # over the surface, mm/s
+            ("free", np.float64, 3),  # in the middle of a step without contact forces
+            ("middle", np.float64, 3),  # the same with them
+            ("force", np.float64, 3),  # g mm/s^2
+            ("drift", np.float64, 3),  # accelerations by all but contacts and legs
+            ("impulse", np.float64, 3),  # since the frame began, g mm/s
+            ("carried", np.float64, 3),  # integrals of the impulses, g mm
+        ],
+    )
+)
 
 
 class Work(NamedTuple):
@@ -199,12 +211,27 @@ def work_for(walker, state):
     n, k = len(walker.stiffness), len(walker.leg)
     m = 3 * k
     return Work(
-        np.zeros((3, 3)), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6),
-        np.zeros(k, POINT), np.zeros(k, NEAR),
-        np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
-        np.zeros(n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(n), np.zeros((n, n)), np.zeros(1),
-        np.zeros((3, 3)), np.zeros_like(state),
-    )  # fmt: skip
+        np.zeros((3, 3)),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(k, POINT),
+        np.zeros(k, NEAR),
+        np.zeros((m, 6 + n)),
+        np.zeros((m, 6 + n)),
+        np.zeros((m, m)),
+        np.zeros((m, m + 1)),
+        np.zeros(n),
+        np.zeros(2 * n),
+        np.zeros(2 * n),
+        np.zeros(n),
+        np.zeros((n, n)),
+        np.zeros(1),
+        np.zeros((3, 3)),
+        np.zeros_like(state),
+    )
 
 
 @kernel

@@ -16,23 +16,9 @@ from walkergen.simulation.effects.acting import across, along, placed
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
-from walkergen.simulation.space.frame import (
-    accelerate,
-    halfway,
-    load,
-    motor_work,
-    plate_acceleration,
-    stiffen,
-)
+from walkergen.simulation.space.frame import accelerate, halfway, load, motor_work, plate_acceleration, stiffen
 from walkergen.simulation.space.landings import leave, settle
-from walkergen.simulation.space.pose import (
-    locate,
-    lowest_corner,
-    place,
-    plate_height,
-    plate_velocity,
-    turn,
-)
+from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_height, plate_velocity, turn
 from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,

@@ -13,15 +13,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects import (
-    compliance,
-    feet,
-    local_contact,
-    motor,
-    turning,
-    twist,
-    walls,
-)
+from walkergen.simulation.effects import compliance, feet, local_contact, motor, turning, twist, walls
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
@@ -105,7 +97,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         corners=corners_of(design, mass, centre),
         forced=np.zeros((2, n)),
         flights=np.zeros((0, n, n)),
-    )  # fmt: skip
+    )
     rotor = resolved.acting.motor
     if rotor is not None and motor.acts(rotor) and n > 0:
         walker = walker._replace(forced=_forced(walker, rotor))
@@ -178,9 +170,7 @@ def _friction(scene: Scene, design: Design, foot: int) -> float:
     return scene.contact.friction if own is None else own
 
 
-def _with_feet(
-    walker: Walker, case: Case, feet_of_points: Array, local: bool
-) -> tuple[Walker, Options]:
+def _with_feet(walker: Walker, case: Case, feet_of_points: Array, local: bool) -> tuple[Walker, Options]:
     """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
     modulus = case.design.material.youngs_modulus
     of_legs = [feet.foot_of(case.scene, limb, modulus, local) for limb in case.design.limbs]
@@ -193,9 +183,7 @@ def _with_feet(
     wall, label = walker.place > 0.0, case.scene.arena.wall_restitution
     # A wall is as stiff as the first leg's corners
     of_points = [of_legs[max(number, 0)] for number in feet_of_points]
-    ratio = np.where(
-        wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points])
-    )
+    ratio = np.where(wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points]))
     spring = np.array([[foot.normal, foot.tangential] for foot in of_points])
     # The label is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
@@ -203,9 +191,8 @@ def _with_feet(
     own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, of_legs[0].unloading)
     step = _step(case.scene.run.step_us, own_step, fastest)
     return walker._replace(
-        spring=spring, damper=damper, unloading=of_legs[0].unloading,
-        flights=_flights(walker, step, n),
-    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME / own_step), 1)))  # fmt: skip
+        spring=spring, damper=damper, unloading=of_legs[0].unloading, flights=_flights(walker, step, n)
+    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME / own_step), 1)))
 
 
 def _own_step(
@@ -256,9 +243,7 @@ def coarser(world: World, factor: float) -> World:
     """World with steps `factor` times longer, and flights tabulated for them."""
     walker, step = world.walker, factor * world.options.step
     flights = _flights(walker, step, len(walker.stiffness))
-    return world._replace(
-        walker=walker._replace(flights=flights), options=world.options._replace(step=step)
-    )
+    return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
 
 
 def mobility(walker: Walker) -> Array:

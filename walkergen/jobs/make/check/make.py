@@ -53,37 +53,41 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
     return _report(list(unlike_walls), layout, attitudes, sum(copies))
 
 
-def _report(
-    unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int
-) -> CheckReport:
+def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
     """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
     findings, printer = checks.grouped(layout.findings), layout.printer.name
-    counts = [
-        _count(sum(finding.level == level for finding in findings), level)
-        for level in ("error", "warning")
-    ]
+    counts = [_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")]
     sheets = len(layout.plates)  # none when a part fits no plate
     return CheckReport(
-        name="check", title=f"Checks for {printer}",
-        tables=[Table("walls", unlike_walls, Wall._fields, (
-            report.text("wall", "wall"), report.fixed("mm", "thickness_mm", 2),
-            report.fixed("lines", "lines", 2),
-            report.Column("plastic, against the mesh", _plastic, True),
-        ))],
+        name="check",
+        title=f"Checks for {printer}",
+        tables=[
+            Table(
+                "walls",
+                unlike_walls,
+                Wall._fields,
+                (
+                    report.text("wall", "wall"),
+                    report.fixed("mm", "thickness_mm", 2),
+                    report.fixed("lines", "lines", 2),
+                    report.Column("plastic, against the mesh", _plastic, True),
+                ),
+            )
+        ],
         facts={
             "walls": [wall._asdict() for wall in unlike_walls],
             "findings": [finding._asdict() for finding in findings],
-            "orientations": list(attitudes), "parts": parts, "plates": sheets,
+            "orientations": list(attitudes),
+            "parts": parts,
+            "plates": sheets,
         },
         lines=[
             *(f"printed {attitude}" for attitude in attitudes),
-            *(f"{finding.level}: {checks.line(finding)}"
-              for finding in findings if finding.level != "error"),
-            f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: "
-            f"{', '.join(counts)}",
+            *(f"{finding.level}: {checks.line(finding)}" for finding in findings if finding.level != "error"),
+            f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
         ],
         findings=layout.findings,
-    )  # fmt: skip
+    )
 
 
 def _plastic(wall: Wall) -> str:

@@ -39,24 +39,48 @@ def trade_off(job: Job, result: Search, designs: Sequence[Verified]) -> Figure:
             axes.plot(
                 [trial.values[span.key] for trial in predicted],
                 [trial.seen.value for trial in predicted if trial.seen],
-                ".", color="0.75", markersize=3, label="predicted", rasterized=True,
-            )  # fmt: skip
+                ".",
+                color="0.75",
+                markersize=3,
+                label="predicted",
+                rasterized=True,
+            )
         if job.model != PREDICTION or job.wish.of != "speed":
-            axes.plot([trial.values[span.key] for trial in tried], levels, "o", color="0.25",
-                      markersize=3.5, label=f"tried, model {job.model}")  # fmt: skip
+            axes.plot(
+                [trial.values[span.key] for trial in tried],
+                levels,
+                "o",
+                color="0.25",
+                markersize=3.5,
+                label=f"tried, model {job.model}",
+            )
         _wish(axes, job.wish)
         for number, design in enumerate(designs, start=1):
             shown = design.verified or design.chosen
             bars = [[0.0], [0.0]]
             if design.bounds is not None and job.simulated:
-                bars = [[max(shown.value - design.bounds[0], 0.0)],
-                        [max(design.bounds[1] - shown.value, 0.0)]]  # fmt: skip
+                bars = [[max(shown.value - design.bounds[0], 0.0)], [max(design.bounds[1] - shown.value, 0.0)]]
             at = design.values[span.key]
-            axes.errorbar(at, shown.value, bars, fmt="s" if design.met else "X", color=FOUND,
-                          markersize=7, capsize=3, markeredgecolor="black", zorder=5,
-                          label="designs" if number == 1 else None)  # fmt: skip
-            axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
-                          textcoords="offset points", fontweight="bold")  # fmt: skip
+            axes.errorbar(
+                at,
+                shown.value,
+                bars,
+                fmt="s" if design.met else "X",
+                color=FOUND,
+                markersize=7,
+                capsize=3,
+                markeredgecolor="black",
+                zorder=5,
+                label="designs" if number == 1 else None,
+            )
+            axes.annotate(
+                str(number),
+                (at, shown.value),
+                xytext=BESIDE[number - 1],
+                zorder=6,
+                textcoords="offset points",
+                fontweight="bold",
+            )
         axes.set_xlabel(label(span.key))
         if job.wish.logarithmic:
             axes.set_yscale("log")
@@ -65,8 +89,7 @@ def trade_off(job: Job, result: Search, designs: Sequence[Verified]) -> Figure:
     for axes in panels[:count:wide]:
         axes.set_ylabel(f"{job.wish.of} ({UNITS[job.wish.of]})")
     figure.suptitle(wrapped(title(job), width - 0.2))
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center",
-                  ncols=2 if wide == 1 else 4)  # fmt: skip
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2 if wide == 1 else 4)
     return figure
 
 
@@ -74,6 +97,13 @@ def _wish(axes: Axes, wish: Wish) -> None:
     if wish.target is None:
         return
     error = wish.allowed(0.0)
-    axes.axhspan(wish.target - error, wish.target + error, color="#56B4E9", alpha=0.35,
-                 linewidth=0, zorder=0, label="wished, within the error")  # fmt: skip
+    axes.axhspan(
+        wish.target - error,
+        wish.target + error,
+        color="#56B4E9",
+        alpha=0.35,
+        linewidth=0,
+        zorder=0,
+        label="wished, within the error",
+    )
     axes.axhline(wish.target, color="#0072B2", linewidth=0.8, zorder=1)

@@ -140,9 +140,13 @@ def built(job: Job, values: Mapping[str, float]) -> tuple[Design, Scene]:
 
 
 def tried(
-    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], effort: Effort | None, what: str,
+    job: Job,
+    bench: Bench,
+    rows: Sequence[Mapping[str, float]],
+    effort: Effort | None,
+    what: str,
     seed: int | None = None,
-) -> list[Trial]:  # fmt: skip
+) -> list[Trial]:
     """Trials of values, predicted unless an effort is given, in their order.
 
     Runs have the seed of the job, the same for all, unless another is given.
@@ -159,19 +163,20 @@ def tried(
 
 
 def read(
-    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], requests: Sequence[Asked],
-    effort: Effort | None, what: str,
-) -> list[Trial]:  # fmt: skip
+    job: Job,
+    bench: Bench,
+    rows: Sequence[Mapping[str, float]],
+    requests: Sequence[Asked],
+    effort: Effort | None,
+    what: str,
+) -> list[Trial]:
     """Trials of values whose points are already made, `parts` of them a row."""
     records, size = [], parts(job, effort)
     bench.progress(what, 0, len(rows))
     for number, done in enumerate(each(requests, bench.store, bench.pool), start=1):
         records.append(done.record)
         bench.progress(what, number // size, len(rows))
-    return [
-        _trial(job, dict(row), records[size * place : size * (place + 1)])
-        for place, row in enumerate(rows)
-    ]
+    return [_trial(job, dict(row), records[size * place : size * (place + 1)]) for place, row in enumerate(rows)]
 
 
 def parts(job: Job, effort: Effort | None) -> int:
@@ -180,12 +185,7 @@ def parts(job: Job, effort: Effort | None) -> int:
 
 
 def points(
-    job: Job,
-    design: Design,
-    scene: Scene,
-    effort: Effort | None,
-    wanted: Tolerance | None,
-    seed: int,
+    job: Job, design: Design, scene: Scene, effort: Effort | None, wanted: Tolerance | None, seed: int
 ) -> list[Point]:
     """Points of a trial: of the design in the scene and, if asked, at less and more friction."""
     simulated = effort is not None
@@ -200,8 +200,7 @@ def points(
     first = Point(design, scene, simulated, keep, wanted, job.printer)
     if parts(job, effort) == 1:
         return [first]
-    sides = [first._replace(scene=_rubbing(scene, factor), keep=("speed",), printer=None)
-             for factor in _factors(job)]  # fmt: skip
+    sides = [first._replace(scene=_rubbing(scene, factor), keep=("speed",), printer=None) for factor in _factors(job)]
     return [first, *sides]
 
 

@@ -83,9 +83,13 @@ def _scene(job: Job, design: Verified, number: int) -> str:
 def _facts(job: Job) -> dict[str, Any]:
     """What was asked, for the manifest."""
     return {
-        **output.versions(), "wish": job.wish.words, "error": str(job.wish.error),
-        "model": job.model, "seed": job.seed,
+        **output.versions(),
+        "wish": job.wish.words,
+        "error": str(job.wish.error),
+        "model": job.model,
+        "seed": job.seed,
         "vary": {span.key: [span.low, span.high] for span in job.box.spans},
-        "design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json"),
+        "design": job.design.model_dump(mode="json"),
+        "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
-    }  # fmt: skip
+    }

@@ -32,20 +32,24 @@ class DesignReport(Report):
     """Reason why none meets the wish; "" when one does."""
 
 
-def of(
-    job: Job, result: Search, designs: Sequence[Verified], stopped: str, folder: Path
-) -> DesignReport:
+def of(job: Job, result: Search, designs: Sequence[Verified], stopped: str, folder: Path) -> DesignReport:
     """Report of designs that are written into a folder."""
     rows = [_row(job, number, design) for number, design in enumerate(designs, start=1)]
     keys = list(rows[0])
     table = Table("design", [tuple(row.values()) for row in rows], keys, _columns(job, keys))
     facts = {
-        "wish": job.wish.words, "error": str(job.wish.error), "model": job.model,
-        "scene": job.scene.name, "printer": job.printer.name,
-        "met": sum(design.met for design in designs), "rows": rows, "stopped": stopped or None,
-        "surveyed": len(result.survey.x), "made": int(result.survey.feasible.sum()),
+        "wish": job.wish.words,
+        "error": str(job.wish.error),
+        "model": job.model,
+        "scene": job.scene.name,
+        "printer": job.printer.name,
+        "met": sum(design.met for design in designs),
+        "rows": rows,
+        "stopped": stopped or None,
+        "surveyed": len(result.survey.x),
+        "made": int(result.survey.feasible.sum()),
         "tried": len(result.trials),
-    }  # fmt: skip
+    }
 
     def draw() -> "Figure":
         from walkergen.jobs.make.design import figures
@@ -53,11 +57,19 @@ def of(
         return figures.trade_off(job, result, designs)
 
     return DesignReport(
-        name="design", title=f"Designs as {job.design.name}: {job.wish.words}", caption=title(job),
-        tables=[table], facts=facts, figures={"design": draw}, folder=folder,
+        name="design",
+        title=f"Designs as {job.design.name}: {job.wish.words}",
+        caption=title(job),
+        tables=[table],
+        facts=facts,
+        figures={"design": draw},
+        folder=folder,
         lines=[_units(job), *_how(job, result), *_notes(designs, stopped), *_next(job, folder)],
-        job=job, search=result, designs=designs, stopped=stopped,
-    )  # fmt: skip
+        job=job,
+        search=result,
+        designs=designs,
+        stopped=stopped,
+    )
 
 
 def title(job: Job) -> str:
@@ -68,8 +80,11 @@ def title(job: Job) -> str:
 
 def _quantity(job: Job) -> str:
     """Key of the wish's quantity, with its unit."""
-    return {"speed": "speed_mm_s", "persistence length": "persistence_length_mm",
-            "turning radius": "turning_radius_mm"}[job.wish.of]  # fmt: skip
+    return {
+        "speed": "speed_mm_s",
+        "persistence length": "persistence_length_mm",
+        "turning radius": "turning_radius_mm",
+    }[job.wish.of]
 
 
 def _row(job: Job, number: int, design: Verified) -> dict[str, Any]:
@@ -77,23 +92,26 @@ def _row(job: Job, number: int, design: Verified) -> dict[str, Any]:
     name = _quantity(job)
     low, high = design.bounds or (None, None)
     row: dict[str, Any] = {
-        "design": f"design-{number}.toml", **design.values, "predicted_mm_s": design.predicted_mm_s,
-        f"chosen_{name}": design.chosen.value, f"chosen_se_{name}": design.chosen.se,
+        "design": f"design-{number}.toml",
+        **design.values,
+        "predicted_mm_s": design.predicted_mm_s,
+        f"chosen_{name}": design.chosen.value,
+        f"chosen_se_{name}": design.chosen.se,
         f"verified_{name}": design.verified and design.verified.value,
         f"verified_se_{name}": design.verified and design.verified.se,
-        f"low_95_{name}": low, f"high_95_{name}": high,
-    }  # fmt: skip
+        f"low_95_{name}": low,
+        f"high_95_{name}": high,
+    }
     if job.wish.of != "speed":
         row["verified_speed_mm_s"] = design.speed_mm_s
     if job.wish.calm:
-        row |= {
-            TREND: design.slope and design.slope.value,
-            f"{TREND}_se": design.slope and design.slope.se,
-        }
+        row |= {TREND: design.slope and design.slope.value, f"{TREND}_se": design.slope and design.slope.se}
     return row | {
-        "runs": design.runs, "met": design.met, "print_warnings": design.warnings,
+        "runs": design.runs,
+        "met": design.met,
+        "print_warnings": design.warnings,
         "print_told": design.finding or None,
-    }  # fmt: skip
+    }
 
 
 def _columns(job: Job, keys: Sequence[str]) -> list[Column]:
@@ -114,13 +132,12 @@ def _columns(job: Job, keys: Sequence[str]) -> list[Column]:
         column("design", str, "design", right=False),
         *(column(heading, lambda value: words.number(value, 6), key) for heading, key in varied),
         *([] if predicted else [column("predicted", words.number, "predicted_mm_s")]),
-        column("prediction" if predicted else "verified", words.with_error,
-               f"verified_{name}", f"verified_se_{name}"),
+        column("prediction" if predicted else "verified", words.with_error, f"verified_{name}", f"verified_se_{name}"),
         column("95 %", words.span, f"low_95_{name}", f"high_95_{name}"),
         *([column("dv/dmu", words.with_error, TREND, f"{TREND}_se")] if job.wish.calm else []),
         column("met", lambda met: "yes" if met else "no", "met", right=False),
         column("print", lambda count: "warning" if count else "ok", "print_warnings", right=False),
-    ]  # fmt: skip
+    ]
 
 
 def _short(keys: Sequence[str]) -> list[str]:
@@ -160,18 +177,14 @@ def _how(job: Job, result: Search) -> list[str]:
     if job.wish.calm:
         share = 100.0 * FRICTION_STEP[job.simulated]
         lines.append(
-            f"dv/dmu is the difference of the speeds at {share:g} % less and more friction over "
-            "that of the frictions"
+            f"dv/dmu is the difference of the speeds at {share:g} % less and more friction over that of the frictions"
         )
     return lines
 
 
 def _notes(designs: Sequence[Verified], stopped: str) -> list[str]:
     """Sentences on printing, and on why there are not three designs that meet the wish."""
-    lines = [
-        f"print: {worst}"
-        for worst in sorted({design.finding for design in designs if design.finding})
-    ]
+    lines = [f"print: {worst}" for worst in sorted({design.finding for design in designs if design.finding})]
     if stopped:
         lines.append(f"none meets the wish: {stopped}")
     elif len(designs) < 3:

@@ -81,8 +81,7 @@ def survey(job: Job, bench: Bench) -> Survey:
     """Predict a sample. Raises InputError when nothing can be built and printed."""
     count = min(128 * 2 ** len(job.box.spans), MOST_SAMPLES)
     space = job.box.sample(count, job.seed)
-    rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True))))
-            for row in space.rows()]  # fmt: skip
+    rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True)))) for row in space.rows()]
     plain = job._replace(wish=job.wish._replace(calm=False))
     trials = lab.tried(plain, bench, rows, None, "predictions")
     feasible = np.array([trial.usable for trial in trials])
@@ -101,9 +100,7 @@ def _nothing(job: Job, trials: Sequence[Trial]) -> str:
     kinds = Counter(re.sub(r"[-+]?[0-9.]+", "#", reason) for reason in reasons)
     kind, count = kinds.most_common(1)[0]
     example = next(reason for reason in reasons if re.sub(r"[-+]?[0-9.]+", "#", reason) == kind)
-    nearest = min(
-        trials, key=lambda trial: (not trial.buildable, trial.record.get("print_errors") or 0)
-    )
+    nearest = min(trials, key=lambda trial: (not trial.buildable, trial.record.get("print_errors") or 0))
     at = ", ".join(f"{key} = {value:g}" for key, value in nearest.values.items())
     return (
         f"--vary: none of {len(trials)} designs can be made on {job.printer.name} ({unbuilt} "
@@ -135,8 +132,7 @@ def search(job: Job, bench: Bench, seen: Survey) -> Search:
         trials = [trial for trial in trials if trial.values not in proposed] + new
         view = _view(job, seen, trials)
     chosen = view.best()
-    return Search(seen, trials, [view.usable[place] for place in chosen],
-                 [view.expected(place) for place in chosen])  # fmt: skip
+    return Search(seen, trials, [view.usable[place] for place in chosen], [view.expected(place) for place in chosen])
 
 
 def _first(job: Job, seen: Survey) -> list[dict[str, float]]:
@@ -144,10 +140,8 @@ def _first(job: Job, seen: Survey) -> list[dict[str, float]]:
     places = np.flatnonzero(seen.feasible)
     spread = places[:FIRST].tolist()
     speeds = np.array([trial.seen.value if trial.seen else 0.0 for trial in seen.trials])
-    if job.wish.of == "speed" and job.wish.target is not None:
-        worth = np.abs(speeds - job.wish.target)
-    else:
-        worth = -speeds
+    wished = job.wish.target if job.wish.of == "speed" else None
+    worth = -speeds if wished is None else np.abs(speeds - wished)
     ordered = places[np.argsort(worth[places], kind="stable")].tolist()
     unseen = [place for place in ordered if place not in spread]
     near = _apart(seen.x, unseen, NEAR, DISTINCT[-1] * job.box.diagonal)
@@ -259,8 +253,17 @@ def _view(job: Job, seen: Survey, trials: Sequence[Trial]) -> View:
     tree = cKDTree(places)
     with emulator.alone():
         fastest = float(value(x)[0].max())
-    return View(job, usable, x, value, slope, scale, lambda at: can[tree.query(at)[1]],
-                fastest, (float(y.min()), float(y.max())))  # fmt: skip
+    return View(
+        job,
+        usable,
+        x,
+        value,
+        slope,
+        scale,
+        lambda at: can[tree.query(at)[1]],
+        fastest,
+        (float(y.min()), float(y.max())),
+    )
 
 
 def _proposed(view: View, seed: int) -> list[dict[str, float]]:
@@ -310,9 +313,7 @@ def _farthest(view: View, chosen: Sequence[Array], seed: int) -> tuple[float, Ar
     return share, at, hoped
 
 
-def _loss(
-    view: View, chosen: Sequence[Array], share: float, hope: float
-) -> Callable[[Array], Array]:
+def _loss(view: View, chosen: Sequence[Array], share: float, hope: float) -> Callable[[Array], Array]:
     """Function of coordinates, shape (keys, k), for the optimiser: kept apart and makeable."""
     least = 1.05 * share * view.job.box.diagonal  # so that rounded values are apart as well
 
@@ -334,7 +335,14 @@ def _optimum(view: View, chosen: Sequence[Array], share: float, seed: int) -> tu
     wide = len(view.job.box.spans)
     with emulator.alone():
         optimum = differential_evolution(
-            _loss(view, chosen, share, 1.0), [(0.0, 1.0)] * wide, popsize=15, maxiter=80, tol=1e-4,
-            polish=False, vectorized=True, updating="deferred", rng=seed,
-        )  # fmt: skip
+            _loss(view, chosen, share, 1.0),
+            [(0.0, 1.0)] * wide,
+            popsize=15,
+            maxiter=80,
+            tol=1e-4,
+            polish=False,
+            vectorized=True,
+            updating="deferred",
+            rng=seed,
+        )
     return np.asarray(optimum.x), float(optimum.fun)

@@ -111,21 +111,27 @@ def _read(text: str) -> Design:
     return validate(Design.located(tomllib.loads(text), Path()), Design, "design", text)
 
 
-def _verified(
-    job: Job, old: Trial, expected: float, new: Trial, design: Design, text: str, scene: Scene
-) -> Verified:
+def _verified(job: Job, old: Trial, expected: float, new: Trial, design: Design, text: str, scene: Scene) -> Verified:
     assert old.seen is not None
     record, predicted = new.record, old.record.get("predicted_mm_s", old.record.get("speed_mm_s"))
     speed, runs = record.get("speed_mm_s"), record.get("runs")
     finding, warnings = old.record.get("print_told"), old.record.get("print_warnings")
     verified = Verified(
-        old.values, design, text, scene,
+        old.values,
+        design,
+        text,
+        scene,
         float(predicted) if isinstance(predicted, (int, float)) else None,
-        Seen(expected, old.seen.se), new.seen, wishes.bounds(record, job.wish.of), new.slope,
+        Seen(expected, old.seen.se),
+        new.seen,
+        wishes.bounds(record, job.wish.of),
+        new.slope,
         float(speed) if isinstance(speed, (int, float)) else None,
-        runs if isinstance(runs, int) else 0, warnings if isinstance(warnings, int) else 0,
-        str(finding or ""), False,
-    )  # fmt: skip
+        runs if isinstance(runs, int) else 0,
+        warnings if isinstance(warnings, int) else 0,
+        str(finding or ""),
+        False,
+    )
     return verified._replace(met=new.printable and _met(job, verified, old))
 
 

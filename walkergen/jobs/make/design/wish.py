@@ -9,12 +9,12 @@ from walkergen.points.tolerance import Tolerance
 
 Quantity = Literal["speed", "persistence length", "turning radius"]
 
-UNITS: dict[Quantity, str] = {
-    "speed": "mm/s", "persistence length": "mm", "turning radius": "mm"
-}  # fmt: skip
+UNITS: dict[Quantity, str] = {"speed": "mm/s", "persistence length": "mm", "turning radius": "mm"}
 OPTIONS: dict[str, Quantity] = {
-    "--speed": "speed", "--persistence": "persistence length", "--turning-radius": "turning radius",
-}  # fmt: skip
+    "--speed": "speed",
+    "--persistence": "persistence length",
+    "--turning-radius": "turning radius",
+}
 
 LEAST, LARGEST = 1e-6, 1e9
 """Least and largest number that may be wished, mm/s or mm."""
@@ -76,22 +76,18 @@ class Wish(NamedTuple):
 
 
 def of_options(
-    speed: float | None, persistence: float | None, radius: float | None, fastest: bool,
-    calm: bool, error: Tolerance,
-) -> Wish:  # fmt: skip
+    speed: float | None, persistence: float | None, radius: float | None, fastest: bool, calm: bool, error: Tolerance
+) -> Wish:
     """Wish of a command line. Raises InputError unless it is exactly one that can be."""
     by_option = dict(zip(OPTIONS, (speed, persistence, radius), strict=True))
     targets = {name: value for name, value in by_option.items() if value is not None}
     named = [*targets, *(["--fastest"] if fastest else [])]
     if len(named) > 1 or (calm and named not in ([], ["--speed"])):
         both = " and ".join([*named, *(["--least-sensitive"] if calm else [])])
-        raise InputError(
-            f"{both}: one wish at a time; only --speed and --least-sensitive go together"
-        )
+        raise InputError(f"{both}: one wish at a time; only --speed and --least-sensitive go together")
     if not named and not calm:
         raise InputError(
-            "no wish: give --speed 40, --fastest, --least-sensitive, --persistence MM or "
-            "--turning-radius MM"
+            "no wish: give --speed 40, --fastest, --least-sensitive, --persistence MM or --turning-radius MM"
         )
     if not targets:
         return Wish("speed", None, calm, error)
@@ -104,18 +100,14 @@ def _check(name: str, value: float, error: Tolerance) -> None:
     """Refuse targets that are no number, or of which no share can be. Raises InputError."""
     unit = UNITS[OPTIONS[name]]
     if not (value == 0.0 or LEAST <= abs(value) <= LARGEST):
-        raise InputError(
-            f"{name} {value:g}: must be a number of {unit}, {LEAST:g} at least, {LARGEST:g} at most"
-        )
+        raise InputError(f"{name} {value:g}: must be a number of {unit}, {LEAST:g} at least, {LARGEST:g} at most")
     if name != "--speed":
         if not value > 0.0:
             raise InputError(f"{name} {value:g}: must be a length in mm above 0")
         if not error.relative:
             raise InputError(f"--error {error}: a speed is no error of a length: write 10%")
     elif value == 0.0 and error.relative:
-        raise InputError(
-            f"--speed 0: {error} of 0 is no error: say --error 1mm/s, or wish another speed"
-        )
+        raise InputError(f"--speed 0: {error} of 0 is no error: say --error 1mm/s, or wish another speed")
 
 
 class Seen(NamedTuple):
@@ -136,10 +128,7 @@ def seen(record: Record, of: Quantity) -> Seen | None:
         return _pair(record, "speed_mm_s", "se_mm_s")
     name = "rotational_diffusion" if of == "persistence length" else "turning_bias"
     unit = "rad2_s" if of == "persistence length" else "rad_s"
-    speed, rate = (
-        _pair(record, "speed_mm_s", "se_mm_s"),
-        _pair(record, f"{name}_{unit}", f"{name}_se_{unit}"),
-    )
+    speed, rate = (_pair(record, "speed_mm_s", "se_mm_s"), _pair(record, f"{name}_{unit}", f"{name}_se_{unit}"))
     if speed is None or rate is None or speed.value == 0.0:
         return None
     if abs(rate.value) <= RESOLVED * rate.se:

@@ -29,9 +29,8 @@ MODEL = ".xml"
 
 
 def make(
-    members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress,
-    scene: Scene | None = None,
-) -> Report:  # fmt: skip
+    members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress, scene: Scene | None = None
+) -> Report:
     """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
 
     MJCF, of walkers in a scene, is folder/mjcf/NAME.xml with its STL files beside it. Caps, which
@@ -43,8 +42,7 @@ def make(
     of_caps = list(caps.files(capped, [])) if capped else []
     models = [_model(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
-        profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else []
-        for design in members
+        profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else [] for design in members
     ]
     written = []
     with Folder(folder, "") as target:
@@ -68,9 +66,13 @@ def make(
             written.append(folder / "caps" / file)
     paths = [str(path) for path in written]
     return Report(
-        name="export", title="Exported walkers", tables=[], facts={"files": paths}, files=written,
+        name="export",
+        title="Exported walkers",
+        tables=[],
+        facts={"files": paths},
+        files=written,
         lines=caps.advice(capped) if capped else [],
-    )  # fmt: skip
+    )
 
 
 def _single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:

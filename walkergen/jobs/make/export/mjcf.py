@@ -75,22 +75,17 @@ def _walker_of(design: Design, scene: Scene, mass: MassProperties) -> tuple[Walk
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in ALLOWED:
             raise InputError(
-                f"{effect.name} ({effect.reason}): MJCF leaves it out; "
-                f"write --set scene.{effect.switch}=false"
+                f"{effect.name} ({effect.reason}): MJCF leaves it out; write --set scene.{effect.switch}=false"
             )
     return plan.world.walker, plan.world.options.step
 
 
-def _meshes(
-    design: Design, mass: MassProperties, walker: Walker, built: solids.Solids
-) -> Iterator[tuple[str, Mesh]]:
+def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
     """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*from_centre(design, mass, np.zeros(2)), -half]) + O
     yield "body", _turned(built._replace(walker=built.body).seen, middle)
-    for name, limb, leg, mesh in zip(
-        names.legs(design), design.limbs, mass.legs, built.legs, strict=True
-    ):
+    for name, limb, leg, mesh in zip(names.legs(design), design.limbs, mass.legs, built.legs, strict=True):
         anchor = np.array([*leg.anchor, limb.across]) + O
         anchor = np.zeros(3) if leg.m > 0.0 else anchor
         yield name, _turned(mesh, anchor - (0.0, 0.0, 0.5 * limb.width))
@@ -101,9 +96,7 @@ def _turned(mesh: Mesh, offset: Array) -> Mesh:
     return mesh._replace(vertices=(mesh.vertices + offset) @ UP.T)
 
 
-def _text(
-    name: str, design: Design, scene: Scene, mass: MassProperties, walker: Walker, step: float
-) -> str:
+def _text(name: str, design: Design, scene: Scene, mass: MassProperties, walker: Walker, step: float) -> str:
     """MJCF of a walker, let go an amplitude over the plate, which is at its highest."""
     drive, called = scene.drive, names.legs(design)
     period = 2.0 * math.pi / drive.omega

@@ -14,9 +14,17 @@ from walkergen.walker.limbs import Kind
 Array = npt.NDArray[np.float64]
 
 KEYS = (
-    "what", "legs", "tilt_deg", "speed_mm_s", "speed_low_68_mm_s", "speed_high_68_mm_s",
-    "speed_low_95_mm_s", "speed_high_95_mm_s", "theory_mm_s", "foot_can_stick",
-)  # fmt: skip
+    "what",
+    "legs",
+    "tilt_deg",
+    "speed_mm_s",
+    "speed_low_68_mm_s",
+    "speed_high_68_mm_s",
+    "speed_low_95_mm_s",
+    "speed_high_95_mm_s",
+    "theory_mm_s",
+    "foot_can_stick",
+)
 
 SURE = 1.96
 """Standard errors on either side that hold a normal number with 95 %."""

@@ -71,9 +71,7 @@ def speed_figure(
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     _label(axes, walkers, named, bool(simulated or chart_data.measured))
     figure.suptitle(wrapped(title, COLUMN - 0.1))
-    figure.legend(
-        legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2
-    )
+    figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2)
     return figure
 
 
@@ -97,12 +95,9 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
     colour, line, _ = STYLES[kind]
     (middle,) = axes.plot(curve.tilt_deg, curve.speed, line, color=colour)
     bands = [
-        axes.fill_between(
-            curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=colour, alpha=shade,
-            linewidth=0,
-        )
+        axes.fill_between(curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=colour, alpha=shade, linewidth=0)
         for low, high, shade in ((0, 3, BAND), (1, 2, CORE))
-    ]  # fmt: skip
+    ]
     return {f"{kind}, {BOUNDS}": (*bands, middle)} | _draw_theory(axes, curve)
 
 
@@ -122,12 +117,8 @@ def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool)
     (points,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if not bars:
         return {}
-    for low, high, width, shade in (
-        ("low_95", "high_95", 1.2, 0.5), ("low_68", "high_68", 5.0, CORE)
-    ):  # fmt: skip
-        bottoms, tops = (
-            [getattr(walker.row, f"speed_{end}_mm_s") for walker in walkers] for end in (low, high)
-        )
+    for low, high, width, shade in (("low_95", "high_95", 1.2, 0.5), ("low_68", "high_68", 5.0, CORE)):
+        bottoms, tops = ([getattr(walker.row, f"speed_{end}_mm_s") for walker in walkers] for end in (low, high))
         axes.vlines(x, bottoms, tops, color=colour, linewidth=width, alpha=shade)
     return {f"{kind}, {BOUNDS}": points}
 
@@ -144,9 +135,8 @@ def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str
         return {}
     x, speeds, *bars = zip(*points, strict=True)
     drawn = axes.errorbar(
-        x, speeds, bars, fmt=marker, color=colour, markerfacecolor="white", markersize=5,
-        capsize=2, zorder=3.2,
-    )  # fmt: skip
+        x, speeds, bars, fmt=marker, color=colour, markerfacecolor="white", markersize=5, capsize=2, zorder=3.2
+    )
     return {f"{kind}, simulated, 95 %": drawn}
 
 
@@ -173,9 +163,17 @@ def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> d
         bars = None if measured.se is None else speed - ends(speed, measured.se[chosen])[0]
         label = f"{kind}, measured" + ("" if bars is None else ", 95 %")
         legend[label] = axes.errorbar(
-            x, speed, bars, fmt=mark, color="black", markersize=5,
-            markeredgewidth=1.2, elinewidth=0.9, capsize=2, zorder=3.4,
-        )  # fmt: skip
+            x,
+            speed,
+            bars,
+            fmt=mark,
+            color="black",
+            markersize=5,
+            markeredgewidth=1.2,
+            elinewidth=0.9,
+            capsize=2,
+            zorder=3.4,
+        )
     return legend
 
 
@@ -187,7 +185,13 @@ def _mark_sticking(axes: Axes, curves: Mapping[Kind, Curve]) -> None:
     tilts = curve.tilt_deg[curve.can_stick]
     axes.axvspan(tilts.min(), tilts.max(), color="0.92", linewidth=0, zorder=-1)
     axes.annotate(
-        "feet can stick", (0.5 * (tilts.min() + tilts.max()), 1.0),
-        xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
-        ha="center", va="bottom", color="0.35", fontsize=7,
-    )  # fmt: skip
+        "feet can stick",
+        (0.5 * (tilts.min() + tilts.max()), 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(0, 2),
+        textcoords="offset points",
+        ha="center",
+        va="bottom",
+        color="0.35",
+        fontsize=7,
+    )

@@ -79,11 +79,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     steps = len(job.members) + 2
     built = [solids.build(design) for design in job.members]
     layout = plates.arrange(
-        job.members,
-        built,
-        job.copies or [1] * len(job.members),
-        job.printer,
-        max_parts=job.max_parts,
+        job.members, built, job.copies or [1] * len(job.members), job.printer, max_parts=job.max_parts
     )
     tell(layout.findings)
     checks.refuse(layout.findings, job.strict)
@@ -127,9 +123,7 @@ def _beside(job: Job, walkers: Sequence[Member]) -> ChartData:
     """Speeds that speed.png shows beside the members."""
     measured = job.measured
     if measured is not None and not job.design.follows:
-        measured = chart_data.of_members(
-            measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
-        )
+        measured = chart_data.of_members(measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers})
     return ChartData(_curves(job, walkers), measured, _stated(job.design, job.scene))
 
 

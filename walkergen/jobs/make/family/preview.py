@@ -108,13 +108,7 @@ LIGHT = np.array([-0.35, 0.75, 0.56])
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     """Draw all parts with labels, in rows in the order of the table; more parts stand closer."""
     screens = [
-        np.concatenate(
-            [
-                part.mesh.vertices,
-                *(own.vertices for own in part.carried.values()),
-                *((part.cap or ())[:1]),
-            ]
-        )
+        np.concatenate([part.mesh.vertices, *(own.vertices for own in part.carried.values()), *((part.cap or ())[:1])])
         @ part.view.T
         for part in parts
     ]
@@ -135,10 +129,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
         for column, part in enumerate(row):
             at = np.array([column * pitch[0], -number * pitch[1]])
             _draw(axes, part, at)
-            axes.annotate(
-                part.label, at - (0.0, 0.52 * size[1] + 0.5 * line),
-                ha="center", va="top", fontsize=LABEL,
-            )  # fmt: skip
+            axes.annotate(part.label, at - (0.0, 0.52 * size[1] + 0.5 * line), ha="center", va="top", fontsize=LABEL)
     axes.set_xlim(low, high)
     axes.set_ylim(bottom, top)
     axes.set_axis_off()
@@ -163,9 +154,13 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
     axes.annotate(
-        f"{length:g} mm along the body", (end[0], end[1]), xytext=(8, 0),
-        textcoords="offset points", va="center", fontsize=LABEL,
-    )  # fmt: skip
+        f"{length:g} mm along the body",
+        (end[0], end[1]),
+        xytext=(8, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=LABEL,
+    )
 
 
 def _draw(axes: Axes, part: Part, at: Array) -> None:
@@ -187,17 +182,19 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
     order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
     carried = {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
-    seen = np.concatenate([
-        corners.reshape(-1, 3), *carried.values(),
-        *(one @ part.view.T for one in (part.cap or ())[:1]),
-    ])  # fmt: skip
+    seen = np.concatenate(
+        [corners.reshape(-1, 3), *carried.values(), *(one @ part.view.T for one in (part.cap or ())[:1])]
+    )
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
     faces = PolyCollection(
         list(corners[order][:, :, :2] - middle + at),
-        facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round",
-    )  # fmt: skip
+        facecolors=colours,
+        edgecolors=colours,
+        linewidths=SEAM,
+        joinstyle="round",
+    )
     axes.add_collection(faces)
     if part.cap is not None:
         tile, squares = part.cap

@@ -38,25 +38,27 @@ class FamilyReport(Report):
 
 
 def of(
-    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path,
-    shown: ChartData | None = None,
-) -> FamilyReport:  # fmt: skip
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path, shown: ChartData | None = None
+) -> FamilyReport:
     """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
     tables = speed_table.tables("family", design.name, walkers)
     facts = {"rows": list(tables[0])}
     if shown is not None:
         tables.append(chart_data.table(shown))
     return FamilyReport(
-        name="family", title=design.name, caption=speed_table.caption(design, scene, mode),
-        tables=tables, facts=facts, lines=speed_table.lines(walkers), folder=folder,
+        name="family",
+        title=design.name,
+        caption=speed_table.caption(design, scene, mode),
+        tables=tables,
+        facts=facts,
+        lines=speed_table.lines(walkers),
+        folder=folder,
         members=walkers,
         figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},
-    )  # fmt: skip
+    )
 
 
-def _figure(
-    design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData
-) -> "Callable[[], Figure]":
+def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData) -> "Callable[[], Figure]":
     """What draws speed against tilt."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g"

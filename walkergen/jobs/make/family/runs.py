@@ -32,15 +32,18 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
     wanted = [experiments.Experiment(scene, member.design, member.mass) for member in members]
     titles = [f"simulating {member.name}" for member in members]
     walkers = []
-    for member, point in zip(
-        members, experiments.each(wanted, titles, progress, None), strict=True
-    ):
+    for member, point in zip(members, experiments.each(wanted, titles, progress, None), strict=True):
         summary = point.summary
         runs = Simulated(
-            summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
-            summary.speed_high_95_mm_s, point.model, point.method, listed(summary.outcomes),
+            summary.speed_mm_s,
+            summary.speed_se_mm_s,
+            summary.speed_low_95_mm_s,
+            summary.speed_high_95_mm_s,
+            point.model,
+            point.method,
+            listed(summary.outcomes),
             verdict(member.row, summary),
-        )  # fmt: skip
+        )
         walkers.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
     return walkers
 
@@ -66,8 +69,12 @@ def with_runs(row: Prediction, runs: Simulated) -> Prediction:
     if row.speed_by != "theory" or speed is None or low is None or high is None:
         return row
     return row._replace(
-        speed_mm_s=speed, speed_sd_mm_s=0.5 * (high - low) / SURE, speed_by="runs",
+        speed_mm_s=speed,
+        speed_sd_mm_s=0.5 * (high - low) / SURE,
+        speed_by="runs",
         speed_low_68_mm_s=speed + (low - speed) / SURE,
         speed_high_68_mm_s=speed + (high - speed) / SURE,
-        speed_low_95_mm_s=low, speed_high_95_mm_s=high, note=NOTE,
-    )  # fmt: skip
+        speed_low_95_mm_s=low,
+        speed_high_95_mm_s=high,
+        note=NOTE,
+    )

@@ -74,18 +74,16 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
         for printer in printers
         for part in plates.unplaced(members, built, [1] * len(built), printer).parts
     ]
-    columns = (report.text("printer", "printer"), report.number("fit", "fit"),
-               report.text("walker", "name"))  # fmt: skip
+    columns = (report.text("printer", "printer"), report.number("fit", "fit"), report.text("walker", "name"))
     return Report(
-        name="room", title="Copies that fit on one plate",
+        name="room",
+        title="Copies that fit on one plate",
         tables=[report.table("room", rows, columns)],
         facts={"rows": [row._asdict() for row in rows]},
-    )  # fmt: skip
+    )
 
 
-def make(
-    order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]
-) -> PlateReport:
+def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> PlateReport:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 
     Members of several designs go onto the same plates, and have a weights_DESIGN.csv each.
@@ -98,18 +96,15 @@ def make(
     members, copies = numbered(order)
     built = [solids.build(design) for design in members]
     layouts = [
-        plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts)
-        for printer in order.printers
+        plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts) for printer in order.printers
     ]
     capped = _capped(layouts[0])
-    findings = checks.by_printer([
-        (one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts
-    ])  # fmt: skip
+    findings = checks.by_printer(
+        [(one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts]
+    )
     tell(findings)
     checks.refuse(findings, order.strict)
-    steps = sum(
-        plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts
-    )
+    steps = sum(plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
     of_caps = list(caps.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:
@@ -141,14 +136,14 @@ def _capped(layout: plates.Layout) -> list[Capped]:
     return caps.numbered([layout.members[place.part] for place in placed], items)
 
 
-def _report(
-    order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]
-) -> PlateReport:
+def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
     """Report of what lies on which plate, of how to read the marks, and of caps."""
     columns = [
-        report.text("printer", "printer"), report.text("plate", "plate"),
-        report.text("copies", "copies"), report.text("walker", "name"),
-    ]  # fmt: skip
+        report.text("printer", "printer"),
+        report.text("plate", "plate"),
+        report.text("copies", "copies"),
+        report.text("walker", "name"),
+    ]
     if any(row.mark for row in rows):
         columns.append(report.text("marks", "marks"))
     lines = []
@@ -163,10 +158,14 @@ def _report(
         lines.append(f"copies bear numbers {order.serial} to {last}, last in each mark")
     lines += of_caps
     return PlateReport(
-        name="plates", title="Plates", lines=lines, places=rows, files=files,
+        name="plates",
+        title="Plates",
+        lines=lines,
+        places=rows,
+        files=files,
         tables=[Table("plates", list(_loads(rows)), (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
-    )  # fmt: skip
+    )
 
 
 def _loads(rows: Sequence[Place]) -> Iterator[Load]:
@@ -187,11 +186,9 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     if order.serial is None:
         return order.members, order.copies
     packing.check_number(sum(order.copies))
-    every = [design for design, count in zip(order.members, order.copies, strict=True)
-            for _ in range(count)]  # fmt: skip
+    every = [design for design, count in zip(order.members, order.copies, strict=True) for _ in range(count)]
     members = [
-        changed(design, _number(design, number), design.name)
-        for number, design in enumerate(every, start=order.serial)
+        changed(design, _number(design, number), design.name) for number, design in enumerate(every, start=order.serial)
     ]
     return members, [1] * len(members)
 

@@ -70,10 +70,7 @@ class _Shelf:
 
     def _design(self, word: str, line: int) -> Design:
         if not word:
-            raise InputError(
-                "design is blank; give a template's name or the path of a TOML file, or leave out "
-                "the row"
-            )
+            raise InputError("design is blank; give a template's name or the path of a TOML file, or leave out the row")
         if word not in self.read:
             self.read[word] = templates.load(word, "walkers", Design, self.folder)
         design = self.read[word]
@@ -101,9 +98,7 @@ def _check_columns(seen: list[str], path: Path) -> None:
 def _copies(cell: str) -> int:
     count = columns.whole(cell, packing.MOST_PARTS)
     if count is None:
-        raise InputError(
-            f"copies = {cell.strip()[:30]!r}: must be a whole number in 1..{packing.MOST_PARTS}"
-        )
+        raise InputError(f"copies = {cell.strip()[:30]!r}: must be a whole number in 1..{packing.MOST_PARTS}")
     return count
 
 
@@ -114,8 +109,7 @@ def _tilt(cell: str) -> float | None:
     value = words.value(cell)
     if value is None:
         raise InputError(
-            f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the "
-            "design's own"
+            f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the design's own"
         )
     return value + 0.0  # without the sign of a zero, which would make a second walker
 
@@ -125,7 +119,5 @@ def _kind(cell: str) -> Kind | None:
     word = cell.strip()
     kind = next((kind for kind in KINDS if kind == word), None)
     if word and kind is None:
-        raise InputError(
-            f"legs = {word[:30]!r}: must be {' or '.join(KINDS)}, or blank for the design's own"
-        )
+        raise InputError(f"legs = {word[:30]!r}: must be {' or '.join(KINDS)}, or blank for the design's own")
     return kind

@@ -52,9 +52,7 @@ def asked(dish: str, body: str | None, middle: str | None, others: Sequence[Path
     return Asked(ground, _contours(body), _middle(middle), tuple(others))
 
 
-def analyse(
-    path: Path, units: Units, crowd: Asked, folder: Path | None, pictures: bool, progress: Progress
-) -> Report:
+def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, pictures: bool, progress: Progress) -> Report:
     """Read tracks, measure the crowd and, if there is a folder, write tables and figures.
 
     Writes crowd.csv, crowd.md, tables of its course, its runs and its curves, figures as PNG and
@@ -68,10 +66,14 @@ def analyse(
     progress("measuring", len(paths), len(paths) + 1)
     statistics = crowds.measure(films)
     written = Report(
-        name="crowd", title=path.name, tables=crowd_tables.tables(statistics),
-        facts=crowd_tables.facts(statistics), lines=crowd_tables.lines(statistics),
-        figures=crowd_figures.figures(statistics, path.name), folder=folder,
-    )  # fmt: skip
+        name="crowd",
+        title=path.name,
+        tables=crowd_tables.tables(statistics),
+        facts=crowd_tables.facts(statistics),
+        lines=crowd_tables.lines(statistics),
+        figures=crowd_figures.figures(statistics, path.name),
+        folder=folder,
+    )
     if folder is not None:
         with Folder(folder) as target:
             written.write(target, pictures)
@@ -95,9 +97,7 @@ def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     seen = np.isfinite(made.x)
     beyond = float((ground.wall_distance(made.x[seen], made.y[seen], crowd.dish) < 0).mean())
     if beyond > OUTSIDE:
-        x, y = (
-            round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y)
-        )
+        x, y = (round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y))
         centre = f"{x + crowd.middle[0]:.4g},{y + crowd.middle[1]:.4g}"
         raise InputError(
             f"--dish {crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie beyond "
@@ -132,8 +132,6 @@ def _middle(middle: str | None) -> tuple[float, float]:
         return 0.0, 0.0
     numbers = [words.value(word) for word in middle.split(",")]
     if len(numbers) != 2 or any(n is None or abs(n) > LARGEST for n in numbers):
-        raise InputError(
-            f"--middle {plain.line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}"
-        )
+        raise InputError(f"--middle {plain.line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}")
     x, y = (float(number or 0.0) for number in numbers)
     return x, y

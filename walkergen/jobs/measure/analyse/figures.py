@@ -50,9 +50,14 @@ def msd_figure(motion: Motion, title: str) -> Figure:
     if crossover is not None and limits[0][0] < crossover < limits[0][1]:
         axes.axvline(crossover, color="0.75", lw=0.8, zorder=0)
         axes.annotate(
-            f"crossover {crossover:.2g} s ", (crossover, 0.98), ha="right", va="top",
-            xycoords=("data", "axes fraction"), color="0.3", fontsize=SMALLEST,
-        )  # fmt: skip
+            f"crossover {crossover:.2g} s ",
+            (crossover, 0.98),
+            ha="right",
+            va="top",
+            xycoords=("data", "axes fraction"),
+            color="0.3",
+            fontsize=SMALLEST,
+        )
     axes.set_xlim(limits[0])
     axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
     axes.set_ylabel("mean squared displacement (mm²)")
@@ -66,12 +71,11 @@ def msd_figure(motion: Motion, title: str) -> Figure:
 def _exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents between those of diffusion and of a straight run."""
     # Walkers begin straight and end diffusing: words stand where the points are not.
-    for value, limit, at, side in (
-        (1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")
-    ):  # fmt: skip
+    for value, limit, at, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
         axes.axhline(value, color="0.75", lw=0.8, zorder=0)
-        axes.annotate(limit, (at, value), xycoords=("axes fraction", "data"), ha=side,
-                      va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
+        axes.annotate(
+            limit, (at, value), xycoords=("axes fraction", "data"), ha=side, va="bottom", fontsize=SMALLEST, color="0.3"
+        )
     precise = exponent.se < DRAWN
     _points(axes, Curve(*(column[precise] for column in exponent)), "")
     axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
@@ -83,9 +87,7 @@ def _exponents(axes: Axes, exponent: Curve) -> None:
 def density_figure(motion: Motion, title: str) -> Figure:
     """Draw densities of the displacement along and across the body at one lag (fig. 6c)."""
     figure, axes = axes_of(title)
-    for curve, name, colour, line in (
-        (motion.parallel, "along", INK, "-"), (motion.orthogonal, "across", WARM, "--")
-    ):  # fmt: skip
+    for curve, name, colour, line in ((motion.parallel, "along", INK, "-"), (motion.orthogonal, "across", WARM, "--")):
         if len(curve.at):
             axes.plot(curve.at, curve.value, line, color=colour, drawstyle="steps-mid", label=name)
             axes.errorbar(curve.at, curve.value, curve.se, fmt="none", ecolor=colour, alpha=0.6)
@@ -125,8 +127,15 @@ def walkers_figure(motion: Motion, title: str) -> Figure:
     points = [(name, speed.value, speed.se) for name, speed in speeds if speed.value is not None]
     names, values, errors = zip(*points, strict=True)
     at = range(1, len(names) + 1)
-    axes.errorbar(at, values, np.array(errors, dtype=float), fmt="o", color=INK, capsize=3,
-                  label="each, ± standard error in its track")  # fmt: skip
+    axes.errorbar(
+        at,
+        values,
+        np.array(errors, dtype=float),
+        fmt="o",
+        color=INK,
+        capsize=3,
+        label="each, ± standard error in its track",
+    )
     mean = motion.estimates["speed"]
     if (ends := mean.interval(0.95)) and mean.value is not None:
         axes.axhline(mean.value, color=WARM, label="mean, and where it lies with 95 %")
@@ -134,9 +143,7 @@ def walkers_figure(motion: Motion, title: str) -> Figure:
         axes.axhspan(*ends, color=WARM, alpha=0.15, lw=0)
         # Bounds over two walkers are many times as wide as the points lie apart.
         low, high = limits
-        axes.set_ylim(
-            min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high)
-        )
+        axes.set_ylim(min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high))
     if len(names) <= MOST_TRACKS:
         axes.set_xticks(at, [str(name) for name in names])
         axes.set_xlabel("walker")
@@ -151,9 +158,7 @@ def walkers_figure(motion: Motion, title: str) -> Figure:
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = axes_of(title)
-    points = [
-        (p, speed.value, speed.se) for p, speed in motion.by_plate_speed if speed.value is not None
-    ]
+    points = [(p, speed.value, speed.se) for p, speed in motion.by_plate_speed if speed.value is not None]
     plates, speeds, errors = np.array(points, dtype=float).reshape(-1, 3).T
     axes.errorbar(plates, speeds, errors, fmt="o", color=INK, capsize=3, label="measured")
     if motion.line is not None:
@@ -181,6 +186,5 @@ OF_MOTION = {
 def _points(axes: Axes, curve: Curve, label: str) -> None:
     errors = np.nan_to_num(curve.se)
     axes.errorbar(
-        curve.at, curve.value, errors, fmt="o", color=INK, elinewidth=0.8,
-        label=label, markersize=3.0, zorder=2,
-    )  # fmt: skip
+        curve.at, curve.value, errors, fmt="o", color=INK, elinewidth=0.8, label=label, markersize=3.0, zorder=2
+    )

@@ -11,9 +11,8 @@ from walkergen.jobs.measure.analyse.report import AnalysisReport
 
 
 def analyse(
-    path: Path, units: Units, lag_s: float | None, folder: Path | None, pictures: bool,
-    progress: Progress,
-) -> AnalysisReport:  # fmt: skip
+    path: Path, units: Units, lag_s: float | None, folder: Path | None, pictures: bool, progress: Progress
+) -> AnalysisReport:
     """Read tracks, measure their motion and, if there is a folder, write tables and figures.
 
     Writes analysis.csv, analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, or at

@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
 
-NAMES = {
-    f"{name}_{unit}": (name.replace("_", " "), SHOWN.get(unit, unit))
-    for name, unit in UNITS.items()
-}
+NAMES = {f"{name}_{unit}": (name.replace("_", " "), SHOWN.get(unit, unit)) for name, unit in UNITS.items()}
 """Names and units that people read, by the quantities of analysis.csv."""
 
 MOST_WALKERS = 24
@@ -105,13 +102,17 @@ def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -
     counted = [f"and {hidden} more walkers in walkers.csv"] if hidden > 0 else []
     draw = partial(_draw, tracks=tracks, motion=motion, title=title)
     return AnalysisReport(
-        name="analysis", title=title,
+        name="analysis",
+        title=title,
         caption=f"{title}, displacements within {1e3 * motion.lag_s:g} ms",
-        tables=list(_tables(motion)), facts=facts.of(motion) | more,
+        tables=list(_tables(motion)),
+        facts=facts.of(motion) | more,
         lines=[*counted, *_line(motion), *notes],
-        figures={name: partial(draw, name) for name in _drawn(motion)}, folder=folder,
-        motion=motion, notes=notes,
-    )  # fmt: skip
+        figures={name: partial(draw, name) for name in _drawn(motion)},
+        folder=folder,
+        motion=motion,
+        notes=notes,
+    )
 
 
 def _tables(motion: Motion) -> Iterator[Table]:
@@ -141,9 +142,7 @@ def _value(row: Measured) -> str:
     return _with_scale(row.value, row.se, row.scale_se, row.refused)
 
 
-def _with_scale(
-    value: float | None, se: float | None, by_scale: float | None, refused: str
-) -> str:  # fmt: skip
+def _with_scale(value: float | None, se: float | None, by_scale: float | None, refused: str) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
     if value is None or se is None:
         return refused
@@ -177,9 +176,7 @@ def _walkers(motion: Motion) -> Table:
     for walker in motion.walkers:
         speed, turning = (walker.of(name) for name in OF_WALKERS)
         ends = facts.ends(speed)
-        rows.append(
-            Walker(walker.particle, walker.seconds, *speed[:2], *ends, *turning[:2], speed.reason)
-        )
+        rows.append(Walker(walker.particle, walker.seconds, *speed[:2], *ends, *turning[:2], speed.reason))
     turns = any("turning_bias" in walker.estimates for walker in motion.walkers)
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
@@ -229,10 +226,7 @@ def _curves(motion: Motion) -> Iterator[Table]:
 
 def _points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
     """Points of a curve; None where a number is not known."""
-    return [
-        tuple(None if math.isnan(value) else float(value) for value in point)
-        for point in zip(*curve, strict=True)
-    ]
+    return [tuple(None if math.isnan(value) else float(value) for value in point) for point in zip(*curve, strict=True)]
 
 
 def _drawn(motion: Motion) -> Iterator[str]:

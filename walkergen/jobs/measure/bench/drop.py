@@ -51,9 +51,7 @@ class Dropped(NamedTuple):
         return alike
 
 
-def drop(
-    scene: Scene, design: Design, height: float, turn_deg: float, tries: int, progress: Progress
-) -> Dropped:
+def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: int, progress: Progress) -> Dropped:
     """Drop a walker at every label, then at the scene's own with other tilts, frictions, heights.
 
     Lengths in mm. `tries` drops from the hand differ by pitch and roll, the same in every row.
@@ -67,9 +65,7 @@ def drop(
     rows: list[tuple[str, float, Scene, Design, Sequence[Let]]] = []
     rows += [("tilt", tilt, scene, variant, few) for tilt, variant in _tilted(design)]
     for friction in FRICTIONS:
-        rows.append(
-            ("friction", friction, resting.with_contact(scene, friction=friction), design, few)
-        )
+        rows.append(("friction", friction, resting.with_contact(scene, friction=friction), design, few))
     for other in HEIGHTS:
         rows.append(("height", other, scene, design, [let._replace(height=other) for let in few]))
     by_condition: dict[str, list[tuple[float, Rebounds]]] = {}

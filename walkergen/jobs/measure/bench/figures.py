@@ -27,8 +27,14 @@ def of_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | 
     if flat is not None:
         axes.plot(flat.at, flat.seen, "o-", color=BLUE, markersize=4, label="let go flat")
     if hand is not None and turn_deg > 0.0:
-        axes.plot(hand.at, hand.seen, "s--", color=ORANGE, markersize=4,
-                  label=f"from the hand, pitch and roll ± {turn_deg:g}°")  # fmt: skip
+        axes.plot(
+            hand.at,
+            hand.seen,
+            "s--",
+            color=ORANGE,
+            markersize=4,
+            label=f"from the hand, pitch and roll ± {turn_deg:g}°",
+        )
         band = hand.seen - hand.spread, hand.seen + hand.spread
         axes.fill_between(hand.at, *band, color=ORANGE, alpha=0.2, linewidth=0)
     _draw_measured(axes, measured)
@@ -55,16 +61,11 @@ def of_slide(incline: Incline, title: str, measured: Measured | None) -> Figure:
         ]
         slid = [(friction, angle) for friction, angle, toppled in points if not toppled]
         fell = [(friction, angle) for friction, angle, toppled in points if toppled]
-        axes.plot(*np.array(slid).reshape(-1, 2).T, marker, color=colour, markersize=5,
-                  label=f"facing {facing}")  # fmt: skip
-        axes.plot(*np.array(fell).reshape(-1, 2).T, marker, color=colour, markersize=5,
-                  markerfacecolor="none")  # fmt: skip
-    slips = [
-        pair for pair in zip(incline.frictions, incline.slips, strict=True) if pair[1] is not None
-    ]
+        axes.plot(*np.array(slid).reshape(-1, 2).T, marker, color=colour, markersize=5, label=f"facing {facing}")
+        axes.plot(*np.array(fell).reshape(-1, 2).T, marker, color=colour, markersize=5, markerfacecolor="none")
+    slips = [pair for pair in zip(incline.frictions, incline.slips, strict=True) if pair[1] is not None]
     if slips:
-        axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9,
-                  label="upper foot slips (statics)")  # fmt: skip
+        axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9, label="upper foot slips (statics)")
     _draw_measured(axes, measured)
     axes.set_xlabel("friction; open: it falls over")
     axes.set_ylabel("slope at which it gives way (deg)")

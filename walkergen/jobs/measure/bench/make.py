@@ -59,9 +59,7 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> BenchRep
     _check("--roll-deg", how.turn_deg, 0.0, STEEPEST_DEG)
     _check("--drops", how.drops, 2, MOST_DROPS)
     result = drop.drop(test.scene, test.design, *how, progress)
-    report = tables.of_drop(
-        result, test.scene, test.design, how.height, how.turn_deg, test.measured
-    )
+    report = tables.of_drop(result, test.scene, test.design, how.height, how.turn_deg, test.measured)
 
     def draw() -> "Figure":
         from walkergen.jobs.measure.bench import figures
@@ -84,9 +82,7 @@ def slid(test: Test, folder: Path, progress: Progress) -> BenchReport:
     return _written(report, test, {}, draw, folder)
 
 
-def plucked(
-    test: Test, decrement: Measured | None, folder: Path, progress: Progress
-) -> BenchReport:
+def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> BenchReport:
     """Pluck a leg; writes pluck.csv, moduli.csv, damping.csv, figure and page.
 
     Raises InputError for legs that do not swing.
@@ -111,9 +107,8 @@ def _check(flag: str, value: float, low: float, high: float) -> None:
 
 
 def _written(
-    report: BenchReport, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]",
-    folder: Path,
-) -> BenchReport:  # fmt: skip
+    report: BenchReport, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]", folder: Path
+) -> BenchReport:
     """Report with its figure and folder, once it is written there with what was asked."""
     report = replace(report, figures={report.name: draw}, folder=folder)
     with Folder(folder) as target:

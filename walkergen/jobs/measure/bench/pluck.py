@@ -84,9 +84,7 @@ def plucked_leg(design: Design) -> int:
     """
     free = [number for number, limb in enumerate(design.limbs) if not limb.braced]
     if not free:
-        raise InputError(
-            f"{design.name}: braced legs do not swing; pluck a flexible leg: --legs flexible"
-        )
+        raise InputError(f"{design.name}: braced legs do not swing; pluck a flexible leg: --legs flexible")
     return free[0]
 
 
@@ -165,9 +163,7 @@ def pluck(scene: Scene, design: Design) -> Plucked:
     number = plucked_leg(design)
     ratio = scene.legs.damping_ratio
     if ratio >= 1.0:
-        raise InputError(
-            f"legs.damping_ratio = {ratio:g}: a leg without swings; must be below 1 to be plucked"
-        )
+        raise InputError(f"legs.damping_ratio = {ratio:g}: a leg without swings; must be below 1 to be plucked")
     mass = solids.mass_of(design)
     limb, modulus = design.limbs[number], design.material.youngs_modulus
     inertia = float(mass.legs[number].inertia)

@@ -27,23 +27,23 @@ class BenchReport(Report):
     """Keys of scene or design with the values that follow from the measured number."""
 
 
-def rows(
-    name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]
-) -> Table:  # fmt: skip
+def rows(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
     """Table of a bench test, every key of which people read."""
     texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
     return Table(name, values, keys, report.every(keys, texts), title)
 
 
 def of(
-    bench: str, title: str, caption: str, tables: Sequence[Table], answers: Sequence[Answer],
-    notes: Sequence[str], settings: Mapping[str, float],
-) -> BenchReport:  # fmt: skip
+    bench: str,
+    title: str,
+    caption: str,
+    tables: Sequence[Table],
+    answers: Sequence[Answer],
+    notes: Sequence[str],
+    settings: Mapping[str, float],
+) -> BenchReport:
     """Report of a bench test: drop, slide or pluck; the caption names walker, feet and plate."""
-    lines = [
-        f"{answer.condition}: {answer.text}" if answer.condition else answer.text
-        for answer in answers
-    ]
+    lines = [f"{answer.condition}: {answer.text}" if answer.condition else answer.text for answer in answers]
     if settings:
         keys = ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items())
         lines.append(f"set {keys}")
@@ -56,9 +56,8 @@ def of(
         "notes": list(notes),
     }
     return BenchReport(
-        name=bench, title=title, caption=caption, tables=tables, facts=facts,
-        lines=[*lines, *notes], settings=settings,
-    )  # fmt: skip
+        name=bench, title=title, caption=caption, tables=tables, facts=facts, lines=[*lines, *notes], settings=settings
+    )
 
 
 def _facts(answer: Answer) -> dict[str, Any]:

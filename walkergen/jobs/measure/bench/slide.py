@@ -65,8 +65,7 @@ def friction_angle(plan: Plan, heading_deg: float) -> Slid:
     q = state[Q_0 : Q_Z + 1].copy()
     # Turned about the vertical: (cos, 0, sin, 0) times the attitude
     c, s = math.cos(half), math.sin(half)
-    state[Q_0 : Q_Z + 1] = (c * q[0] - s * q[2], c * q[1] + s * q[3], c * q[2] + s * q[0],
-                            c * q[3] - s * q[1])  # fmt: skip
+    state[Q_0 : Q_Z + 1] = (c * q[0] - s * q[2], c * q[1] + s * q[3], c * q[2] + s * q[0], c * q[3] - s * q[1])
     held, step, toppled, calm = 0.0, FIRST_STEP, False, _calm(plan)
     _advance(calm, state, 0.0, SETTLE_S)
     while step >= LAST_STEP and held + step <= STEEPEST:
@@ -188,10 +187,7 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     Raises InputError for feet of more than one material.
     """
     resting.one_material(design, "friction")
-    plans = [
-        resting.plan_of(resting.with_contact(scene, friction=friction), design, 1.0)
-        for friction in FRICTIONS
-    ]
+    plans = [resting.plan_of(resting.with_contact(scene, friction=friction), design, 1.0) for friction in FRICTIONS]
     lean = sum(math.tan(limb.tilt) for limb in design.limbs)
     backward = 180.0 if lean < 0.0 else 0.0  # it runs toward -x
     by_heading: dict[str, list[Slid]] = {}
@@ -207,7 +203,5 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
         else None
         for plan, friction in zip(plans, FRICTIONS, strict=True)
     ]
-    edges = {
-        facing: edge_angle(plans[0], heading + backward) for facing, heading in HEADINGS.items()
-    }
+    edges = {facing: edge_angle(plans[0], heading + backward) for facing, heading in HEADINGS.items()}
     return Incline(FRICTIONS, by_heading, slips, edges)

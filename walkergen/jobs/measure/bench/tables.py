@@ -20,20 +20,19 @@ UNITS = {"tilt": "tilt_deg", "friction": "friction", "height": "height_mm"}
 
 
 def of_drop(
-    dropped: Dropped,
-    scene: Scene,
-    design: Design,
-    height: float,
-    turn_deg: float,
-    measured: Measured | None,
+    dropped: Dropped, scene: Scene, design: Design, height: float, turn_deg: float, measured: Measured | None
 ) -> BenchReport:
     """Report of a drop; without a first turn (`turn_deg` 0) only the flat drop counts."""
     hand = f"pitch and roll ± {turn_deg:g} deg"
     labelled = zip(drops.LABELS, dropped.by_label, strict=True)
     rows = [
-        report.rows("drop", "rebound by the feet's restitution", ("restitution", *_COLUMNS),
-             [(float(label), *_row(rebounds)) for label, rebounds in labelled])
-    ]  # fmt: skip
+        report.rows(
+            "drop",
+            "rebound by the feet's restitution",
+            ("restitution", *_COLUMNS),
+            [(float(label), *_row(rebounds)) for label, rebounds in labelled],
+        )
+    ]
     for what, table in dropped.by.items():
         lines = [(at, *_row(rebounds)) for at, rebounds in table]
         rows.append(report.rows(f"{what}s", f"rebound by {what}", (UNITS[what], *_COLUMNS), lines))
@@ -47,9 +46,7 @@ def of_drop(
             continue
         solution = inverse.invert(curve, measured)
         ends = float(curve.at[0]), float(curve.at[-1])
-        answers.append(
-            Answer(condition, inverse.in_words(solution, "foot restitution", ends, where), solution)
-        )
+        answers.append(Answer(condition, inverse.in_words(solution, "foot restitution", ends, where), solution))
     notes = [
         f"from the hand: {hand}, {height:g} mm; rebound: root of the height regained over that "
         "of the drop, of the body's middle over where it stands",
@@ -62,9 +59,7 @@ def of_drop(
     return report.of("drop", title, caption, rows, answers, notes, settings)
 
 
-def of_slide(
-    incline: Incline, scene: Scene, design: Design, measured: Measured | None
-) -> BenchReport:
+def of_slide(incline: Incline, scene: Scene, design: Design, measured: Measured | None) -> BenchReport:
     """Report of an incline."""
     lines: list[tuple[Value, ...]] = []
     for place, friction in enumerate(incline.frictions):
@@ -73,8 +68,13 @@ def of_slide(
         angles = [outcome.angle for outcome in slid.values()]
         block = math.degrees(math.atan(friction))
         lines.append((friction, block, *angles, incline.slips[place], fell))
-    columns = ("friction", "block_deg", *(f"{facing}_deg" for facing in incline.by_heading),
-               "uphill_slips_deg", "falls_over")  # fmt: skip
+    columns = (
+        "friction",
+        "block_deg",
+        *(f"{facing}_deg" for facing in incline.by_heading),
+        "uphill_slips_deg",
+        "falls_over",
+    )
     rows = report.rows("slide", "slope at which it gives way, by the way it faces", columns, lines)
     answers = []
     for facing in ("downhill", "uphill"):
@@ -106,40 +106,35 @@ def _on_inclines(incline: Incline) -> list[str]:
     falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in incline.edges.items())
     most = math.tan(math.radians(incline.edges["downhill"]))
     notes.append(f"it falls over at (deg) {falls}: no friction beyond {most:.2f} shows")
-    notes.append(
-        "the model has one friction: nudge the walker, and take the slope at which it keeps sliding"
-    )
+    notes.append("the model has one friction: nudge the walker, and take the slope at which it keeps sliding")
     return notes
 
 
 def of_pluck(
-    plucked: Plucked,
-    scene: Scene,
-    design: Design,
-    measured: Measured | None,
-    decrement: Measured | None,
+    plucked: Plucked, scene: Scene, design: Design, measured: Measured | None, decrement: Measured | None
 ) -> BenchReport:
     """Report of a plucked leg."""
     spring, free = scene.legs.spring, plucked.free
     lines: list[tuple[Value, ...]] = [
         ("the printed leg, a cantilever; body held", plucked.cantilever),
-        *(
-            (f"hinge, spring = {name!r}; body held", hertz)
-            for name, hertz in plucked.hinges.items()
-        ),
+        *((f"hinge, spring = {name!r}; body held", hertz) for name, hertz in plucked.hinges.items()),
         (f"hinge, {spring}, damped, simulated; body held", plucked.held.frequency),
         (f"hinge, {spring}; body free, lowest", free[0]),
         (f"hinge, {spring}; body free, highest", free[-1]),
     ]
     rows = report.rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines)
     moduli = report.rows(
-        "moduli", "frequency heard, by Young's modulus", ("youngs_modulus_gpa", "hz"),
+        "moduli",
+        "frequency heard, by Young's modulus",
+        ("youngs_modulus_gpa", "hz"),
         pluck.by_modulus(design, plucked.leg_mass),
-    )  # fmt: skip
+    )
     damping = report.rows(
-        "damping", "swings that die out, by the leg's damping",
-        ("damping_ratio", "decrement", "next_swing_over_swing"), pluck.by_damping(),
-    )  # fmt: skip
+        "damping",
+        "swings that die out, by the leg's damping",
+        ("damping_ratio", "decrement", "next_swing_over_swing"),
+        pluck.by_damping(),
+    )
     answers: list[Answer] = []
     settings: dict[str, float] = {}
     notes = _on_plucking(plucked, scene)
@@ -147,8 +142,7 @@ def of_pluck(
         errors = pluck.errors(design, measured.sd / measured.value)
         value = pluck.modulus(design, plucked.leg_mass, measured.value)
         answers.append(_with_error("Young's modulus", value, errors.modulus * value, "GPa"))
-        settings |= {"material.youngs_modulus_gpa": value,
-                     "material.youngs_modulus_sd_gpa": errors.modulus * value}  # fmt: skip
+        settings |= {"material.youngs_modulus_gpa": value, "material.youngs_modulus_sd_gpa": errors.modulus * value}
         thick = pluck.thickness(design, plucked.leg_mass, measured.value)
         notes = [
             f"or {_thickness_key(design)} = {thick:.3f} ± {errors.thickness * thick:.3f} with "
@@ -186,8 +180,7 @@ def _on_plucking(plucked: Plucked, scene: Scene) -> list[str]:
     """Notes on what swings in the model and what on the bench."""
     own, spring = plucked.hinges[scene.legs.spring], scene.legs.spring
     return [
-        f"hold the body: free, the legs swing at {plucked.free[0] / own:.3f} to "
-        f"{plucked.free[-1] / own:.3f} of it",
+        f"hold the body: free, the legs swing at {plucked.free[0] / own:.3f} to {plucked.free[-1] / own:.3f} of it",
         f"the model's hinge ({spring}) swings at {own / plucked.cantilever:.3f} of the leg that "
         "you hear: 'cantilever' has its stiffness under a slow load, 'frequency' its first mode",
         "the leg counts as a beam; one as wide as long is stiffer by up to 15 %, and a soft root "

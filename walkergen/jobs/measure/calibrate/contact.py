@@ -77,9 +77,7 @@ def density(readings: Readings) -> Value | None:
             f"{LIGHTEST:g}..{HEAVIEST:g}: are these grams and millimetres?"
         )
     sd = density_g_cm3 * math.hypot(*(reading.error / reading.value for reading in (mass, *sizes)))
-    return Value(
-        density_g_cm3, sd, sum(reading.tries for reading in (mass, *sizes)), ("block",), 0.0
-    )
+    return Value(density_g_cm3, sd, sum(reading.tries for reading in (mass, *sizes)), ("block",), 0.0)
 
 
 def missing_of_density(readings: Readings) -> list[str]:
@@ -132,9 +130,7 @@ def rebound(readings: Readings) -> Rebound | None:
     flights = readings.get("walker", {}).get("flight_s", ())
     if not flights:
         return None
-    ratios = np.array(
-        [flight.value * math.sqrt(GRAVITY / (8.0 * flight.at_mm)) for flight in flights]
-    )
+    ratios = np.array([flight.value * math.sqrt(GRAVITY / (8.0 * flight.at_mm)) for flight in flights])
     for flight, ratio in zip(flights, ratios, strict=True):
         if ratio > 1.0:
             raise InputError(
@@ -142,10 +138,12 @@ def rebound(readings: Readings) -> Rebound | None:
                 f"would come up {ratio**2:.2f} times as high: are these seconds, not of a film in "
                 "slow motion, and millimetres?"
             )
-    errors = np.array([
-        ratio * math.hypot(flight.stated / flight.value, 0.5 * AT_SD_MM / flight.at_mm)
-        for flight, ratio in zip(flights, ratios, strict=True)
-    ])  # fmt: skip
+    errors = np.array(
+        [
+            ratio * math.hypot(flight.stated / flight.value, 0.5 * AT_SD_MM / flight.at_mm)
+            for flight, ratio in zip(flights, ratios, strict=True)
+        ]
+    )
     tries = np.array([flight.tries for flight in flights])
     shares = tries / tries.sum()
     heights = np.array([flight.at_mm for flight in flights])

@@ -37,16 +37,27 @@ def of_strips(bent: Bent, title: str) -> Figure:
         if own:
             at = np.array([point.thickness for point in own]) + side * step
             axes.errorbar(
-                at, [point.modulus for point in own], [point.sd for point in own], fmt=marker,
-                color=colour, fillstyle="full" if filled == "full" else "none", markersize=6,
-                capsize=3, label=words,
-            )  # fmt: skip
+                at,
+                [point.modulus for point in own],
+                [point.sd for point in own],
+                fmt=marker,
+                color=colour,
+                fillstyle="full" if filled == "full" else "none",
+                markersize=6,
+                capsize=3,
+                label=words,
+            )
     for point in {point.strip: point for point in bent.points}.values():
         axes.annotate(
-            point.strip.replace("_", " "), (point.thickness, 0.0),
-            xycoords=("data", "axes fraction"), xytext=(0, 4), textcoords="offset points",
-            ha="center", fontsize=7.5, color="0.3",
-        )  # fmt: skip
+            point.strip.replace("_", " "),
+            (point.thickness, 0.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, 4),
+            textcoords="offset points",
+            ha="center",
+            fontsize=7.5,
+            color="0.3",
+        )
     axes.set_xlim(left=0.0)
     axes.margins(y=0.15)
     low, high = axes.get_ylim()

@@ -45,9 +45,7 @@ class Quantity(NamedTuple):
     """Question to somebody whose value is outside."""
 
 
-SLIDES = Quantity(
-    1.0, 80.0, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14"
-)
+SLIDES = Quantity(1.0, 80.0, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
 FILMED = "filmed_deg"
@@ -80,10 +78,21 @@ LEAST = 1e-6
 
 WALKER = {"slides_deg": SLIDES, FILMED: SLIDES, "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
 TRIES = {
-    "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
-    "ring_hz": 1, "swings_to_half": 2, "mass_g": 2, "length_mm": 2, "height_mm": 2,
-    "slides_deg": 6, FILMED: 0, "flight_s": 6, AIR: 1,
-}  # fmt: skip
+    "thickness_mm": 3,
+    "width_mm": 2,
+    "free_length_mm": 1,
+    "deflection_mm": 6,
+    "swings_20_s": 3,
+    "ring_hz": 1,
+    "swings_to_half": 2,
+    "mass_g": 2,
+    "length_mm": 2,
+    "height_mm": 2,
+    "slides_deg": 6,
+    FILMED: 0,
+    "flight_s": 6,
+    AIR: 1,
+}
 """Rows of the empty form for each quantity."""
 
 
@@ -145,8 +154,7 @@ def filled(path: Path) -> bool:
     if not os.path.lexists(path):
         return False
     try:
-        air = {row["part"]: float(row["reading"]) for _, row in _rows(path)
-               if row["measured"] == AIR}  # fmt: skip
+        air = {row["part"]: float(row["reading"]) for _, row in _rows(path) if row["measured"] == AIR}
         return reading.content(path, MOST_BYTES) != template(air).encode()
     except (InputError, ValueError):
         return True  # whatever it is, somebody wrote it
@@ -214,9 +222,7 @@ def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     if measurable is None:
         raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
     if name not in measurable:
-        raise InputError(
-            f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}"
-        )
+        raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}")
     if not row["reading"].strip():
         return None
     quantity = measurable[name]
@@ -232,17 +238,17 @@ def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     film = row.get(TRACKS, "").strip()
     if bool(film) != (name == FILMED):
         raise InputError(
-            f"{name} has no column {TRACKS}: leave it blank" if film
+            f"{name} has no column {TRACKS}: leave it blank"
+            if film
             else f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film"
-        )  # fmt: skip
+        )
     value = _number("reading", row["reading"], 1e5, zero=True)
     if "unloaded_mm" in quantity.beside:
         value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
     what = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
     if not quantity.least < value <= quantity.most:
         raise InputError(
-            f"{name}: {what} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
-            + quantity.slip
+            f"{name}: {what} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}" + quantity.slip
         )
     for column in quantity.beside:
         if column != "unloaded_mm" and beside[column] <= 0.0:
@@ -259,9 +265,7 @@ def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
     value = words.value(cell)
     least = 0.0 if zero else LEAST
     if value is None or not least <= value <= most:
-        raise InputError(
-            f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}"
-        )
+        raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")
     return value
 
 

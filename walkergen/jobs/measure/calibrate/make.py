@@ -60,15 +60,12 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     density = contact.density(readings)
     bent, notes = _bent(readings, density, job)
     result = Calibrated(
-        bent, density, contact.friction(readings), contact.damping(readings), None, notes, {},
-        job.design, job.scene,
-    )  # fmt: skip
+        bent, density, contact.friction(readings), contact.damping(readings), None, notes, {}, job.design, job.scene
+    )
     result = _with_settings(result, job, path)
     seen = contact.rebound(readings)
     if seen is not None:
-        result = _with_settings(
-            result._replace(bounced=_bounced(seen, result, job, progress)), job, path
-        )
+        result = _with_settings(result._replace(bounced=_bounced(seen, result, job, progress)), job, path)
     missing = _missing(result, readings)
     if not result.settings and result.bounced is None:
         raise InputError(f"{path}: tells nothing: {'; '.join([*result.notes, *missing])}")
@@ -99,9 +96,13 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
     if not chosen:
         raise InputError(f"--by {job.by}: no strip has readings of that kind")
     bent = Bent(
-        modulus.fit(chosen, density), modulus.points(*inputs), density, job.by,
-        modulus.ring_over_bend(*inputs), modulus.offset(*inputs),
-    )  # fmt: skip
+        modulus.fit(chosen, density),
+        modulus.points(*inputs),
+        density,
+        job.by,
+        modulus.ring_over_bend(*inputs),
+        modulus.offset(*inputs),
+    )
     return bent, notes
 
 
@@ -129,8 +130,7 @@ def _with_settings(result: Calibrated, job: Job, path: Path) -> Calibrated:
         own["material.youngs_modulus_sd_gpa"] = result.bent.fit.sd
     if result.density is not None:
         own["material.density_g_cm3"] = result.density.value
-    for name, value in (("contact.friction", result.friction),
-                        ("legs.damping_ratio", result.damping)):  # fmt: skip
+    for name, value in (("contact.friction", result.friction), ("legs.damping_ratio", result.damping)):
         if value is not None:
             own |= {f"scene.{name}": value.value, f"scene.{name}_sd": value.sd}
     if result.bounced is not None and (branch := result.bounced.single):
@@ -140,9 +140,7 @@ def _with_settings(result: Calibrated, job: Job, path: Path) -> Calibrated:
     outside = {key.removeprefix("scene."): v for key, v in own.items() if key.startswith("scene.")}
     inside = {key: value for key, value in own.items() if not key.startswith("scene.")}
     return result._replace(
-        settings=own,
-        design=_renamed(job.design, path, inside),
-        scene=_renamed(job.scene, path, outside),
+        settings=own, design=_renamed(job.design, path, inside), scene=_renamed(job.scene, path, outside)
     )
 
 
@@ -177,12 +175,13 @@ def _on_strips(bent: Bent) -> list[str]:
     """Notes on whether the strips agree, and on what would make them."""
     fit, notes = bent.fit, []
     if not fit.agrees:
-        notes.append(
-            "the strips disagree beyond their errors: the error of the modulus is larger by that"
-        )
+        notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")
     if (ring := bent.ring_over_bend) is not None and ring.seen:
-        cause = ("creep under the weight, or a density too high" if ring.value > 0.0
-                else "a clamp that gives way, or a density too low")  # fmt: skip
+        cause = (
+            "creep under the weight, or a density too high"
+            if ring.value > 0.0
+            else "a clamp that gives way, or a density too low"
+        )
         notes.append(
             f"the ring tells {100 * ring.value:+.0f} ± {100 * ring.sd:.0f} % against the weights: "
             f"{cause}; legs swing as fast as the ring or faster: --by ring takes it alone"
@@ -221,9 +220,8 @@ def _missing(result: Calibrated, readings: Readings) -> list[str]:
         lacking = contact.missing_of_density(readings)
         lack = f"the block lacks {', '.join(lacking)}" if lacking else "the block has no readings"
         assumed = (
-            f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %"
-            if result.bent is not None else ""
-        )  # fmt: skip
+            f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %" if result.bent is not None else ""
+        )
         notes.append(f"{lack}: no density{assumed}")
     for what, value, needs in (
         ("friction", result.friction, "slides_deg or filmed_deg of block or walker"),
@@ -235,8 +233,7 @@ def _missing(result: Calibrated, readings: Readings) -> list[str]:
         notes.append("no flight_s of the walker: no restitution")
     elif result.bounced is None:
         notes.append(
-            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or "
-            "flatter (--roll-deg)"
+            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or flatter (--roll-deg)"
         )
     return notes
 
@@ -247,17 +244,17 @@ def _written(calibration: CalibrationReport, job: Job, path: Path) -> Calibratio
     with Folder(calibration.folder) as target:
         calibration.write(target, job.pictures)
         comment = f"Measured: {path.name}"
-        target.write(
-            "design.toml", templates.dump(calibration.design, comment, every=False).encode()
-        )
+        target.write("design.toml", templates.dump(calibration.design, comment, every=False).encode())
         target.write("scene.toml", templates.dump(calibration.scene, comment, every=False).encode())
-        target.finish({
-            "file": path.name,
-            "design": job.design.model_dump(mode="json"),
-            "scene": job.scene.model_dump(mode="json"),
-            "by": job.by,
-            "roll_deg": job.turn_deg,
-            "drops": job.drops,
-            "settings": calibration.settings,
-        })  # fmt: skip
+        target.finish(
+            {
+                "file": path.name,
+                "design": job.design.model_dump(mode="json"),
+                "scene": job.scene.model_dump(mode="json"),
+                "by": job.by,
+                "roll_deg": job.turn_deg,
+                "drops": job.drops,
+                "settings": calibration.settings,
+            }
+        )
     return calibration

@@ -201,19 +201,19 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
     for _ in range(ROUNDS):
         at_last, errors = first, spread
         if errors is None:
-            errors = _errors(
-                strips, np.array([bend.value for strip in strips for bend in strip.bends])
-            )
+            errors = _errors(strips, np.array([bend.value for strip in strips for bend in strip.bends]))
 
         def misses(at: Array, errors: Array = errors) -> Array:
             bends, rings = _model(strips, density, at, extras)
             heard = [ring for strip in strips for ring in strip.rings]
             seen = [bend.value for strip in strips for bend in strip.bends]
-            return np.concatenate([
-                (bends - np.array(seen)) / errors,
-                [(hz - ring.value) / ring.error for hz, ring in zip(rings, heard, strict=True)],
-                at[own:],
-            ])  # fmt: skip
+            return np.concatenate(
+                [
+                    (bends - np.array(seen)) / errors,
+                    [(hz - ring.value) / ring.error for hz, ring in zip(rings, heard, strict=True)],
+                    at[own:],
+                ]
+            )
 
         solution = least_squares(misses, at_last, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
         first = solution.x
@@ -223,9 +223,13 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
     if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(first):
         errors[1:] = math.inf
     return _Solved(
-        float(math.exp(first[0])), [float(extra) for extra in first[1:own]],
-        errors, float(2.0 * solution.cost), len(solution.fun), len(first),
-    )  # fmt: skip
+        float(math.exp(first[0])),
+        [float(extra) for extra in first[1:own]],
+        errors,
+        float(2.0 * solution.cost),
+        len(solution.fun),
+        len(first),
+    )
 
 
 def rough(strips: Sequence[Specimen], density: Density) -> list[Rough]:
@@ -239,8 +243,7 @@ def rough(strips: Sequence[Specimen], density: Density) -> list[Rough]:
             roughs.append(Rough(strip.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
         heard = _model([strip._replace(bends=())], density, at, ())[1]
         roughs += [
-            Rough(strip.name, RINGS, (ring.value / hertz) ** 2)
-            for ring, hertz in zip(strip.rings, heard, strict=True)
+            Rough(strip.name, RINGS, (ring.value / hertz) ** 2) for ring, hertz in zip(strip.rings, heard, strict=True)
         ]
     return roughs
 
@@ -254,9 +257,7 @@ def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
     return errors
 
 
-def _model(
-    strips: Sequence[Specimen], density: Density, at: Array, extras: Sequence[str]
-) -> tuple[Array, list[float]]:
+def _model(strips: Sequence[Specimen], density: Density, at: Array, extras: Sequence[str]) -> tuple[Array, list[float]]:
     """Deflections (mm) and frequencies (Hz) of strips at a place of the search."""
     own = 1 + len(extras)
     slow = fast = PA * math.exp(at[0])
@@ -271,24 +272,19 @@ def _model(
     for number, specimen in enumerate(strips):
         first = own + OTHERS + 3 * number
         moved = at[first : first + 3]
-        sizes = [specimen.sizes[name].value + specimen.sizes[name].error * by
-                 for name, by in zip(SIZES, moved, strict=True)]  # fmt: skip
+        sizes = [
+            specimen.sizes[name].value + specimen.sizes[name].error * by for name, by in zip(SIZES, moved, strict=True)
+        ]
         strip = Strip(max(sizes[0] + added, 1e-6), max(sizes[1], 1e-6), sizes[2])
         stiff = beams.stiffness(slow, strip)
         bends += [
-            beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff)
-            for bend in specimen.bends
+            beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff) for bend in specimen.bends
         ]
-        rings += [
-            _rings(ring, strip, heavy * filled[number], fast, root, clamp)
-            for ring in specimen.rings
-        ]
+        rings += [_rings(ring, strip, heavy * filled[number], fast, root, clamp) for ring in specimen.rings]
     return np.array(bends), rings
 
 
-def _rings(
-    ring: Reading, strip: Strip, heavy: float, modulus: float, root: float, clamp: float
-) -> float:
+def _rings(ring: Reading, strip: Strip, heavy: float, modulus: float, root: float, clamp: float) -> float:
     """Frequency (Hz) of a strip, its root soft, what swings as long as it is.
 
     A search that strays to a strip without length or mass is kept at a small one.

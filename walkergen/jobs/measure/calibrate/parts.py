@@ -106,8 +106,7 @@ def _drawn(name: str, strip: Strip, design: Design) -> Drawn:
 def strip_mesh(drawn: Drawn) -> Mesh:
     """Mesh of a strip in one piece with its block, as it prints, z up from the bed."""
     long, deep = CLAMP_MM
-    block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep),
-                      (-long, 0.5 * deep)])  # fmt: skip
+    block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep), (-long, 0.5 * deep)])
     half, end = 0.5 * drawn.strip.thickness, drawn.strip.length
     # The strip reaches into the block, so that both become one
     bar = np.array([(-0.5 * long, -half), (end, -half), (end, half), (-0.5 * long, half)])

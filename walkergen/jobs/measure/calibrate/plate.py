@@ -51,9 +51,7 @@ class Place(NamedTuple):
     depth_mm: float
 
 
-def make(
-    order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]
-) -> Report:
+def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> Report:
     """Write a calibration plate for every printer below folder/calibration, and the empty form.
 
     For each printer 3MF, STL, map, settings, and a sheet on printing and measuring. A filled form
@@ -61,10 +59,7 @@ def make(
     PlateError for parts that do not fit and PrintabilityError for those that would not print.
     """
     drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
-    laid = [
-        pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates)
-        for drawn, printer in drawings
-    ]
+    laid = [pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates) for drawn, printer in drawings]
     findings = checks.by_printer([(batch.printer.name, batch.findings) for batch in laid])
     tell(findings)
     checks.refuse(findings, order.strict)
@@ -82,18 +77,15 @@ def make(
 
 def _report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
     """Report of what lies on which plate, and of what to do with the form."""
-    columns = (
-        report.text("printer", "printer"), report.text("plate", "plate"),
-        report.text("part", "item"),
-    )  # fmt: skip
+    columns = (report.text("printer", "printer"), report.text("plate", "plate"), report.text("part", "item"))
     return Report(
-        name="calibration", title="Calibration plate",
+        name="calibration",
+        title="Calibration plate",
         tables=[Table("calibration", rows, (), columns)],
         facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
-        lines=["measure by the sheet (.md), fill in the form (.csv), then: "
-               f"walkergen calibrate {filled}"],
+        lines=[f"measure by the sheet (.md), fill in the form (.csv), then: walkergen calibrate {filled}"],
         files=files,
-    )  # fmt: skip
+    )
 
 
 def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
@@ -141,9 +133,7 @@ def _places(laid: Laid) -> list[Place]:
             part = laid.parts[placement.part]
             item = packing.item_name(part, placement.copy)
             lengths = (placement.x, placement.y, part.width, part.depth)
-            rows.append(
-                Place(laid.printer.name, number, item, *(round(length, 6) for length in lengths))
-            )
+            rows.append(Place(laid.printer.name, number, item, *(round(length, 6) for length in lengths)))
     return rows
 
 

@@ -49,9 +49,7 @@ class ByStrip(NamedTuple):
 
 MEASURED = (
     report.text("measured", "quantity"),
-    Column(
-        "value ± error", lambda row: f"{words.with_error(row.value, row.se)} {row.unit}".strip()
-    ),
+    Column("value ± error", lambda row: f"{words.with_error(row.value, row.se)} {row.unit}".strip()),
     Column("readings", lambda row: str(row.readings or ""), right=True),
     report.text("sets", "key"),
 )
@@ -72,25 +70,30 @@ def of(result: Calibrated, path: Path, folder: Path) -> CalibrationReport:
 
         figures["strips"] = draw
     return CalibrationReport(
-        name="calibration", title=path.name, tables=tables, facts=_facts(result),
-        lines=_lines(result), figures=figures, folder=folder,
-        design=result.design, scene=result.scene, settings=result.settings,
-    )  # fmt: skip
+        name="calibration",
+        title=path.name,
+        tables=tables,
+        facts=_facts(result),
+        lines=_lines(result),
+        figures=figures,
+        folder=folder,
+        design=result.design,
+        scene=result.scene,
+        settings=result.settings,
+    )
 
 
 def rows(result: Calibrated) -> Iterator[Row]:
     """Rows of all numbers that were measured."""
     if result.bent is not None:
         fit, points = result.bent.fit, result.bent.points
-        counted = sum(
-            point.readings for point in points if result.bent.by in (point.method, "both")
+        counted = sum(point.readings for point in points if result.bent.by in (point.method, "both"))
+        yield Row(
+            "Young's modulus", fit.modulus, fit.sd, "GPa", counted, fit.chi2, fit.dof, "material.youngs_modulus_gpa"
         )
-        yield Row("Young's modulus", fit.modulus, fit.sd, "GPa", counted, fit.chi2, fit.dof,
-                  "material.youngs_modulus_gpa")  # fmt: skip
         ring, off = result.bent.ring_over_bend, result.bent.offset
         if ring is not None:
-            yield Row("ring over weights", 100.0 * ring.value, 100.0 * ring.sd, "%",
-                      0, 0.0, 0, "")  # fmt: skip
+            yield Row("ring over weights", 100.0 * ring.value, 100.0 * ring.sd, "%", 0, 0.0, 0, "")
         if off is not None:
             yield Row("offset of thicknesses", off.value, off.sd, "mm", 0, 0.0, 0, "")
     for what, value, unit, key in (
@@ -106,8 +109,16 @@ def rows(result: Calibrated) -> Iterator[Row]:
         seen = rebound.measured
         yield Row("rebound of the walker", seen.value, rebound.sd, "", seen.tries, 0.0, 0, "")
         if branch := result.bounced.single:
-            yield Row("restitution of the feet", branch.value, 0.5 * (branch.high - branch.low), "",
-                      seen.tries, 0.0, 0, "scene.contact.restitution")  # fmt: skip
+            yield Row(
+                "restitution of the feet",
+                branch.value,
+                0.5 * (branch.high - branch.low),
+                "",
+                seen.tries,
+                0.0,
+                0,
+                "scene.contact.restitution",
+            )
 
 
 def _strips(bent: Bent) -> Table:
@@ -135,10 +146,7 @@ def _lines(result: Calibrated) -> Sequence[str]:
     quality = []
     if result.bent is not None and result.bent.fit.probability is not None:
         fit = result.bent.fit
-        quality = [
-            f"strips: chi2 {fit.chi2:.1f} for {fit.dof} degrees of freedom, probability "
-            f"{fit.probability:.2g}"
-        ]
+        quality = [f"strips: chi2 {fit.chi2:.1f} for {fit.dof} degrees of freedom, probability {fit.probability:.2g}"]
     answer = [] if result.bounced is None else [f"drop: {result.bounced.text}"]
     return [*quality, *answer, *result.notes]
 
@@ -149,10 +157,9 @@ def _facts(result: Calibrated) -> Mapping[str, Any]:
         "measured": [row._asdict() for row in rows(result)],
         "strips": [] if result.bent is None else [point._asdict() for point in result.bent.points],
         "probability": None if result.bent is None else result.bent.fit.probability,
-        "drop": None if bounced is None else {
-            "told": bounced.text,
-            "branches": [branch._asdict() for branch in bounced.inverse.branches],
-        },
+        "drop": None
+        if bounced is None
+        else {"told": bounced.text, "branches": [branch._asdict() for branch in bounced.inverse.branches]},
         "settings": result.settings,
         "notes": result.notes,
-    }  # fmt: skip
+    }

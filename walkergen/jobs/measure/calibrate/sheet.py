@@ -10,13 +10,27 @@ from walkergen.printing.sheet import table
 from walkergen.walker.design import Design
 
 ORDINARY = (
-    ("1 cm of office paper, 80 g/m2, as wide as A4 (21 cm)", 0.168), ("nut M3", 0.38),
-    ("nut M4", 0.81), ("nut M5", 1.23), ("1 euro cent", 2.30), ("dime (US)", 2.268),
-    ("cent (US)", 2.50), ("nut M6", 2.5), ("2 euro cents", 3.06), ("5 euro cents", 3.92),
-    ("10 euro cents", 4.10), ("nickel (US)", 5.00), ("nut M8", 5.2), ("quarter (US)", 5.67),
-    ("20 euro cents", 5.74), ("1 euro", 7.50), ("50 euro cents", 7.80), ("2 euros", 8.50),
-    ("nut M10", 11.6), ("nut M12", 17.3),
-)  # fmt: skip
+    ("1 cm of office paper, 80 g/m2, as wide as A4 (21 cm)", 0.168),
+    ("nut M3", 0.38),
+    ("nut M4", 0.81),
+    ("nut M5", 1.23),
+    ("1 euro cent", 2.30),
+    ("dime (US)", 2.268),
+    ("cent (US)", 2.50),
+    ("nut M6", 2.5),
+    ("2 euro cents", 3.06),
+    ("5 euro cents", 3.92),
+    ("10 euro cents", 4.10),
+    ("nickel (US)", 5.00),
+    ("nut M8", 5.2),
+    ("quarter (US)", 5.67),
+    ("20 euro cents", 5.74),
+    ("1 euro", 7.50),
+    ("50 euro cents", 7.80),
+    ("2 euros", 8.50),
+    ("nut M10", 11.6),
+    ("nut M12", 17.3),
+)
 """Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
 
 NEAR = 0.35
@@ -32,18 +46,28 @@ def near(grams: float) -> str:
 def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     """Sections on measuring, after those of the print."""
     sections = [
-        _parts(drawn, design, printer), _sizes(), _bend(drawn), _ring(drawn), _density(),
-        _friction(), _drop(), _after(),
-    ]  # fmt: skip
+        _parts(drawn, design, printer),
+        _sizes(),
+        _bend(drawn),
+        _ring(drawn),
+        _density(),
+        _friction(),
+        _drop(),
+        _after(),
+    ]
     return "\n\n".join(sections) + "\n"
 
 
 def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     rows = [
-        (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}",
-         f"number {part.name.rpartition('_')[2]} on its block")
+        (
+            part.name,
+            f"{part.strip.thickness:g} x {part.strip.width:g}",
+            f"{part.strip.length:g}",
+            f"number {part.name.rpartition('_')[2]} on its block",
+        )
         for part in drawn
-    ]  # fmt: skip
+    ]
     long, wide, high = parts.block_size(printer)
     rows.append(("block", f"{long:g} x {wide:g} x {high:g}", "", "the plain block"))
     walker = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
@@ -70,10 +94,16 @@ def _sizes() -> str:
 
 def _bend(drawn: Sequence[Drawn]) -> str:
     rows = [
-        (part.name, f"{part.light_g:.2g}", near(part.light_g), f"{part.heavy_g:.2g}",
-         near(part.heavy_g), f"{parts.BEND * part.strip.length:.1f}")
+        (
+            part.name,
+            f"{part.light_g:.2g}",
+            near(part.light_g),
+            f"{part.heavy_g:.2g}",
+            near(part.heavy_g),
+            f"{parts.BEND * part.strip.length:.1f}",
+        )
         for part in drawn
-    ]  # fmt: skip
+    ]
     return (
         "## Strips: deflection under a weight (ruler)\n\n"
         "1. Clamp the block to the edge of a table, the whole block on the table, its face over "
@@ -94,9 +124,8 @@ def _bend(drawn: Sequence[Drawn]) -> str:
 
 def _ring(drawn: Sequence[Drawn]) -> str:
     rows = [
-        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}",
-         f"{part.ring_hz * 4.0:.0f}") for part in drawn
-    ]  # fmt: skip
+        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
+    ]
     return (
         "## Strips: ring of a plucked strip (phone)\n\n"
         "1. Clamp the block as hard as you can: a strip that loses its swing within five swings "
@@ -112,8 +141,7 @@ def _ring(drawn: Sequence[Drawn]) -> str:
         "5. `air_percent` stands there: what the printer's lines leave open of the outline that a "
         "caliper sees. It counts in the mass that swings.\n"
         "6. `swings_to_half`: the number of swings until half the way is left: the legs' "
-        "damping.\n\n"
-        + table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)
+        "damping.\n\n" + table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)
     )
 
 

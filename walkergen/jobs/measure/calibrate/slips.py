@@ -21,10 +21,9 @@ CLOSE = 1.5
 """Ratio within which a number looks like that of a slip."""
 
 OF_TIMES = {
-    **{n**-2.0: f"1/{n}^2: are the times of a film in slow motion, {n} times too long?"
-       for n in (2, 4, 8, 16, 32)},
+    **{n**-2.0: f"1/{n}^2: are the times of a film in slow motion, {n} times too long?" for n in (2, 4, 8, 16, 32)},
     20.0**2: "20^2: are the times of one swing instead of 20?",
-}  # fmt: skip
+}
 """Slips of times by the factor that they leave on the modulus by the ring. Phones film 60 to 960
 frames a second and play 30."""
 
@@ -44,10 +43,7 @@ class Rough(NamedTuple):
 def refuse(rough: Sequence[Rough]) -> None:
     """Raise InputError for readings of which some cannot be of one plastic."""
     for method in (BENDS, RINGS):
-        own = sorted(
-            (single for single in rough if single.method == method),
-            key=lambda single: single.modulus,
-        )
+        own = sorted((single for single in rough if single.method == method), key=lambda single: single.modulus)
         if own and own[-1].modulus > ASTRAY * own[0].modulus:
             raise InputError(
                 f"{method}: {own[0].strip} tells a modulus of about {own[0].modulus:.2g} GPa and "

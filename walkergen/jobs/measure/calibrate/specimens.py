@@ -38,10 +38,7 @@ def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
     strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
         own = readings[part]
-        rings = [
-            *own.get("ring_hz", ()),
-            *(_as_frequency(time) for time in own.get("swings_20_s", ())),
-        ]
+        rings = [*own.get("ring_hz", ()), *(_as_frequency(time) for time in own.get("swings_20_s", ()))]
         bends = own.get("deflection_mm", ())
         if not (rings or bends):
             continue
@@ -82,17 +79,14 @@ def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
         )
     if long < wide:
         raise InputError(
-            f"{part}: free_length_mm = {long:g}: must be at least the width, {wide:.3g} mm: wider "
-            "ones bend as plates"
+            f"{part}: free_length_mm = {long:g}: must be at least the width, {wide:.3g} mm: wider ones bend as plates"
         )
 
 
 def _check(part: str, bend: Reading, length: float) -> None:
     """Raise InputError for a deflection that is no small bend of its strip."""
     if bend.at_mm > length:
-        raise InputError(
-            f"{part}: at_mm = {bend.at_mm:g}: beyond the strip's free_length_mm = {length:g}"
-        )
+        raise InputError(f"{part}: at_mm = {bend.at_mm:g}: beyond the strip's free_length_mm = {length:g}")
     if bend.value > beams.LARGEST_BEND * bend.at_mm:
         raise InputError(
             f"{part}: deflection_mm of {bend.value:.3g} under {bend.weight_g:g} g at "
@@ -103,8 +97,5 @@ def _check(part: str, bend: Reading, length: float) -> None:
 
 def only(strips: Sequence[Specimen], method: str) -> list[Specimen]:
     """Strips with the readings of one method alone; those without any are left out."""
-    kept = [
-        strip._replace(rings=()) if method == BENDS else strip._replace(bends=())
-        for strip in strips
-    ]
+    kept = [strip._replace(rings=()) if method == BENDS else strip._replace(bends=()) for strip in strips]
     return [strip for strip in kept if strip.bends or strip.rings]

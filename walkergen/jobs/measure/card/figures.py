@@ -39,13 +39,12 @@ def of_card(card: Card, measured: Measured) -> Figure:
 def _spread(axes: Axes, card: Card, measured: Measured) -> None:
     """Squared displacement measured, and what run and diffusion of the card make of it."""
     at, value, se = measured.motion.msd
-    axes.errorbar(at, value, np.nan_to_num(se), fmt="o", color=BLUE, markersize=2.5,
-                  elinewidth=0.8, label="measured")  # fmt: skip
+    axes.errorbar(at, value, np.nan_to_num(se), fmt="o", color=BLUE, markersize=2.5, elinewidth=0.8, label="measured")
     fine = np.geomspace(at[0], at[-1], 200)
-    run = walks.squared(fine, Spread(
-        card.speed_mm_s.value**2, card.rotational_diffusion_rad2_s.value, 0.0, 0.0,
-        card.turning_rad_s.value,
-    ))  # fmt: skip
+    run = walks.squared(
+        fine,
+        Spread(card.speed_mm_s.value**2, card.rotational_diffusion_rad2_s.value, 0.0, 0.0, card.turning_rad_s.value),
+    )
     pushed = 4.0 * card.translational_diffusion_mm2_s.value * _late(fine, card)
     axes.plot(fine, run + pushed, color=ORANGE, label="card: sum")
     axes.plot(fine, run, "--", color=GREY, label="run, turning")
@@ -73,8 +72,9 @@ def _memory(axes: Axes, measured: Measured) -> None:
     """Correlations of velocity and of turning, each over its first value, with exponentials."""
     longest = 0.0
     for relaxed, colour, marker, name in (
-        (measured.velocity, BLUE, "o", "velocity"), (measured.turning, ORANGE, "s", "turning")
-    ):  # fmt: skip
+        (measured.velocity, BLUE, "o", "velocity"),
+        (measured.turning, ORANGE, "s", "turning"),
+    ):
         curve = relaxed.correlation
         if not len(curve.at) or not curve.value[0] > 0.0 or relaxed.time.value is None:
             continue
@@ -89,21 +89,24 @@ def _memory(axes: Axes, measured: Measured) -> None:
     axes.set_ylabel("correlation")
 
 
-def _correlation(
-    axes: Axes, relaxed: Relaxation, shown: npt.NDArray[np.bool_], look: tuple[str, str, str]
-) -> None:
+def _correlation(axes: Axes, relaxed: Relaxation, shown: npt.NDArray[np.bool_], look: tuple[str, str, str]) -> None:
     curve, (colour, marker, name) = relaxed.correlation, look
     first = curve.value[0]
     axes.errorbar(
-        curve.at[shown], curve.value[shown] / first, curve.se[shown] / first, fmt=marker,
-        color=colour, markersize=2.5, elinewidth=0.8, label=f"of {name}",
-    )  # fmt: skip
+        curve.at[shown],
+        curve.value[shown] / first,
+        curve.se[shown] / first,
+        fmt=marker,
+        color=colour,
+        markersize=2.5,
+        elinewidth=0.8,
+        label=f"of {name}",
+    )
     time = relaxed.time.value
     if relaxed.resolved and time:
         fine = np.linspace(0.0, float(curve.at[shown][-1]), 200)
         height = relaxed.deviation**2 / first
-        axes.plot(fine, height * np.exp(-fine / time), color=colour, linewidth=0.8,
-                  label=f"exp(-t / {time:.2g} s)")  # fmt: skip
+        axes.plot(fine, height * np.exp(-fine / time), color=colour, linewidth=0.8, label=f"exp(-t / {time:.2g} s)")
 
 
 def _delay(axes: Axes, card: Card, measured: Measured) -> None:
@@ -114,8 +117,9 @@ def _delay(axes: Axes, card: Card, measured: Measured) -> None:
     axes.set_ylabel("delay function (mm/s)")
     if not len(curve.at):
         return
-    axes.errorbar(curve.at, curve.value, curve.se, fmt="o", color=BLUE, markersize=2.5,
-                  elinewidth=0.8, label="measured")  # fmt: skip
+    axes.errorbar(
+        curve.at, curve.value, curve.se, fmt="o", color=BLUE, markersize=2.5, elinewidth=0.8, label="measured"
+    )
     time = card.velocity_relaxation_s.value
     if time > 0.0:
         fine = np.linspace(0.0, float(curve.at[-1]), 300)
@@ -134,12 +138,12 @@ def of_walls(card: Card, walled: Walled) -> Figure:
     figure, (often, turns) = panels_of(title, (1.6, 1.9))
     by_wall = walled.by_wall
     angles = np.degrees(by_wall.angles)
-    often.stairs(by_wall.density, np.linspace(-180.0, 180.0, len(angles) + 1), color=BLUE,
-                 fill=True, alpha=0.6)  # fmt: skip
+    often.stairs(by_wall.density, np.linspace(-180.0, 180.0, len(angles) + 1), color=BLUE, fill=True, alpha=0.6)
     often.set_ylabel("density (1/rad)")
     seen = np.isfinite(by_wall.rates) & np.isfinite(by_wall.rates_se)
-    turns.errorbar(angles[seen], by_wall.rates[seen], by_wall.rates_se[seen], fmt="o", color=BLUE,
-                   markersize=3.0, elinewidth=0.8)  # fmt: skip
+    turns.errorbar(
+        angles[seen], by_wall.rates[seen], by_wall.rates_se[seen], fmt="o", color=BLUE, markersize=3.0, elinewidth=0.8
+    )
     turns.axhline(0.0, color="0.8", linewidth=0.6, zorder=0)
     turns.set_ylabel("turning by it (rad/s)")
     turns.set_xlabel("heading from the way out (deg)")

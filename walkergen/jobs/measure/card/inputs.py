@@ -22,10 +22,7 @@ def all_of(card: Card) -> dict[str, bytes]:
     numbers = numbers_of(card)
     lines = [f"# {card.name}, {card.scene or 'no scene'}: mm, g, s, rad"]
     lines += [f"{name} = {_text(value)}" for name, value in numbers.items()]
-    corners = [
-        "[" + ", ".join(f"({_text(x)}, {_text(y)})" for x, y in contour) + "]"
-        for contour in card.outline_mm
-    ]
+    corners = ["[" + ", ".join(f"({_text(x)}, {_text(y)})" for x, y in contour) + "]" for contour in card.outline_mm]
     lines.append(f"OUTLINE = [{', '.join(corners)}]")
     head, assets = "\n".join(lines), Path(__file__).with_name("assets")
     made = {
@@ -63,9 +60,8 @@ def _variables(card: Card, numbers: Mapping[str, float]) -> str:
     lines = [
         f"# {card.name}, {card.scene or 'no scene'}: numbers of a walker, mm, g, s, rad",
         "# thrust = drag * propulsion (fix propel/self), velocity_sd of each axis (fix langevin)",
-        *(f"variable {name.lower()} equal {_text(value)}"
-          for name, value in {**numbers, **more}.items()),
-    ]  # fmt: skip
+        *(f"variable {name.lower()} equal {_text(value)}" for name, value in {**numbers, **more}.items()),
+    ]
     return "\n".join(lines) + "\n"
 
 

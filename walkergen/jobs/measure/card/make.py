@@ -60,11 +60,13 @@ def with_walls(card: Card, against: Walled, numbers: Measured) -> Card:
     """Card that says how walls turn the walker."""
     by_wall, runs = against.by_wall, against.runs
     torque = walled.torque(by_wall.turning, numbers.turning.time, card.inertia_g_mm2)
-    return card.model_copy(update={
-        "wall_alignment": walker_card.known(by_wall.alignment, runs),
-        "wall_turning_rad_s": walker_card.known(by_wall.turning, runs),
-        "wall_torque_g_mm2_s2": walker_card.known(torque, runs),
-    })  # fmt: skip
+    return card.model_copy(
+        update={
+            "wall_alignment": walker_card.known(by_wall.alignment, runs),
+            "wall_turning_rad_s": walker_card.known(by_wall.turning, runs),
+            "wall_torque_g_mm2_s2": walker_card.known(torque, runs),
+        }
+    )
 
 
 def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:

@@ -17,18 +17,14 @@ def html(report: CardReport, pictures: bool) -> bytes:
     parts = [f"<h1>{escape(report.title)}</h1><p>{escape(report.caption)}</p>"]
     for table in report.shown():
         rows = [[column.cell(row) for column in table.columns] for row in table.rows]
-        cells = "".join(
-            "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-        )
+        cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
         parts.append(f"<h2>{escape(table.title)}</h2><table>{cells}</table>")
     if pictures:
         parts += [_picture(name, report) for name in report.figures]
     parts += [f"<p>{escape(line)}</p>" for line in report.lines]
     head = f'<meta charset="utf-8"><title>{escape(report.title)}</title><style>{STYLE}</style>'
     body = "".join(parts)
-    return (
-        f'<!doctype html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'.encode()
-    )
+    return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'.encode()
 
 
 def _picture(name: str, report: CardReport) -> str:

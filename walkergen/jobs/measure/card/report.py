@@ -82,21 +82,36 @@ def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> C
         draw["walls"] = partial(_draw_walls, card, walled)
         notes.insert(-1, _of_walls(walled))
     return CardReport(
-        name="card", title=f"Card of {card.name}",
-        caption=", ".join(filter(None, (
-            card.scene, f"{words.number(card.mass_g)} g",
-            f"{words.number(card.inertia_g_mm2)} g mm² about the vertical axis",
-            f"{words.number(card.length_mm)} mm long",
-        ))),
+        name="card",
+        title=f"Card of {card.name}",
+        caption=", ".join(
+            filter(
+                None,
+                (
+                    card.scene,
+                    f"{words.number(card.mass_g)} g",
+                    f"{words.number(card.inertia_g_mm2)} g mm² about the vertical axis",
+                    f"{words.number(card.length_mm)} mm long",
+                ),
+            )
+        ),
         tables=[
             Table("card", rows, Row._fields, COLUMNS, "Motion of a walker alone"),
-            Table("contacts", contacts, ("quantity", "assumed"), report.every(
-                ("quantity", "assumed"), ("quantity",)), "Contacts, as the scene has them"),
+            Table(
+                "contacts",
+                contacts,
+                ("quantity", "assumed"),
+                report.every(("quantity", "assumed"), ("quantity",)),
+                "Contacts, as the scene has them",
+            ),
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
-        lines=[f"{note}." for note in notes], figures=draw, card=card, measured=measured,
+        lines=[f"{note}." for note in notes],
+        figures=draw,
+        card=card,
+        measured=measured,
         walled=walled,
-    )  # fmt: skip
+    )
 
 
 def _row(card: Card, key: str, measured: Measured | None) -> Row:
@@ -118,9 +133,7 @@ def _reason(key: str, measured: Measured | None) -> str:
         "sideways_mm_s": found["sideways_speed"].reason,
         "turning_relaxation_s": measured.turning.time.reason,
     }
-    for own, relaxed in (
-        ("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)
-    ):  # fmt: skip
+    for own, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:
             reasons[own] = f"not resolved: below {shortest}"
     return reasons.get(key, "")
@@ -155,9 +168,7 @@ def _of_motion(measured: Measured) -> Sequence[str]:
         "that of their correlation, once what the heading explains is taken off"
     )
     if delayed.value is not None:
-        own.append(
-            f"the delay is from the delay function up to {words.number(measured.delay.until)} s"
-        )
+        own.append(f"the delay is from the delay function up to {words.number(measured.delay.until)} s")
     if leaning.value is not None and leaning.se is not None:
         sideways = words.with_error(leaning.value, leaning.se)
         own.append(

@@ -47,9 +47,7 @@ def check(dish: Dish) -> None:
         raise InputError(f"--arena {dish.words}: has no walls; give disc:120 or ring:160,60")
 
 
-def simulated(
-    scene: Scene, design: Design, mass: MassProperties, speed: Known, progress: Progress
-) -> Walled:
+def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Known, progress: Progress) -> Walled:
     """Let a walker of this mean speed run against the wall of the scene's dish, alone.
 
     Raises InputError for a dish too small for it.
@@ -60,10 +58,7 @@ def simulated(
     place = 0.5 * dish.sizes[0] - reach - FREE_MM - max(speed.value, 0.0) * LANDED_S
     within = 0.5 * dish.sizes[1] if dish.kind == "ring" else -0.5 * dish.sizes[0]
     if place - reach < within or min(dish.box) < 2.0 * (reach + FREE_MM):
-        raise InputError(
-            f"--arena {dish.words}: too small for a walker that reaches {reach:.3g} mm: give a "
-            "larger one"
-        )
+        raise InputError(f"--arena {dish.words}: too small for a walker that reaches {reach:.3g} mm: give a larger one")
     seconds = min(scene.run.seconds, LONGEST_S)
     kept = scene.run.model_copy(update={"discard_seconds": LANDED_S, "seconds": seconds})
     scene = scene.model_copy(update={"run": kept})

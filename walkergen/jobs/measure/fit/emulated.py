@@ -117,9 +117,7 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     wanted = [runs[place] for place in missing]
     titles = [f"simulating tilt {setting.tilt:g}"] * len(wanted)
     try:
-        for place, point in zip(
-            missing, experiments.on_threads(wanted, titles, progress), strict=True
-        ):
+        for place, point in zip(missing, experiments.on_threads(wanted, titles, progress), strict=True):
             speeds[keys[place]] = point.summary.speed_mm_s
     finally:
         fresh = [keys[place] for place in missing if keys[place] in speeds]
@@ -137,10 +135,7 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
     rng = np.random.default_rng([ground.scene.run.seed, batch, *place])
     seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
     even = rng.uniform(1e-9, 1.0, (count, len(ground.unknown.printed)))
-    columns = [
-        uncertain.quantiles(varying, even[:, place])
-        for place, varying in enumerate(ground.unknown.printed)
-    ]
+    columns = [uncertain.quantiles(varying, even[:, place]) for place, varying in enumerate(ground.unknown.printed)]
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
 
@@ -163,10 +158,11 @@ def on_plate(scene: Scene, setting: Setting) -> Scene:
     if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
         return scene
     other = Drive(
-        frequency_hz=drive.frequency, peak_speed_mm_s=setting.plate_speed,
+        frequency_hz=drive.frequency,
+        peak_speed_mm_s=setting.plate_speed,
         second_harmonic_ratio=drive.second_harmonic_ratio,
         second_harmonic_phase_deg=drive.second_harmonic_phase_deg,
-    )  # fmt: skip
+    )
     return scene.model_copy(update={"drive": other})
 
 
@@ -210,9 +206,7 @@ def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
     return max(math.sqrt(floor), 0.1 * typical), math.sqrt(share)
 
 
-def batches(
-    ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
-) -> list[Array]:
+def batches(ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int) -> list[Array]:
     """Speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
     speeds = []
     for number, setting in enumerate(settings):

@@ -21,11 +21,7 @@ Array = npt.NDArray[np.float64]
 
 @style()
 def fit_figure(
-    tilt: Array,
-    legs: Sequence[str],
-    speeds: Speeds,
-    curves: Mapping[Kind, tuple[Array, Array, Array]],
-    title: str,
+    tilt: Array, legs: Sequence[str], speeds: Speeds, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str
 ) -> Figure:
     """Draw speed against tilt: measured with error bars, fitted with a band of one standard error.
 
@@ -44,9 +40,16 @@ def fit_figure(
         chosen = np.array([own == kind for own in legs])
         bars = None if speeds.se is None else (speeds.se / unit)[chosen]
         axes.errorbar(
-            tilt[chosen], (speeds.speed / unit)[chosen], bars, fmt=marker, color=colour,
-            markerfacecolor="white", markersize=5, capsize=3, label=f"measured, {kind} legs",
-        )  # fmt: skip
+            tilt[chosen],
+            (speeds.speed / unit)[chosen],
+            bars,
+            fmt=marker,
+            color=colour,
+            markerfacecolor="white",
+            markersize=5,
+            capsize=3,
+            label=f"measured, {kind} legs",
+        )
     axes.set_xlabel("tilt of the legs (deg)")
     axes.set_ylabel("speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
@@ -66,23 +69,26 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     figure, axes = axes_of(title)
     colour, line, marker = STYLES["flexible"]
     for level, shade in ((95, 0.15), (90, 0.28), (68, 0.5)):
-        low, high = (
-            np.array([getattr(band, f"{end}_{level}") for band in chosen])
-            for end in ("low", "high")
-        )
+        low, high = (np.array([getattr(band, f"{end}_{level}") for band in chosen]) for end in ("low", "high"))
         paler = 1.0 - shade * (1.0 - np.array(to_rgb(colour)))
-        axes.fill_between(
-            tilt, low, high, color=paler, linewidth=0, label=f"one more print, {level} %"
-        )
+        axes.fill_between(tilt, low, high, color=paler, linewidth=0, label=f"one more print, {level} %")
     middle = np.array([band.speed_mm_s for band in chosen])
     axes.plot(tilt, middle, line, color=colour, linewidth=1)
     axes.plot(tilt, middle, ".", color=colour, label="median")
     shown = seen.plate_speed == plate
     bars = None if seen.se is None else seen.se[shown]
     axes.errorbar(
-        seen.tilt[shown], seen.speed[shown], bars, fmt=marker, color="black",
-        markerfacecolor="white", markersize=5, capsize=3, label="measured", zorder=3,
-    )  # fmt: skip
+        seen.tilt[shown],
+        seen.speed[shown],
+        bars,
+        fmt=marker,
+        color="black",
+        markerfacecolor="white",
+        markersize=5,
+        capsize=3,
+        label="measured",
+        zorder=3,
+    )
     axes.set_xlabel("tilt of the legs (deg)")
     axes.set_ylabel(f"speed (mm/s) on a plate of {plate:.1f} mm/s")
     axes.legend()

@@ -21,10 +21,14 @@ def of_model(texts: Sequence[str], model: ModelName) -> dict[str, float]:
     """Parse values that a fit of a model's speeds is to hold. Raises InputError."""
     least = 0.0 if model == "compliant" else LEAST_LABEL
     ranges = {
-        "restitution": (least, 1.0), "friction": (0.0, 5.0), "thickness_mm": (1e-3, 100.0),
-        "youngs_modulus_gpa": (1e-3, 1e4), "damping_ratio": (0.0, 10.0),
-        "frequency_hz": MOTOR_HZ, "eccentric_g_mm": (1e-6, 1e6),
-    }  # fmt: skip
+        "restitution": (least, 1.0),
+        "friction": (0.0, 5.0),
+        "thickness_mm": (1e-3, 100.0),
+        "youngs_modulus_gpa": (1e-3, 1e4),
+        "damping_ratio": (0.0, 10.0),
+        "frequency_hz": MOTOR_HZ,
+        "eccentric_g_mm": (1e-6, 1e6),
+    }
     if model == "prediction":
         del ranges["damping_ratio"]
         ranges["friction"] = (TABLED_FROM, FLAT["friction"][1])
@@ -37,9 +41,7 @@ def _parsed(texts: Sequence[str], ranges: Ranges, of: str) -> dict[str, float]:
     for text in texts:
         name, _, number = (word.strip(" ") for word in text.partition("="))
         if name not in ranges:
-            raise InputError(
-                f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}"
-            )
+            raise InputError(f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
         low, high = ranges[name]
         value = words.value(number)
         if value is None:

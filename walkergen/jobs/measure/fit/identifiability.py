@@ -83,8 +83,7 @@ def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
             continue
         names = [parameters[place].name for place in parts]
         product = " x ".join(
-            parameters[place].name + ("" if place == first else f"^{power[place]:.2g}")
-            for place in parts
+            parameters[place].name + ("" if place == first else f"^{power[place]:.2g}") for place in parts
         )
         notes.append(
             f"{_listed(names)} trade: only {product} is known, to {100 * error:.0f} %, where "

@@ -17,14 +17,7 @@ from walkergen.jobs.measure.fit import emulated, identifiability, posterior, tab
 from walkergen.jobs.measure.fit.emulated import Ground, Setting
 from walkergen.jobs.measure.fit.identifiability import Learnt
 from walkergen.jobs.measure.fit.make import fitted_name
-from walkergen.jobs.measure.fit.parameters import (
-    KEYS,
-    OF_SCENE,
-    ModelName,
-    PriorName,
-    held,
-    unknown,
-)
+from walkergen.jobs.measure.fit.parameters import KEYS, OF_SCENE, ModelName, PriorName, held, unknown
 from walkergen.jobs.measure.fit.posterior import Observed, Posterior, Responds
 from walkergen.scene import Scene
 from walkergen.walker import solids
@@ -119,12 +112,11 @@ def learn(path: Path, job: Job, progress: Progress) -> Learned:
     notes = [
         *identifiability.unlearnt(rows),
         *identifiability.trades(ground.unknown.simulated, sampled.draws),
-        *identifiability.misfit(sampled, len(seen.speed), job.model), *notes, *_caveats(ground),
-    ]  # fmt: skip
-    return Learned(
-        sampled, seen, rows, bands, notes, _scene(job, scene, rows, path),
-        _design(design, rows, path),
-    )  # fmt: skip
+        *identifiability.misfit(sampled, len(seen.speed), job.model),
+        *notes,
+        *_caveats(ground),
+    ]
+    return Learned(sampled, seen, rows, bands, notes, _scene(job, scene, rows, path), _design(design, rows, path))
 
 
 def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
@@ -149,9 +141,13 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
         notes.append("no standard errors given: those here come from the scatter of the speeds")
     kept = ~braced
     seen = Measured(
-        table.tilt[kept], ["flexible"] * int(kept.sum()), table.speed[kept],
-        None if table.se is None else table.se[kept], table.plate_speed[kept], table.bad,
-    )  # fmt: skip
+        table.tilt[kept],
+        ["flexible"] * int(kept.sum()),
+        table.speed[kept],
+        None if table.se is None else table.se[kept],
+        table.plate_speed[kept],
+        table.bad,
+    )
     return seen, notes
 
 
@@ -165,9 +161,7 @@ def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Obser
             "of one tilt the same tilt_deg and plate_speed_mm_s"
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
-    settings = [
-        Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)
-    ]
+    settings = [Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)]
     rows = [np.ravel(places) == place for place in range(len(different))]
     se = np.full(len(seen.speed), measured.LEAST) if seen.se is None else seen.se
     return settings, [Observed(seen.speed[row], se[row]) for row in rows]
@@ -182,16 +176,18 @@ def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MOST_SETTINGS:
         raise InputError(
-            f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most "
-            f"{MOST_SETTINGS} together"
+            f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most {MOST_SETTINGS} together"
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 
 
 def _by_table(
-    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed],
-    ahead: Sequence[Setting], progress: Progress,
-) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:  # fmt: skip
+    ground: Ground,
+    settings: Sequence[Setting],
+    observed: Sequence[Observed],
+    ahead: Sequence[Setting],
+    progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
     """Posterior by the table, and what it says of settings measured and ahead."""
     responses, later = (tabled.responses(ground, some) for some in (settings, ahead))
     seed = ground.scene.run.seed
@@ -200,9 +196,12 @@ def _by_table(
 
 
 def _by_runs(
-    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed],
-    ahead: Sequence[Setting], progress: Progress,
-) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:  # fmt: skip
+    ground: Ground,
+    settings: Sequence[Setting],
+    observed: Sequence[Observed],
+    ahead: Sequence[Setting],
+    progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
     """Posterior from emulators over the prior, refined by walkers drawn from a first posterior;
     emulators of settings measured and, over the posterior alone, ahead.
     """
@@ -210,9 +209,7 @@ def _by_runs(
     seed = ground.scene.run.seed
     x = emulated.spread(ground, FIRST)
     y = emulated.batches(ground, settings, x, progress, 0)
-    first = posterior.sample(
-        ground.unknown.parameters, observed, _responses(ground, settings, x, y), seed, progress
-    )
+    first = posterior.sample(ground.unknown.parameters, observed, _responses(ground, settings, x, y), seed, progress)
     drawn = _some(first, ground, SECOND)
     more = emulated.batches(ground, settings, drawn, progress, 1)
     x = np.concatenate([x, drawn])
@@ -230,22 +227,13 @@ def _some(sampled: Posterior, ground: Ground, count: int) -> Array:
     return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
 
-def _responses(
-    ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]
-) -> list[Responds]:
+def _responses(ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]) -> list[Responds]:
     differ = ground.unknown.prints_differ
-    return [
-        emulated.response(x, speeds, setting, differ)
-        for setting, speeds in zip(settings, y, strict=True)
-    ]
+    return [emulated.response(x, speeds, setting, differ) for setting, speeds in zip(settings, y, strict=True)]
 
 
 def _bands(
-    ground: Ground,
-    settings: Sequence[Setting],
-    responses: Sequence[Responds],
-    sampled: Posterior,
-    is_measured: bool,
+    ground: Ground, settings: Sequence[Setting], responses: Sequence[Responds], sampled: Posterior, is_measured: bool
 ) -> list[Band]:
     """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
     bands = []

@@ -92,9 +92,7 @@ def caption(job: Job) -> str:
     )
 
 
-def _with_tensors(
-    job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array
-) -> Speeds:
+def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
     pairs = zip(tilt, legs, strict=True)
     members = [job.design.members([float(angle)], [kind])[0] for angle, kind in pairs]
     masses = [solids.mass_of(member) for member in members]

@@ -94,10 +94,7 @@ class Unknown(NamedTuple):
     @property
     def sampled(self) -> tuple[Parameter, ...]:
         """What a table is a function of: what is learnt, and what all prints of a printer share."""
-        return (
-            *self.parameters,
-            *(Parameter(varying.name, varying, False) for varying in self.printed),
-        )
+        return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
 
     @property
     def prints_differ(self) -> bool:
@@ -106,9 +103,8 @@ class Unknown(NamedTuple):
 
 
 def unknown(
-    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float],
-    errors: bool = True,
-) -> Unknown:  # fmt: skip
+    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
+) -> Unknown:
     """List what is to be learnt and what differs from print to print.
 
     Thickness, Young's modulus and damping have the standard deviations of design and scene as
@@ -137,9 +133,7 @@ def unknown(
         )
     printed = tuple(inputs[name] for name in PRINTED if name in inputs)
     scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
-    return Unknown(
-        tuple(parameters), printed, (scatter,) if model == "compliant" or not errors else ()
-    )
+    return Unknown(tuple(parameters), printed, (scatter,) if model == "compliant" or not errors else ())
 
 
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:

@@ -129,9 +129,7 @@ def _start(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Genera
     return np.asarray(z[chosen] + 0.05 * rng.normal(size=(WALKERS, wide)))
 
 
-def likelihood(
-    x: Array, observed: Sequence[Observed], responses: Sequence[Responds]
-) -> tuple[Array, Array]:
+def likelihood(x: Array, observed: Sequence[Observed], responses: Sequence[Responds]) -> tuple[Array, Array]:
     """Logarithm of the likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
 
     Prints scatter on their own; the error of an emulator is common to all prints of its setting.

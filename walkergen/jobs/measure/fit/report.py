@@ -55,10 +55,15 @@ def of_theory(fitted: Fitted, path: Path, caption: str, folder: Path) -> FitRepo
     """Report of the theory's contact, fitted to a file of speeds."""
     fit, speeds = fitted.fit, fitted.speeds
     rows = [
-        Fixed(name, value, fit.errors.get(name), *fit.intervals.get(name, (None, None)),
-              "fitted" if name in fit.errors else "given")
+        Fixed(
+            name,
+            value,
+            fit.errors.get(name),
+            *fit.intervals.get(name, (None, None)),
+            "fitted" if name in fit.errors else "given",
+        )
         for name, value in fit.values.items()
-    ]  # fmt: skip
+    ]
     columns = (
         Column("parameter", lambda row: row.parameter.replace("_", " ")),
         Column("value ± standard error", _value),
@@ -75,13 +80,18 @@ def of_theory(fitted: Fitted, path: Path, caption: str, folder: Path) -> FitRepo
         return figures.fit_figure(fitted.tilt, fitted.legs, speeds, make.curves(fitted), path.name)
 
     return FitReport(
-        name="fit", title=path.name, caption=f"fitted with {caption}",
+        name="fit",
+        title=path.name,
+        caption=f"fitted with {caption}",
         tables=[report.table("fit", rows, columns, "Parameters"), points],
         facts=_facts_of_theory(fit) | {"notes": fitted.notes},
         lines=[quality(fit), *correlations(fit), *fitted.notes],
-        figures={"fit": draw}, folder=folder,
-        scene=fitted.scene, design=fitted.design, notes=fitted.notes,
-    )  # fmt: skip
+        figures={"fit": draw},
+        folder=folder,
+        scene=fitted.scene,
+        design=fitted.design,
+        notes=fitted.notes,
+    )
 
 
 def _value(row: Fixed) -> str:
@@ -100,8 +110,7 @@ def quality(fit: ContactFit) -> str:
     """Statement of how well the theory describes the speeds."""
     if fit.chi2 is None:
         return (
-            f"{fit.dof} degrees of freedom; no standard errors given, so those here come from the "
-            "scatter about the fit"
+            f"{fit.dof} degrees of freedom; no standard errors given, so those here come from the scatter about the fit"
         )
     return f"chi² {fit.chi2:.3g} for {fit.dof} degrees of freedom, probability {fit.p_value:.2g}"
 
@@ -156,17 +165,23 @@ def of_model(learned: Learned, path: Path, caption: str, folder: Path) -> FitRep
         return figures.bands_figure(learned.bands, learned.seen, path.name)
 
     return FitReport(
-        name="fit", title=path.name, caption=f"learnt with {caption}",
+        name="fit",
+        title=path.name,
+        caption=f"learnt with {caption}",
         tables=[
             Table("fit", learned.rows, keys, parameters, "Parameters"),
             report.table("bands", learned.bands, _of_bands(), "Speeds of one more print"),
             _points(learned.seen, learned.bands),
             Table("posterior", draws[few].tolist(), [row.name for row in learned.rows]),
         ],
-        facts=_facts_of_model(learned), lines=[_sampled(learned), *learned.notes],
-        figures={"fit": draw}, folder=folder,
-        scene=learned.scene, design=learned.design, notes=learned.notes,
-    )  # fmt: skip
+        facts=_facts_of_model(learned),
+        lines=[_sampled(learned), *learned.notes],
+        figures={"fit": draw},
+        folder=folder,
+        scene=learned.scene,
+        design=learned.design,
+        notes=learned.notes,
+    )
 
 
 def _of_bands() -> Sequence[Column]:
@@ -192,8 +207,7 @@ def _sampled(learned: Learned) -> str:
 def _points(seen: Measured, bands: Sequence[Band]) -> Table:
     """Measured speeds and those predicted for one more print side by side."""
     by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in bands}
-    keys = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s",
-            "low_95", "high_95")  # fmt: skip
+    keys = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s", "low_95", "high_95")
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     rows = []
     settings = zip(seen.tilt, seen.legs, seen.plate_speed, strict=True)

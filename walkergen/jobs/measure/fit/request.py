@@ -55,9 +55,7 @@ def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitRe
         caption = make.caption(theory_job)
         results = report.of_theory(make.fit(path, theory_job, progress), path, caption, folder)
         comment = f"Fitted to {path.name}: {caption}"
-        return _written(
-            results, request, path, comment, {"mode": mode, "fixed": dict(theory_job.fixed)}
-        )
+        return _written(results, request, path, comment, {"mode": mode, "fixed": dict(theory_job.fixed)})
     if mode != "coulomb":
         raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
     if model != "prediction":
@@ -75,17 +73,19 @@ def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitRe
     return _written(results, written, path, f"Learnt from {path.name}: {caption}", choices)
 
 
-def _written(
-    fitted: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]
-) -> FitReport:
+def _written(fitted: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]) -> FitReport:
     """Report, once it is written with the scene and design that go on."""
     assert fitted.folder is not None
     with Folder(fitted.folder) as target:
         fitted.write(target, request.pictures)
         target.write("scene.toml", templates.dump(fitted.scene, comment).encode())
         target.write("design.toml", templates.dump(fitted.design, comment).encode())
-        target.finish({
-            "file": path.name, "design": request.design.model_dump(mode="json"),
-            "scene": request.scene.model_dump(mode="json"), **choices,
-        })  # fmt: skip
+        target.finish(
+            {
+                "file": path.name,
+                "design": request.design.model_dump(mode="json"),
+                "scene": request.scene.model_dump(mode="json"),
+                **choices,
+            }
+        )
     return fitted

@@ -43,11 +43,7 @@ class Tabled(NamedTuple):
         model_sd = np.hypot(self.table.scene.prediction.model_sd, self.table.error_sd)
         mean = plate * speeds.at(np.zeros(len(x)))
         learnt = drawn.of(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
-        return (
-            mean,
-            slope * np.hypot(interpolated, model_sd),
-            np.hypot(slope * speeds.between_prints, learnt),
-        )
+        return (mean, slope * np.hypot(interpolated, model_sd), np.hypot(slope * speeds.between_prints, learnt))
 
 
 def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:

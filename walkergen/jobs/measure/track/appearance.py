@@ -104,9 +104,7 @@ class Appearance(NamedTuple):
         return lamp, np.asarray(gain, np.float32)
 
 
-def learn(
-    samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
-) -> Appearance:
+def learn(samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None) -> Appearance:
     """Appearance of a film from some of its frames, which also decide what is None here.
 
     Raises InputError when nothing stands out, with what was seen.
@@ -137,9 +135,7 @@ def learn(
     return look._replace(width=width or next(_widest(fields[at], slopes, (look.threshold,)))[0])
 
 
-def _tried(
-    samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None
-) -> Appearance:
+def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Appearance:
     """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
@@ -147,8 +143,7 @@ def _tried(
     """
     widest = WIDEST * min(picture.shape)
     looks = [
-        _seen(samples, Appearance(picture, ground(picture, dark, share * widest), dark), threshold)
-        for share in WINDOWS
+        _seen(samples, Appearance(picture, ground(picture, dark, share * widest), dark), threshold) for share in WINDOWS
     ]
     whole = looks[0]
     differences = [
@@ -197,11 +192,7 @@ def _widest(
 ) -> Iterator[tuple[float, float]]:
     """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
     for threshold in thresholds:
-        spots = [
-            spot
-            for field, slope in zip(fields, slopes, strict=True)
-            for spot in _sharp(field, slope, threshold)
-        ]
+        spots = [spot for field, slope in zip(fields, slopes, strict=True) for spot in _sharp(field, slope, threshold)]
         widest = max((width for width, _ in spots), default=0.0)
         wide = [spot for spot in spots if spot[0] > 0.5 * widest]  # marks and letters are not
         width, level = np.median(wide, axis=0) if wide else (0.0, 0.0)
@@ -229,9 +220,6 @@ def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask
     labels, _ = ndimage.label(mask, EIGHT)
     for number, box in enumerate(ndimage.find_objects(labels), start=1):
         sizes = [side.stop - side.start for side in box]
-        inside = all(
-            side.start > 0 and side.stop < whole
-            for side, whole in zip(box, mask.shape, strict=True)
-        )
+        inside = all(side.start > 0 and side.stop < whole for side, whole in zip(box, mask.shape, strict=True))
         if inside and min(sizes) >= width:
             yield box, np.pad(labels[box] == number, 1)

@@ -151,9 +151,7 @@ def _blob(covered: Array, left: int, top: int) -> Blob:
     axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
     along, across = c * x + s * y, c * y - s * x
-    length, width = (
-        _extent(weight, other, 0.15 * float(np.ptp(other))) for other in (across, along)
-    )
+    length, width = (_extent(weight, other, 0.15 * float(np.ptp(other))) for other in (across, along))
     return Blob(left + middle_x, top + middle_y, area, axis, length, width, math.nan)
 
 

@@ -120,9 +120,6 @@ def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDAr
     """True for places, shape (2, n), that lie away from all walkers."""
     free = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:
-        near = (
-            np.hypot(places[0] - walker.x, places[1] - walker.y)
-            < BESIDE * walker.length + 2.0 * SOFT
-        )
+        near = np.hypot(places[0] - walker.x, places[1] - walker.y) < BESIDE * walker.length + 2.0 * SOFT
         free &= ~near
     return free

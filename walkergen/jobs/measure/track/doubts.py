@@ -107,9 +107,7 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
     ends = terms[[fitted.argmax(), fitted.argmin()]]
     span = ends[0] - ends[1]
     spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * INDEPENDENT
-    return Sizes(
-        math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std())
-    )
+    return Sizes(math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std()))
 
 
 def _centred(values: Array, owner: npt.NDArray[np.int64]) -> Array:

@@ -64,28 +64,20 @@ def _draw(axes: Axes, tracked: Tracked, walker: Walker, number: int) -> None:
     blobs = walker.seen.blobs
     x, y = blobs.x + tracked.part[0] + 0.5, blobs.y + tracked.part[1] + 0.5
     gaps = np.flatnonzero(np.diff(walker.seen.frames) > 1) + 1
-    axes.plot(
-        np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan), color=colour, lw=1.2,
-        path_effects=HALO,
-    )  # fmt: skip
+    axes.plot(np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan), color=colour, lw=1.2, path_effects=HALO)
     first = walker.seen.frames[0] == tracked.options.frames[0]
     is_round = bool(np.median(blobs.length / blobs.width) < LONG)
     for at, style in ((0, "-" if first else ":"), (-1, "--")):
-        rim = np.add(
-            _rim(blobs.axis[at], blobs.length[at], blobs.width[at], is_round), (x[at], y[at])
-        )
+        rim = np.add(_rim(blobs.axis[at], blobs.length[at], blobs.width[at], is_round), (x[at], y[at]))
         axes.plot(*rim.T, style, color=colour, lw=1.3, path_effects=HALO)
         theta, length = walker.headed.theta[at], blobs.length[at]
         if not np.isnan(theta):
             ahead = length * np.array([np.cos(theta), -np.sin(theta)])
             tip, tail = ((x[at], y[at]) + share * ahead for share in (0.85, 0.5))
-            axes.annotate(
-                "", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2}
-            )
+            axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
     axes.text(
-        x[0], y[0], str(number), color="black", fontsize=9, weight="bold", ha="center", va="center",
-        path_effects=HALO,
-    )  # fmt: skip
+        x[0], y[0], str(number), color="black", fontsize=9, weight="bold", ha="center", va="center", path_effects=HALO
+    )
 
 
 def _rim(axis: float, length: float, width: float, is_round: bool) -> Array:
@@ -99,9 +91,8 @@ def _rim(axis: float, length: float, width: float, is_round: bool) -> Array:
 
 
 def when(
-    axes: Axes, frames: Sequence[npt.NDArray[np.int64]], first: int, looked: int,
-    numbers: Sequence[int] | None = None,
-) -> None:  # fmt: skip
+    axes: Axes, frames: Sequence[npt.NDArray[np.int64]], first: int, looked: int, numbers: Sequence[int] | None = None
+) -> None:
     """Draw the frames in which each walker was seen, a row each, of `looked` from `first` on.
 
     Walkers are numbered from 0 unless they bear `numbers`.

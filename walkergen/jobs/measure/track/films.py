@@ -107,10 +107,16 @@ def play(film: Film, first: int, last: int | None) -> Iterator[Reel]:
         stamps = Path(folder) / "stamps"
         # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
         words = [
-            "-fps_mode", "passthrough", "-enc_time_base", "demux",
-            "-stats_enc_pre", str(stamps), "-stats_enc_pre_fmt", "{pts} {tb}",
+            "-fps_mode",
+            "passthrough",
+            "-enc_time_base",
+            "demux",
+            "-stats_enc_pre",
+            str(stamps),
+            "-stats_enc_pre_fmt",
+            "{pts} {tb}",
             *(() if last is None else ("-frames:v", str(last))),
-        ]  # fmt: skip
+        ]
         with _playing(film.path, words) as (process, messages):
             yield Reel(_frames(film, first, process, messages), stamps)
 
@@ -162,24 +168,35 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 
 
 @contextmanager
-def _playing(
-    path: Path, more: Sequence[str] = ()
-) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
+def _playing(path: Path, more: Sequence[str] = ()) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
     """Ffmpeg at work on a film, sending its frames, and its messages; ended at the end."""
     import imageio_ffmpeg
 
     words = [
-        imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-nostats", "-nostdin",
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-hide_banner",
+        "-nostats",
+        "-nostdin",
         # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a
         # file's: one that begins with a dash, or with "http:".
-        "-protocol_whitelist", "file", "-i", os.path.realpath(path),
-        "-map", "0:v:0", "-pix_fmt", "gray", *more, "-f", "yuv4mpegpipe", "-strict", "-1", "-",
-    ]  # fmt: skip
+        "-protocol_whitelist",
+        "file",
+        "-i",
+        os.path.realpath(path),
+        "-map",
+        "0:v:0",
+        "-pix_fmt",
+        "gray",
+        *more,
+        "-f",
+        "yuv4mpegpipe",
+        "-strict",
+        "-1",
+        "-",
+    ]
     with (
         tempfile.TemporaryFile() as messages,
-        subprocess.Popen(
-            words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages
-        ) as process,
+        subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages) as process,
     ):
         try:
             yield process, messages

@@ -56,17 +56,17 @@ class Lens(NamedTuple):
         along, down = width / self.width, height / self.height
         x, y = self.middle
         return Lens(
-            width, height, (along * self.focal[0], down * self.focal[1]),
-            ((x + 0.5) * along - 0.5, (y + 0.5) * down - 0.5), self.distortion,
-        )  # fmt: skip
+            width,
+            height,
+            (along * self.focal[0], down * self.focal[1]),
+            ((x + 0.5) * along - 0.5, (y + 0.5) * down - 0.5),
+            self.distortion,
+        )
 
     @property
     def matrix(self) -> Array:
         """Camera matrix, shape (3, 3)."""
-        return np.array([
-            (self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]),
-            (0.0, 0.0, 1.0),
-        ])  # fmt: skip
+        return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
 
     def straight(self, pixels: Array) -> Array:
         """Places by a lens that does not bend, of the same focal length, shape (..., 2).
@@ -120,10 +120,14 @@ class Lens(NamedTuple):
         x, y = (self.straight(places) - np.array(offset) - 0.5).T
         area = np.abs(ahead[:, 0] * across[:, 1] - ahead[:, 1] * across[:, 0])
         return blobs._replace(
-            x=x, y=y, area=blobs.area * area, axis=direction(blobs.axis),
-            mark=direction(blobs.mark), length=blobs.length * np.linalg.norm(ahead, axis=1),
+            x=x,
+            y=y,
+            area=blobs.area * area,
+            axis=direction(blobs.axis),
+            mark=direction(blobs.mark),
+            length=blobs.length * np.linalg.norm(ahead, axis=1),
             width=blobs.width * np.linalg.norm(across, axis=1),
-        )  # fmt: skip
+        )
 
 
 def read(path: Path) -> Lens:
@@ -131,9 +135,7 @@ def read(path: Path) -> Lens:
     data = reading.json_of(path, MOST_BYTES)
     if not isinstance(data, dict):
         raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see --help")
-    width, height = (
-        _numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height")
-    )
+    width, height = (_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
     matrix = _numbers(data, "camera_matrix", path, (9,))
     distortion = _numbers(data, "distortion_coefficients", path, COUNTS)
     fx, skew, x, zero, fy, y, *last = matrix
@@ -145,9 +147,7 @@ def read(path: Path) -> Lens:
     return Lens(round(width), round(height), (fx, fy), (x, y), tuple(distortion))
 
 
-def _numbers(
-    data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]
-) -> list[float]:
+def _numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
     """Numbers of a key, in rows or in one. Raises InputError."""
     value = data.get(name)
     if isinstance(value, dict):

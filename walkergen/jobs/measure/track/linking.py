@@ -57,9 +57,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     """
     blobs = [blob for frame in frames for blob in frame]
     if not blobs:
-        raise InputError(
-            f"no walker found in {len(frames)} frames: try --threshold, --width or --region"
-        )
+        raise InputError(f"no walker found in {len(frames)} frames: try --threshold, --width or --region")
     areas = np.array([blob.area for blob in blobs])
     area = typical(areas)
     lengths = np.array([blob.length for blob in blobs])
@@ -70,9 +68,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     columns = np.array([blob for frame in fitting for blob in frame]).T
     owner = np.array([name for frame in names for name in frame])
     least = max(SHORTEST, PART * len(frames))
-    groups = [
-        Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)
-    ]
+    groups = [Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)]
     good = sorted(
         (walker for walker in groups if len(walker.frames) >= least),
         key=lambda walker: (walker.frames[0], walker.blobs.y[0]),
@@ -85,11 +81,12 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
         )
     return Linked(
         good,
-        area, length,
+        area,
+        length,
         empty=sum(not frame for frame in frames),
         merged=sum(any(blob.area > MERGED * area for blob in frame) for frame in frames),
         short=len(groups) - len(good),
-    )  # fmt: skip
+    )
 
 
 def typical(areas: Array) -> float:
@@ -106,8 +103,7 @@ def _named(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[
     import trackpy
 
     trackpy.quiet()
-    places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2))
-              for at, frame in enumerate(frames))  # fmt: skip
+    places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2)) for at, frame in enumerate(frames))
     try:
         # Strategies compiled by numba would take longer to compile than any film takes to link.
         linked = trackpy.link_iter(places, reach, memory=memory, link_strategy="nonrecursive")

@@ -47,14 +47,15 @@ def check(options: Options) -> None:
     """Raise InputError for wishes that contradict each other or are out of range."""
     if (options.mm_per_px is None) == (options.length_mm is None):
         raise InputError(
-            "the scale: give either --mm-per-px, millimetres per pixel, or --length, the length of "
-            "a walker in mm"
+            "the scale: give either --mm-per-px, millimetres per pixel, or --length, the length of a walker in mm"
         )
     for flag, value, most in (
-        ("--mm-per-px", options.mm_per_px, LARGEST), ("--length", options.length_mm, LARGEST),
-        ("--fps", options.fps, LARGEST), ("--threshold", options.threshold, 255.0),
+        ("--mm-per-px", options.mm_per_px, LARGEST),
+        ("--length", options.length_mm, LARGEST),
+        ("--fps", options.fps, LARGEST),
+        ("--threshold", options.threshold, 255.0),
         ("--width", options.width_px, 1e5),
-    ):  # fmt: skip
+    ):
         if value is not None and not LEAST <= value <= most:
             raise InputError(f"{flag} {value:g}: must be a number in {LEAST:g}..{most:g}")
     if options.walkers is not None and options.walkers not in SIDES:
@@ -99,9 +100,20 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
         for seen, own in zip(linked.walkers, straight, strict=True)
     ]
     tracked = Tracked(
-        film, options, frames.look, linked, walkers, len(frames.blobs), _still(frames.blobs),
-        frames.clock, scale, scale_se, frames.shake, frames.picture, part,
-    )  # fmt: skip
+        film,
+        options,
+        frames.look,
+        linked,
+        walkers,
+        len(frames.blobs),
+        _still(frames.blobs),
+        frames.clock,
+        scale,
+        scale_se,
+        frames.shake,
+        frames.picture,
+        part,
+    )
     tracks = report.of(tracked, folder)
     from walkergen.files import figures  # brings matplotlib
 
@@ -116,8 +128,7 @@ def part_of(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, 
     """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
     if region is None and min(film.width, film.height) < SMALLEST:
         raise InputError(
-            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x "
-            f"{SMALLEST}: film larger"
+            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x {SMALLEST}: film larger"
         )
     left, top, width, height = region or (0, 0, film.width, film.height)
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
@@ -141,9 +152,7 @@ class _Frames(NamedTuple):
     shake: Shake
 
 
-def _looked_at(
-    film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress
-) -> _Frames:
+def _looked_at(film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress) -> _Frames:
     left, top, right, bottom = part
     first, last = options.frames
     total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
@@ -154,8 +163,7 @@ def _looked_at(
         samples = list(islice(frames, SAMPLES))
         if len(samples) < 2:
             raise InputError(
-                f"{len(samples)} frame{'' if len(samples) == 1 else 's'} from {first} on: at least "
-                "2 are needed"
+                f"{len(samples)} frame{'' if len(samples) == 1 else 's'} from {first} on: at least 2 are needed"
             )
         look = appearance.learn(samples, dark, options.threshold, options.width_px)
         near = [blob for grey in samples for blob in find(grey, look, marked=False)]
@@ -192,10 +200,7 @@ def _straight(seen: Seen, lens: Lens | None, part: tuple[int, int, int, int]) ->
 
 def _length(linked: Linked, straight: Sequence[Seen]) -> float:
     """Length of a walker by a lens that does not bend, pixels."""
-    bent, own = (
-        np.concatenate([walker.blobs.length for walker in walkers])
-        for walkers in (linked.walkers, straight)
-    )
+    bent, own = (np.concatenate([walker.blobs.length for walker in walkers]) for walkers in (linked.walkers, straight))
     return linked.length * float(np.median(own / bent))
 
 

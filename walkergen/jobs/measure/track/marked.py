@@ -118,9 +118,7 @@ def check(wish: Wish) -> None:
     """Raise InputError for wishes that are out of range."""
     for flag, value in (("--marker-mm", wish.marker_mm), ("--fps", wish.fps)):
         if value is not None and not make.LEAST <= value <= make.LARGEST:
-            raise InputError(
-                f"{flag} {value:g}: must be a number in {make.LEAST:g}..{make.LARGEST:g}"
-            )
+            raise InputError(f"{flag} {value:g}: must be a number in {make.LEAST:g}..{make.LARGEST:g}")
     make.check_frames(wish.frames)
 
 
@@ -162,10 +160,7 @@ def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Pr
     tracks, twice, rare = _sorted(seen, first)
     side = wish.marker_mm
     lens = None if wish.lens is None else wish.lens.of_film(film.width, film.height)
-    straight = {
-        number: corners if lens is None else lens.straight(corners)
-        for number, (_, corners) in tracks.items()
-    }
+    straight = {number: corners if lens is None else lens.straight(corners) for number, (_, corners) in tracks.items()}
     flat = plane.fit(np.concatenate([*straight.values()]), side, film.width, film.height)
     walkers, bent = list[Walker](), dict[int, int]()
     poses = {number: plane.pose(flat, corners, side) for number, corners in straight.items()}
@@ -175,14 +170,28 @@ def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Pr
         if not good.all():
             bent[number] = int((~good).sum())
         if good.any():
-            walkers.append(Walker(
-                number, frames[good], corners[good], straight[number][good], pose.places[good],
-                unwrapped(pose.headings[good]),
-            ))  # fmt: skip
+            walkers.append(
+                Walker(
+                    number,
+                    frames[good],
+                    corners[good],
+                    straight[number][good],
+                    pose.places[good],
+                    unwrapped(pose.headings[good]),
+                )
+            )
     return Marked(
-        film, wish, flat, tuple(walkers), LeftOut(twice, rare, bent, mirrored), len(seen),
-        np.array(empty, np.int64), clock, picture, part,
-    )  # fmt: skip
+        film,
+        wish,
+        flat,
+        tuple(walkers),
+        LeftOut(twice, rare, bent, mirrored),
+        len(seen),
+        np.array(empty, np.int64),
+        clock,
+        picture,
+        part,
+    )
 
 
 def _read(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress) -> _Read:
@@ -201,10 +210,7 @@ def _read(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Pro
             seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
             progress("frames", len(seen), max(total, len(seen)))
         if len(seen) < 2:
-            raise InputError(
-                f"{len(seen)} frame{'' if len(seen) == 1 else 's'} from {first} on: at least 2 are "
-                "needed"
-            )
+            raise InputError(f"{len(seen)} frame{'' if len(seen) == 1 else 's'} from {first} on: at least 2 are needed")
         clock = films.clock(film, reel.stamps, wish.fps)
     upright = {number for sighted in seen for number in sighted.numbers.tolist()}
     mirrored = [number for number in _mirrored(reader, samples) if number not in upright]
@@ -259,14 +265,16 @@ def _sorted(seen: list[Sighted], first: int) -> _Sorted:
                 corners[number].append(square)
     least = max(SHORTEST, PART * len(seen))
     twice = {
-        number: double[number] for number in sorted(double)
+        number: double[number]
+        for number in sorted(double)
         if double[number] > TWICE * (double[number] + len(frames[number]))
-    }  # fmt: skip
+    }
     once = {number: frames[number] for number in sorted(frames) if number not in twice}
     tracks = {
         number: (np.array(own, np.int64), np.array(corners[number]))
-        for number, own in once.items() if len(own) >= least
-    }  # fmt: skip
+        for number, own in once.items()
+        if len(own) >= least
+    }
     rare = {number: len(own) for number, own in once.items() if 0 < len(own) < least}
     if not tracks:
         raise InputError(_no_walker(twice, rare, least, len(seen)))

@@ -58,9 +58,7 @@ def of(found: Marked) -> list[str]:
     for number in out.mirrored:
         lines.append(f"marker {number} is read in the mirror only, and left out: print it anew")
     if out.rare:
-        lines.append(
-            f"read too rarely to be walkers, and left out: marker {_counted(out.rare)} frames"
-        )
+        lines.append(f"read too rarely to be walkers, and left out: marker {_counted(out.rare)} frames")
     if out.bent:
         lines.append(
             f"sightings left out: marker {_counted(out.bent)} frames, no squares in the plane of "
@@ -83,10 +81,7 @@ def of(found: Marked) -> list[str]:
             "bends, caps that are not flat, or motion blur"
         )
     if flat.tilt_deg > ASKEW:
-        lines.append(
-            f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {ASKEW:g} "
-            "deg"
-        )
+        lines.append(f"the camera is tilted by {flat.tilt_deg:.0f} deg: film from above, within {ASKEW:g} deg")
     return lines
 
 
@@ -155,9 +150,10 @@ def _lost(found: Marked) -> Iterator[str]:
     for walker in missing(found):
         if walker.share > LOST:
             others = (
-                f"; in {walker.beside} of them others are read, and it is hidden, half covered or "
-                "blurred" if walker.beside else ""
-            )  # fmt: skip
+                f"; in {walker.beside} of them others are read, and it is hidden, half covered or blurred"
+                if walker.beside
+                else ""
+            )
             yield (
                 f"walker {walker.number} is lost in {walker.frames} of {walker.of} frames "
                 f"({100.0 * walker.share:.0f} %){others}"

@@ -35,10 +35,16 @@ def _draw(axes: Axes, walker: Walker, colour: str) -> None:
         axes.plot(*square[[0, 1, 2, 3, 0]].T, style, color=colour, lw=1.3, path_effects=HALO)
         ahead = 0.5 * (square[0] + square[1]) - middle
         axes.annotate(
-            "", middle + 2.6 * ahead, middle + 1.4 * ahead,
-            arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2},
-        )  # fmt: skip
+            "", middle + 2.6 * ahead, middle + 1.4 * ahead, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2}
+        )
     axes.text(
-        middles[0, 0], middles[0, 1], str(walker.number), color="black", fontsize=9, weight="bold",
-        ha="center", va="center", path_effects=HALO,
-    )  # fmt: skip
+        middles[0, 0],
+        middles[0, 1],
+        str(walker.number),
+        color="black",
+        fontsize=9,
+        weight="bold",
+        ha="center",
+        va="center",
+        path_effects=HALO,
+    )

@@ -86,13 +86,17 @@ def of(found: Marked, folder: Path) -> MarkedReport:
         return marked_figures.check_figure(found)
 
     return MarkedReport(
-        name="track", title=title,
-        tables=[Table("tracks", rows(found), COLUMNS, title=title),
-                report.table("walkers", walkers, WALKERS, title)],
+        name="track",
+        title=title,
+        tables=[Table("tracks", rows(found), COLUMNS, title=title), report.table("walkers", walkers, WALKERS, title)],
         facts=facts(found, walkers) | {"warnings": warned},
         lines=[*notes(found), f"{picture}: look at it before you believe the numbers"],
-        figures={"check": draw}, folder=folder, marked=found, picture=picture, warnings=warned,
-    )  # fmt: skip
+        figures={"check": draw},
+        folder=folder,
+        marked=found,
+        picture=picture,
+        warnings=warned,
+    )
 
 
 def rows(found: Marked) -> list[tuple[Any, ...]]:
@@ -136,11 +140,15 @@ def _row(found: Marked, walker: Walker) -> Row:
     noise = jitter_mm(found)
     first, last = int(walker.frames[0]), int(walker.frames[-1])
     return Row(
-        walker.number, first, last, math.dist(walker.position[0], walker.position[-1]),
+        walker.number,
+        first,
+        last,
+        math.dist(walker.position[0], walker.position[-1]),
         doubts.path(walker.position, 0.0 if math.isnan(noise) else noise),
         math.degrees(float(walker.theta[-1] - walker.theta[0])),
-        last - first + 1 - len(walker.frames), walker.side_px,
-    )  # fmt: skip
+        last - first + 1 - len(walker.frames),
+        walker.side_px,
+    )
 
 
 def notes(found: Marked) -> list[str]:
@@ -173,9 +181,7 @@ def _sides(found: Marked) -> tuple[float, float]:
 
 def _scale_change(found: Marked) -> float:
     """Share by which lengths differ between the places that walkers reach."""
-    scales = np.concatenate([
-        found.plane.scales(walker.straight.mean(axis=1)) for walker in found.walkers
-    ])  # fmt: skip
+    scales = np.concatenate([found.plane.scales(walker.straight.mean(axis=1)) for walker in found.walkers])
     return float(scales.max() / scales.min() - 1.0)
 
 
@@ -183,16 +189,25 @@ def facts(found: Marked, walkers: list[Row]) -> dict[str, Any]:
     """Everything but warnings for JSON and the manifest, with units in the names."""
     flat, out, noise = found.plane, found.left_out, jitter_mm(found)
     return {
-        "film": found.film.path.name, "markers": "aruco",
-        **found.wish._asdict(), "lens": known_lens(found.wish.lens),
-        "film_fps": found.clock.fps, "regular_rate": found.clock.regular,
-        "mm_per_px": flat.mm_per_px, "mm_per_px_se": flat.mm_per_px * scale_error(found),
-        "tilt_deg": flat.tilt_deg, "scale_change_share": _scale_change(found),
-        "plane_terms": flat.terms.tolist(), "plane_terms_se": flat.errors.tolist(),
-        "corners_off_px": flat.residual_px, "jitter_mm": None if math.isnan(noise) else noise,
-        "frames_looked_at": found.looked, "frames_without_markers": len(found.empty),
+        "film": found.film.path.name,
+        "markers": "aruco",
+        **found.wish._asdict(),
+        "lens": known_lens(found.wish.lens),
+        "film_fps": found.clock.fps,
+        "regular_rate": found.clock.regular,
+        "mm_per_px": flat.mm_per_px,
+        "mm_per_px_se": flat.mm_per_px * scale_error(found),
+        "tilt_deg": flat.tilt_deg,
+        "scale_change_share": _scale_change(found),
+        "plane_terms": flat.terms.tolist(),
+        "plane_terms_se": flat.errors.tolist(),
+        "corners_off_px": flat.residual_px,
+        "jitter_mm": None if math.isnan(noise) else noise,
+        "frames_looked_at": found.looked,
+        "frames_without_markers": len(found.empty),
         "seen_twice_frames": {str(key): count for key, count in out.twice.items()},
         "seen_rarely_frames": {str(key): count for key, count in out.rare.items()},
-        "sightings_left_out": sum(out.bent.values()), "mirrored": list(out.mirrored),
+        "sightings_left_out": sum(out.bent.values()),
+        "mirrored": list(out.mirrored),
         "tracks": [row._asdict() for row in walkers],
-    }  # fmt: skip
+    }

@@ -97,9 +97,7 @@ def _refined(frame: Grey, squares: Array) -> Array:
     off = reach[:, None] * across
     places = squares[:, :, None] + share[:, None] * ahead[:, :, None]
     points = places[:, :, :, None] + off[:, None, None, :, None] * outward[:, :, None, None]
-    levels = ndimage.map_coordinates(
-        frame, np.moveaxis(points, -1, 0)[::-1], output=float, order=1, mode="nearest"
-    )
+    levels = ndimage.map_coordinates(frame, np.moveaxis(points, -1, 0)[::-1], output=float, order=1, mode="nearest")
     change = np.diff(levels, axis=-1)
     step = change.sum(axis=-1)
     good = step > np.maximum(STEEP * np.median(step, axis=-1, keepdims=True), 0.0)

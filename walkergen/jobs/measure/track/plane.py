@@ -112,9 +112,12 @@ def fit(corners: Array, side: float, width: int, height: int) -> Plane:
         return np.append((half * off / sizes[:, None, None]).ravel(), PRIOR_PX * terms[3:])
 
     found = least_squares(
-        residuals, [start, 0.0, start, 0.0, 0.0], loss="soft_l1", f_scale=SMOOTH_PX,
+        residuals,
+        [start, 0.0, start, 0.0, 0.0],
+        loss="soft_l1",
+        f_scale=SMOOTH_PX,
         x_scale=[start, start, start, 1.0, 1.0],
-    )  # fmt: skip
+    )
     terms = np.asarray(found.x)
     size = float(np.sqrt(np.mean(residuals(terms)[:-2] ** 2)))
     spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(ALIKE, len(few))

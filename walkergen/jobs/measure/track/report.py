@@ -18,10 +18,7 @@ from walkergen.jobs.measure.track.result import Tracked
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-COLUMNS = (
-    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px",
-    "mm_per_px_se",
-)  # fmt: skip
+COLUMNS = ("frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px", "mm_per_px_se")
 """Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
 
 The last two are the scale, by which places have been multiplied, and its standard error, blank when
@@ -89,13 +86,17 @@ def of(tracked: Tracked, folder: Path) -> TrackReport:
         return figures.check_figure(tracked)
 
     return TrackReport(
-        name="track", title=title,
-        tables=[Table("tracks", rows(tracked), COLUMNS, title=title),
-                report.table("walkers", walkers, WALKERS, title)],
+        name="track",
+        title=title,
+        tables=[Table("tracks", rows(tracked), COLUMNS, title=title), report.table("walkers", walkers, WALKERS, title)],
         facts=facts(tracked, walkers) | {"warnings": warned},
         lines=[*notes(tracked), f"{picture}: look at it before you believe the numbers"],
-        figures={"check": draw}, folder=folder, tracked=tracked, picture=picture, warnings=warned,
-    )  # fmt: skip
+        figures={"check": draw},
+        folder=folder,
+        tracked=tracked,
+        picture=picture,
+        warnings=warned,
+    )
 
 
 def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
@@ -103,9 +104,8 @@ def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
     rows = []
     for number, walker in enumerate(tracked.walkers):
         for frame, (x, y), theta in zip(
-            walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(),
-            strict=True,
-        ):  # fmt: skip
+            walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(), strict=True
+        ):
             angle = None if math.isnan(theta) else theta
             place = (x, y, angle)
             scale = (tracked.mm_per_px, tracked.mm_per_px_se)
@@ -115,11 +115,18 @@ def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
 
 def _walkers(tracked: Tracked) -> list[Row]:
     return [
-        Row(number, int(walker.seen.frames[0]), int(walker.seen.frames[-1]), walker.net_mm,
-            tracked.path_mm(walker), _lost(walker.seen.frames), walker.headed.how,
-            int((~np.isnan(walker.headed.theta)).sum()))
+        Row(
+            number,
+            int(walker.seen.frames[0]),
+            int(walker.seen.frames[-1]),
+            walker.net_mm,
+            tracked.path_mm(walker),
+            _lost(walker.seen.frames),
+            walker.headed.how,
+            int((~np.isnan(walker.headed.theta)).sum()),
+        )
         for number, walker in enumerate(tracked.walkers)
-    ]  # fmt: skip
+    ]
 
 
 def notes(tracked: Tracked) -> list[str]:
@@ -158,11 +165,7 @@ def rate(clock: Clock) -> str:
 
 def warnings(tracked: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
-    linked, count, seen = (
-        tracked.linked,
-        tracked.looked,
-        [walker.seen for walker in tracked.walkers],
-    )
+    linked, count, seen = (tracked.linked, tracked.looked, [walker.seen for walker in tracked.walkers])
     lines = broken_off(tracked.film, tracked.clock, tracked.options.frames)
     if linked.empty:
         lines.append(f"nothing was found in {linked.empty} of {count} frames")
@@ -176,11 +179,7 @@ def warnings(tracked: Tracked) -> list[str]:
             lines.append(f"walker {number} is lost in {lost} frames between its first and last")
     if linked.short:
         lines.append(f"{linked.short} tracks were too short and are left out")
-    unknown = [
-        str(number)
-        for number, walker in enumerate(tracked.walkers)
-        if np.isnan(walker.headed.theta).all()
-    ]
+    unknown = [str(number) for number, walker in enumerate(tracked.walkers) if np.isnan(walker.headed.theta).all()]
     if unknown:
         lines.append(f"no heading of walker {', '.join(unknown[:10])}: see the table")
     if (most := doubts.at_once(seen)) < len(seen):
@@ -249,21 +248,33 @@ def facts(tracked: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
     size = doubts.sizes([walker.straight for walker in tracked.walkers])
     return {
         "film": tracked.film.path.name,
-        **tracked.options._asdict(), "lens": known_lens(tracked.options.lens),
-        "fps": tracked.clock.fps, "regular_rate": tracked.clock.regular,
-        "mm_per_px": tracked.mm_per_px, "mm_per_px_se": tracked.mm_per_px_se,
-        "frames_looked_at": tracked.looked, "frames_without_walkers": linked.empty,
-        "frames_with_touching_walkers": linked.merged, "frames_without_motion": tracked.still,
+        **tracked.options._asdict(),
+        "lens": known_lens(tracked.options.lens),
+        "fps": tracked.clock.fps,
+        "regular_rate": tracked.clock.regular,
+        "mm_per_px": tracked.mm_per_px,
+        "mm_per_px_se": tracked.mm_per_px_se,
+        "frames_looked_at": tracked.looked,
+        "frames_without_walkers": linked.empty,
+        "frames_with_touching_walkers": linked.merged,
+        "frames_without_motion": tracked.still,
         "short_tracks": linked.short,
-        "walkers_are": "dark" if look.dark else "light", "threshold": look.threshold,
-        "width_px": look.width, "length_px": linked.length, "area_px": linked.area,
-        "jitter_mm": _known(tracked.jitter_mm), "contrast": look.contrast, "noise": look.noise,
-        "shake_px": _known(tracked.shake.rms), "shake_most_px": _known(tracked.shake.largest),
+        "walkers_are": "dark" if look.dark else "light",
+        "threshold": look.threshold,
+        "width_px": look.width,
+        "length_px": linked.length,
+        "area_px": linked.area,
+        "jitter_mm": _known(tracked.jitter_mm),
+        "contrast": look.contrast,
+        "noise": look.noise,
+        "shake_px": _known(tracked.shake.rms),
+        "shake_most_px": _known(tracked.shake.largest),
         "shadow_px": doubts.shadow([walker.seen for walker in tracked.walkers]),
-        "size_change_share": size.change, "size_change_se_share": _known(size.error),
+        "size_change_share": size.change,
+        "size_change_se_share": _known(size.error),
         "size_scatter_share": size.scatter,
         "tracks": [row._asdict() for row in walkers],
-    }  # fmt: skip
+    }
 
 
 def known_lens(lens: Lens | None) -> dict[str, Any] | None:

@@ -62,8 +62,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         solids.append(mass.weigh(mesh, 1e-3 * density_g_cm3))
     counts = [len(surface.triangles) for surface in surfaces]
     parts = tuple(
-        _weighed(surface.name, count, solid)
-        for surface, count, solid in zip(surfaces, counts, solids, strict=True)
+        _weighed(surface.name, count, solid) for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
     return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256)
 

@@ -41,10 +41,9 @@ def of(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) ->
     several = [weighing.total] if len(weighing.parts) > 1 else []
     parts = [*weighing.parts, *several]
     pages = [
-        Table(part.name, list(_lines(part)), Line._fields, LINES,
-              f"{part.name}, {part.triangles} triangles")
+        Table(part.name, list(_lines(part)), Line._fields, LINES, f"{part.name}, {part.triangles} triangles")
         for part in parts
-    ]  # fmt: skip
+    ]
     facts = {
         "density_g_cm3": density_g_cm3,
         "scale_mm": scale_mm,
@@ -54,15 +53,18 @@ def of(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) ->
     }
     caption = f"{density_g_cm3:g} g/cm3, 1 unit = {scale_mm:g} mm, axes as in the file"
     return WeighReport(
-        name="weigh", title=path.name, caption=f"{path.name}: {caption}",
-        tables=[report.table("objects", parts), *pages], facts=facts, total=weighing.total,
-    )  # fmt: skip
+        name="weigh",
+        title=path.name,
+        caption=f"{path.name}: {caption}",
+        tables=[report.table("objects", parts), *pages],
+        facts=facts,
+        total=weighing.total,
+    )
 
 
 def _facts(part: Weighed) -> dict[str, Any]:
     """Fields of an object as JSON has them: arrays as lists."""
-    return {key: value.tolist() if isinstance(value, np.ndarray) else value
-            for key, value in part._asdict().items()}  # fmt: skip
+    return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in part._asdict().items()}
 
 
 def _lines(part: Weighed) -> Iterator[Line]:

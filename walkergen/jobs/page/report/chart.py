@@ -121,15 +121,12 @@ def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart
     ends += [end for speed in chart_data for end in (speed.speed_mm_s, *(speed.bounds or ()))]
     ends += [speed.theory_mm_s for speed in chart_data if speed.theory_mm_s is not None]
     frame = _Frame(
-        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in chart_data)]),
-        _padded([*ends, 0.0]),
+        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in chart_data)]), _padded([*ends, 0.0])
     )
     between = sorted((speed for speed in chart_data if speed.what == "predicted"), key=_tilt)
     curves = {
         legs: [speed for speed in between if speed.legs == legs]
-        for legs in dict.fromkeys(
-            [*(speed.legs for speed in family), *(speed.legs for speed in between)]
-        )
+        for legs in dict.fromkeys([*(speed.legs for speed in family), *(speed.legs for speed in between)])
     }
     return Chart(
         [_point(speed, frame) for speed in family],
@@ -153,8 +150,7 @@ def ticks(low: float, high: float) -> list[float]:
 def _of(number: int, member: Member) -> list[_Speed]:
     """Speeds of one member, predicted and simulated."""
     bounds = member.number("speed_low_68_mm_s"), member.number("speed_high_68_mm_s")
-    speeds = [_Speed(number, member.tilt_deg, member.legs, False,
-                    float(member.row["speed_mm_s"]), *bounds)]  # fmt: skip
+    speeds = [_Speed(number, member.tilt_deg, member.legs, False, float(member.row["speed_mm_s"]), *bounds)]
     speed = member.number("sim_speed_mm_s")
     if speed is not None:
         ends = member.number("sim_low_95_mm_s"), member.number("sim_high_95_mm_s")
@@ -179,26 +175,21 @@ def _point(speed: _Speed, frame: _Frame) -> Point:
         y=frame.y(speed.value),
         low=None if speed.low is None else frame.y(speed.low),
         high=None if speed.high is None else frame.y(speed.high),
-        label=f"{speed.legs} legs, {speed.tilt:g}°: "
-        f"{source} {round(speed.value, 1) + 0.0:.1f} {amount}".replace("-", "−"),
+        label=f"{speed.legs} legs, {speed.tilt:g}°: {source} {round(speed.value, 1) + 0.0:.1f} {amount}".replace(
+            "-", "−"
+        ),
     )
 
 
-def _lines(
-    legs: str, curve: Sequence[Speed], family: Sequence[_Speed], frame: _Frame
-) -> Iterator[Line]:
+def _lines(legs: str, curve: Sequence[Speed], family: Sequence[_Speed], frame: _Frame) -> Iterator[Line]:
     """Predicted speed and theory of a kind of legs; without them, lines from member to member."""
     if not curve:
         members = (speed for speed in family if speed.legs == legs and not speed.simulated)
         joined = sorted((speed.tilt, speed.value) for speed in members)
         yield Line(legs, "guide", frame.path(joined))
         return
-    yield Line(
-        legs, "predicted", frame.path([(speed.tilt_deg, speed.speed_mm_s) for speed in curve])
-    )
-    theory = [
-        (speed.tilt_deg, speed.theory_mm_s) for speed in curve if speed.theory_mm_s is not None
-    ]
+    yield Line(legs, "predicted", frame.path([(speed.tilt_deg, speed.speed_mm_s) for speed in curve]))
+    theory = [(speed.tilt_deg, speed.theory_mm_s) for speed in curve if speed.theory_mm_s is not None]
     yield Line(legs, "theory", frame.path(theory))
 
 
@@ -208,12 +199,16 @@ def _bands(legs: str, curve: Sequence[Speed], frame: _Frame) -> list[Band]:
     if not bounded:
         return []
     return [
-        Band(legs, share, frame.path(
-            [(tilt, bounds[low]) for tilt, bounds in bounded]
-            + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(bounded)]
-        ))
+        Band(
+            legs,
+            share,
+            frame.path(
+                [(tilt, bounds[low]) for tilt, bounds in bounded]
+                + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(bounded)]
+            ),
+        )
         for share, low in ((95, 2), (68, 0))
-    ]  # fmt: skip
+    ]
 
 
 def _mark(speed: Speed, frame: _Frame) -> Mark:

@@ -55,8 +55,7 @@ def _speed(row: dict[str, str], line: int) -> Speed:
     bounds = None
     if low68 is not None and high68 is not None and low95 is not None and high95 is not None:
         bounds = low68, high68, low95, high95
-    return Speed(what, legs, tilt, speed, bounds, _number(row, "theory_mm_s", line),
-                 row.get("foot_can_stick") == "yes")  # fmt: skip
+    return Speed(what, legs, tilt, speed, bounds, _number(row, "theory_mm_s", line), row.get("foot_can_stick") == "yes")
 
 
 def _number(row: dict[str, str], column: str, line: int) -> float | None:
@@ -66,7 +65,5 @@ def _number(row: dict[str, str], column: str, line: int) -> float | None:
         return None
     value = words.value(text)
     if value is None or abs(value) > LARGEST:
-        raise InputError(
-            f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not {text[:40]!r}"
-        )
+        raise InputError(f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not {text[:40]!r}")
     return value

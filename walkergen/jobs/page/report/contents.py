@@ -84,9 +84,7 @@ def _manifest(folder: Path) -> Manifest:
     """Manifest of a folder; raises InputError when there is none or it is not one of ours."""
     path = folder / MANIFEST
     if not os.path.lexists(path):
-        raise InputError(
-            f"{folder}: no folder with a {MANIFEST}; give one that `walkergen family` wrote"
-        )
+        raise InputError(f"{folder}: no folder with a {MANIFEST}; give one that `walkergen family` wrote")
     advice = "write the folder again with `walkergen family`"
     try:
         return Manifest.model_validate(reading.json_of(path, LARGEST_MANIFEST_BYTES))

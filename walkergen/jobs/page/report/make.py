@@ -26,33 +26,59 @@ from walkergen.points.speed_table import MEANINGS
 TABLE_PAGE, PREVIEW = "family.md", "preview.png"
 
 DOWNLOADS = {
-    ".3mf": "model/3mf", ".csv": "text/csv", ".ini": "text/plain", ".json": "application/json",
-    ".pdf": "application/pdf", ".stl": "model/stl",
-}  # fmt: skip
+    ".3mf": "model/3mf",
+    ".csv": "text/csv",
+    ".ini": "text/plain",
+    ".json": "application/json",
+    ".pdf": "application/pdf",
+    ".stl": "model/stl",
+}
 """Types of files that the page hands out, by their ends; it holds them whole."""
 
 HEADINGS = {
-    "tilt_deg": "tilt (deg)", "total_g": "mass (g)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)",
-    "m_g": "m (g)", "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)",
-    "factor_front": "front (v/w)", "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)",
-    "sim_speed_mm_s": "simulated (mm/s)", "speed_sd_mm_s": "sd (mm/s)",
-    "speed_by": "speed by", "theory_mm_s": "eq. 15 (mm/s)", "speed_low_68_mm_s": "68 % (mm/s)",
-    "speed_low_95_mm_s": "95 % (mm/s)", "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
-    "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
-}  # fmt: skip
+    "tilt_deg": "tilt (deg)",
+    "total_g": "mass (g)",
+    "M_g": "M (g)",
+    "J_g_mm2": "J (g mm²)",
+    "m_g": "m (g)",
+    "j_g_mm2": "j (g mm²)",
+    "factor_back": "back (v/w)",
+    "factor_front": "front (v/w)",
+    "factor_mean": "mean (v/w)",
+    "speed_mm_s": "speed (mm/s)",
+    "sim_speed_mm_s": "simulated (mm/s)",
+    "speed_sd_mm_s": "sd (mm/s)",
+    "speed_by": "speed by",
+    "theory_mm_s": "eq. 15 (mm/s)",
+    "speed_low_68_mm_s": "68 % (mm/s)",
+    "speed_low_95_mm_s": "95 % (mm/s)",
+    "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
+    "sim_model": "model",
+    "sim_method": "method",
+    "sim_outcomes": "outcomes",
+}
 """Headings of columns of family.csv, as in its Markdown; other columns keep their names."""
 
 ERRORS = {"sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
 """Column of the error that stands behind ± in a column's cells, by that column."""
 
 RANGES = {
-    "speed_low_68_mm_s": "speed_high_68_mm_s", "speed_low_95_mm_s": "speed_high_95_mm_s",
+    "speed_low_68_mm_s": "speed_high_68_mm_s",
+    "speed_low_95_mm_s": "speed_high_95_mm_s",
     "sim_low_95_mm_s": "sim_high_95_mm_s",
-}  # fmt: skip
+}
 """Column of the upper bound that stands in the cells of the lower one, by that column."""
 
-FIRST = ("tilt_deg", "legs", "speed_mm_s", "speed_low_68_mm_s", "speed_low_95_mm_s",
-         "sim_speed_mm_s", "sim_low_95_mm_s", "verdict")  # fmt: skip
+FIRST = (
+    "tilt_deg",
+    "legs",
+    "speed_mm_s",
+    "speed_low_68_mm_s",
+    "speed_low_95_mm_s",
+    "sim_speed_mm_s",
+    "sim_low_95_mm_s",
+    "verdict",
+)
 """Columns that are seen without scrolling; the others follow as in the table."""
 
 NOTE = "note"
@@ -119,9 +145,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
         "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
         "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
-        "settings": settings(
-            manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})
-        ),
+        "settings": settings(manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})),
         "references": references.cited(
             {member.row["law"] for member in walkers},
             {method for member in walkers if (method := member.row.get("sim_method"))},
@@ -149,8 +173,7 @@ def table(walkers: Sequence[Member]) -> Table:
     common = {
         column: first
         for column in columns
-        if (first := walkers[0].row[column]) == ""
-        or (words.value(first) is None and column != NOTE)
+        if (first := walkers[0].row[column]) == "" or (words.value(first) is None and column != NOTE)
         if all(member.row[column] == first for member in walkers)
     }
     shown = [column for column in columns if column not in common]
@@ -242,8 +265,7 @@ def _part(member: Member, legs_up: Sequence[str]) -> dict[str, Any]:
     """
     seen = member.corners is not None
     up = member.name in legs_up
-    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen,
-            "legs_up": up}  # fmt: skip
+    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen, "legs_up": up}
 
 
 def _offered(name: str) -> bool:
@@ -303,7 +325,9 @@ def report_of(path: Path, contents: Contents) -> Report:
     changed, missing = contents.named("changed"), contents.named("missing")
     size = f"{path.stat().st_size / 1e6:.1f} MB"
     return Report(
-        name="page", title="Page of a family", tables=[],
+        name="page",
+        title="Page of a family",
+        tables=[],
         facts={"file": str(path), "changed": changed, "missing": missing},
         lines=[
             *(f"{name}: changed since the family was made" for name in changed),
@@ -311,4 +335,4 @@ def report_of(path: Path, contents: Contents) -> Report:
             f"{size}, opens in any browser, offline",
         ],
         files=[path],
-    )  # fmt: skip
+    )

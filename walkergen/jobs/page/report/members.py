@@ -62,10 +62,7 @@ def of(contents: Contents) -> list[Member]:
 def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
     """Rows of the table, with all that the page cannot do without; raises InputError."""
     if TABLE not in contents.files:
-        raise InputError(
-            f"{TABLE}: missing; the page is made from it: write the folder again with "
-            "`walkergen family`"
-        )
+        raise InputError(f"{TABLE}: missing; the page is made from it: write the folder again with `walkergen family`")
     rows = contents.records(TABLE).rows
     if len(rows) != expected or not 0 < expected <= MOST_ROWS:
         raise InputError(
@@ -75,13 +72,8 @@ def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
     for line, row in rows:
         for column, text in row.items():
             value = words.value(text)
-            if (column in NUMBERS and value is None) or (
-                value is not None and abs(value) > LARGEST
-            ):
-                raise InputError(
-                    f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not "
-                    f"{text[:40]!r}"
-                )
+            if (column in NUMBERS and value is None) or (value is not None and abs(value) > LARGEST):
+                raise InputError(f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not {text[:40]!r}")
             if value is not None and value < 0.0 and ERROR.search(column):
                 raise InputError(f"{TABLE}:{line}: {column}: must be >= 0, not {text[:40]!r}")
         for column in (*TEXTS, *NUMBERS):

@@ -27,9 +27,7 @@ RATE = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
 
 
-def simulate(
-    manifest: Manifest, scene: Scene, tilt_deg: float | None, kind: Kind | None
-) -> dict[str, Any]:
+def simulate(manifest: Manifest, scene: Scene, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
     """Simulate one member of a family and pack what the viewer plays.
 
     Without a tilt or a kind of legs those of the design. Raises InputError for a walker that the
@@ -40,9 +38,7 @@ def simulate(
     (design,) = family.members([tilt], [kind or family.kind])
     name = names.part(design)
     if name not in manifest.members:
-        raise InputError(
-            f"--run: the family has no {name}; it has {', '.join(manifest.members[:20])}"
-        )
+        raise InputError(f"--run: the family has no {name}; it has {', '.join(manifest.members[:20])}")
     return run(design, scene, "--run ") | {"member": manifest.members.index(name)}
 
 
@@ -61,9 +57,7 @@ def run(design: Design, scene: Scene, before: str = "") -> dict[str, Any]:
             "legs.model = 'space'"
         )
     short = scene.run.model_copy(update={"seconds": SECONDS})
-    motion = poses.sample(
-        prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE
-    )
+    motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
         raise InputError(f"{before}{scene.name}: the run ended at once ({motion.outcome.value})")
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)

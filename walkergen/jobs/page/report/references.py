@@ -4,9 +4,19 @@ from collections.abc import Collection
 from typing import Literal, NamedTuple
 
 Subject = Literal[
-    "walkers", "poisson", "newton", "stronge", "event", "step", "matplotlib", "manifold3d",
-    "numpy", "numba", "lib3mf", "three.js",
-]  # fmt: skip
+    "walkers",
+    "poisson",
+    "newton",
+    "stronge",
+    "event",
+    "step",
+    "matplotlib",
+    "manifold3d",
+    "numpy",
+    "numba",
+    "lib3mf",
+    "three.js",
+]
 
 
 class Reference(NamedTuple):
@@ -32,8 +42,7 @@ REFERENCES: dict[Subject, Reference] = {
     ),
     "newton": Reference(
         "restitution of the normal velocity",
-        "I. Newton: Philosophiae Naturalis Principia Mathematica (1687), scholium to the laws of "
-        "motion",
+        "I. Newton: Philosophiae Naturalis Principia Mathematica (1687), scholium to the laws of motion",
         "",
     ),
     "stronge": Reference(
@@ -68,16 +77,11 @@ REFERENCES: dict[Subject, Reference] = {
     ),
     "matplotlib": Reference(
         "pictures",
-        "J. D. Hunter: Matplotlib: a 2D graphics environment. Computing in Science & Engineering "
-        "9, 90-95 (2007)",
+        "J. D. Hunter: Matplotlib: a 2D graphics environment. Computing in Science & Engineering 9, 90-95 (2007)",
         "https://doi.org/10.1109/MCSE.2007.55",
     ),
-    "manifold3d": Reference(
-        "solids", "Manifold, geometry library", "https://github.com/elalish/manifold"
-    ),
-    "lib3mf": Reference(
-        "3MF files", "lib3mf, 3MF Consortium", "https://github.com/3MFConsortium/lib3mf"
-    ),
+    "manifold3d": Reference("solids", "Manifold, geometry library", "https://github.com/elalish/manifold"),
+    "lib3mf": Reference("3MF files", "lib3mf, 3MF Consortium", "https://github.com/3MFConsortium/lib3mf"),
     "three.js": Reference("this page's viewer", "three.js", "https://threejs.org"),
 }
 """All works that can be cited, in the order of citing."""

@@ -40,21 +40,30 @@ def write_inputs(job: Job, folder: Path) -> Report:
             target.write(name, data)
         target.finish(facts(job))
     lines = ["in each of its folders: `lmp -in crowd.in`"]
-    return Report(name="inputs", title=title_of(job), tables=[], lines=lines, folder=folder,
-                  caption=caption_of(job), facts={"files": sorted(inputs)})  # fmt: skip
+    return Report(
+        name="inputs",
+        title=title_of(job),
+        tables=[],
+        lines=lines,
+        folder=folder,
+        caption=caption_of(job),
+        facts={"files": sorted(inputs)},
+    )
 
 
 def facts(job: Job) -> dict[str, Any]:
     """What a manifest says of a crowd: every input resolved."""
     designs = [kind.design for kind in job.kinds if kind.design]
     return {
-        "model": job.model, "scene": job.scene.model_dump(mode="json"),
+        "model": job.model,
+        "scene": job.scene.model_dump(mode="json"),
         "designs": [design.model_dump(mode="json") for design in designs],
         "bodies_sha256": [design.body.shape.sha256 for design in designs],
         "cards": [kind.card.model_dump(mode="json") for kind in job.kinds if kind.card],
-        "counts": [kind.walkers for kind in job.kinds], "rate_hz": job.rate_hz,
+        "counts": [kind.walkers for kind in job.kinds],
+        "rate_hz": job.rate_hz,
         "versions": versions(),
-    }  # fmt: skip
+    }
 
 
 def name_of(job: Job) -> str:

@@ -81,10 +81,14 @@ def _arguments(job: Job, number: int) -> dict[str, Any]:
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
     places = jobs.placed(job, [kind.outline for kind in job.kinds], number)
     return {
-        "cards": [kind.card for kind in job.kinds], "kinds": np.array(job.numbers),
-        "dish": job.scene.crowd.dish, "places": places, "seconds": _seconds(job),
-        "rate_hz": job.rate_hz, "seed": seed,
-    }  # fmt: skip
+        "cards": [kind.card for kind in job.kinds],
+        "kinds": np.array(job.numbers),
+        "dish": job.scene.crowd.dish,
+        "places": places,
+        "seconds": _seconds(job),
+        "rate_hz": job.rate_hz,
+        "seed": seed,
+    }
 
 
 def _film(job: Job, times: Array, poses: Array) -> CrowdFilm:

@@ -67,12 +67,17 @@ def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
     contacts = Table("contacts", rows, Contacts._fields, CONTACTS, "Contacts of bodies and walls")
     tables = [*crowd_tables.tables(statistics), *([contacts] if rows else [])]
     return CrowdReport(
-        name="report", title=title, caption=caption_of(job),
+        name="report",
+        title=title,
+        caption=caption_of(job),
         tables=tables,
-        facts=facts(simulated), lines=crowd_tables.lines(statistics),
+        facts=facts(simulated),
+        lines=crowd_tables.lines(statistics),
         warnings=list(_warnings(simulated)),
-        figures=crowd_figures.figures(statistics, title), folder=folder, simulated=simulated,
-    )  # fmt: skip
+        figures=crowd_figures.figures(statistics, title),
+        folder=folder,
+        simulated=simulated,
+    )
 
 
 def title_of(job: Job) -> str:
@@ -97,22 +102,30 @@ def facts(simulated: Simulated) -> dict[str, object]:
     """What JSON holds."""
     job = simulated.job
     return {
-        "scene": job.scene.name, "model": job.model,
+        "scene": job.scene.name,
+        "model": job.model,
         "kinds": {kind.name: kind.walkers for kind in job.kinds},
-        "seed": job.scene.run.seed, "asked_runs": job.scene.run.runs, "packing": job.packing,
+        "seed": job.scene.run.seed,
+        "asked_runs": job.scene.run.runs,
+        "packing": job.packing,
         **crowd_tables.facts(simulated.statistics),
-        "contacts": [_contacts(run, simulated.statistics.seconds)._asdict()
-                     for run in simulated.runs],
+        "contacts": [_contacts(run, simulated.statistics.seconds)._asdict() for run in simulated.runs],
         "outcomes": dict(simulated.outcomes),
-    }  # fmt: skip
+    }
 
 
 def _contacts(run: CrowdRun, seconds: float) -> Contacts:
     return Contacts(
-        run.number, run.touches, run.touches / (len(run.kinds) * seconds), 1e3 * run.deepest,
-        run.losses["normal"], run.losses["friction"], run.energy_error, run.contact_error,
+        run.number,
+        run.touches,
+        run.touches / (len(run.kinds) * seconds),
+        1e3 * run.deepest,
+        run.losses["normal"],
+        run.losses["friction"],
+        run.energy_error,
+        run.contact_error,
         sum(outcome not in WELL for outcome in run.outcomes),
-    )  # fmt: skip
+    )
 
 
 def _warnings(simulated: Simulated) -> Iterator[str]:

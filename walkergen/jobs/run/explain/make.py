@@ -33,11 +33,10 @@ def explain(scene: Scene, design: Design, measured: bool, progress: Progress) ->
     plan = prepare(scene, design, mass)
     rows = costs.explain(plan, design, mass, measured=measured, progress=progress)
     return Report(
-        name="explain", title="Effects",
-        caption=f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}: "
-                f"model {plan.resolved.model}",
+        name="explain",
+        title="Effects",
+        caption=f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}: model {plan.resolved.model}",
         tables=[report.table("effects", rows, COLUMNS)],
         facts={"rows": [row._asdict() for row in rows]},
-        lines=["cost: CPU time over that of the scene without the effect, whose motion differs "
-               "too"],
-    )  # fmt: skip
+        lines=["cost: CPU time over that of the scene without the effect, whose motion differs too"],
+    )

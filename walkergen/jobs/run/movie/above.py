@@ -54,9 +54,7 @@ class Arena(NamedTuple):
     readout: Text
 
 
-def draw_above(
-    shots: Sequence[Shot], every: int, slow: float, settings: str, period: float, gap: float | None
-) -> Draw:
+def draw_above(shots: Sequence[Shot], every: int, slow: float, settings: str, period: float, gap: float | None) -> Draw:
     """Make a function that draws frame k: pose k * every of every run; ended runs stay.
 
     `period` of the drive, s; `gap`: distance of a lane's walls, mm. Corners flash where a frame
@@ -145,9 +143,7 @@ def _arena(
         axes.axhline(wall, color=INK, linewidth=1.5)
     axes.plot(*shot.track[0], "+", color=INK, markersize=7, markeredgewidth=0.8)
     canvas.text(MARGIN, bottom + height + 6, shot.title.legs, weight="bold")
-    readout = canvas.text(
-        WIDTH - MARGIN, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right"
-    )
+    readout = canvas.text(WIDTH - MARGIN, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right")
     (trail,) = axes.plot([], [], color=TRAIL, linewidth=1.4)
     every = max(1, round(interval / float(shot.poses.times[1])))
     (dots,) = axes.plot([], [], "o", color=TRAIL, markersize=3.5, markevery=every)
@@ -156,9 +152,8 @@ def _arena(
     body = PolyCollection([], facecolor=colours, edgecolor=INK, linewidths=0.8, alpha=0.9)
     edges = LineCollection([], colors=LIMB, linewidths=1.6)
     arrow = FancyArrowPatch(
-        (0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, color=INK, linewidth=1.2,
-        mutation_scale=11, zorder=4,
-    )  # fmt: skip
+        (0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, color=INK, linewidth=1.2, mutation_scale=11, zorder=4
+    )
     for artist in (body, edges, arrow):
         axes.add_artist(artist)
     flashes = [axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)[0] for _ in shot.poses.names]

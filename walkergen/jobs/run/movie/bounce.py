@@ -13,17 +13,7 @@ from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, Place, to_scale
-from walkergen.jobs.run.movie.footage import (
-    BACK,
-    FRONT,
-    Array,
-    Footage,
-    Impact,
-    feet,
-    pace,
-    polygons,
-    strongest,
-)
+from walkergen.jobs.run.movie.footage import BACK, FRONT, Array, Footage, Impact, feet, pace, polygons, strongest
 from walkergen.jobs.run.movie.impacts import FEET, Course, largest_impulse, legend, strip, style_of
 
 WIDTH, HEIGHT = 800, 620
@@ -225,8 +215,7 @@ def _set(
     offset, hollow = np.array([camera, 0.0]), len(outlined)
     view.shapes.set_verts([shape - offset for shape in (*limbs, *outlined, body)])
     view.shapes.set(
-        facecolor=[LIMB] * len(limbs) + ["none"] * hollow + [BODY],
-        edgecolor=[LIMB] * len(limbs) + [INK] * (hollow + 1),
+        facecolor=[LIMB] * len(limbs) + ["none"] * hollow + [BODY], edgecolor=[LIMB] * len(limbs) + [INK] * (hollow + 1)
     )
     view.plate.set_height(height - view.plate.get_y())
     left, right = view.axes.get_xlim()
@@ -235,19 +224,12 @@ def _set(
     depth = 0.02 * float(np.ptp(view.axes.get_ylim()))
     at = view.spacing * np.arange(first, last + 1) - camera
     longer = np.where(np.arange(first, last + 1) % 5 == 0, 2.2, 1.0)
-    view.ruler.set_segments(
-        [[(x, height), (x, height - size * depth)] for x, size in zip(at, longer, strict=True)]
-    )
+    view.ruler.set_segments([[(x, height), (x, height - size * depth)] for x, size in zip(at, longer, strict=True)])
     view.contacts.set_data(points[:, 0] - camera, points[:, 1])
 
 
 def _flash(
-    view: View,
-    place: int,
-    shown: tuple[Impact, float] | None,
-    foot: Array,
-    camera: float,
-    largest: float,
+    view: View, place: int, shown: tuple[Impact, float] | None, foot: Array, camera: float, largest: float
 ) -> None:
     """Draw the impulse on a foot: an arrow that ends at it, the name of its kind, and a burst."""
     arrow, label, burst = view.arrows[place], view.labels[place], view.bursts[place]

@@ -139,15 +139,11 @@ def feet(footage: Footage, relaxed: bool = False) -> Array:
     for side in (BACK, FRONT):
         angle = 0.0 * footage.pitch if relaxed else footage.angles[:, side]
         anchor = _turned(footage.shape.anchors[side], footage.pitch)
-        points[:, side] = (
-            footage.places + anchor + _turned(footage.shape.feet[side], footage.pitch + angle)
-        )
+        points[:, side] = footage.places + anchor + _turned(footage.shape.feet[side], footage.pitch + angle)
     return points
 
 
-def strongest(
-    footage: Struck, time: float, afterglow: float, side: int
-) -> tuple[Impact, float] | None:
+def strongest(footage: Struck, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
     """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
 
     Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.

@@ -31,10 +31,7 @@ STYLES = {
     Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
 }
 
-FEET: tuple[tuple[str, str, Dashes], ...] = (
-    ("back foot", "#222222", "-"),
-    ("front foot", "#AA4499", (0, (4, 1.5))),
-)
+FEET: tuple[tuple[str, str, Dashes], ...] = (("back foot", "#222222", "-"), ("front foot", "#AA4499", (0, (4, 1.5))))
 """Name, colour and line of either foot."""
 
 FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
@@ -49,10 +46,7 @@ def colour_of(foot: int) -> str:
 def colours(feet: int) -> tuple[str, ...]:
     """Colours that a movie of a walker on so many feet needs whole."""
     named = max(feet, len(FEET))
-    return (
-        *(style.colour for style in STYLES.values()),
-        *dict.fromkeys(colour_of(foot) for foot in range(named)),
-    )
+    return (*(style.colour for style in STYLES.values()), *dict.fromkeys(colour_of(foot) for foot in range(named)))
 
 
 def style_of(kind: Kind) -> Style:
@@ -104,9 +98,15 @@ def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> 
         axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
     _mark(axes, footage, feet)
     axes.legend(
-        loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=2, frameon=False, fontsize=SMALL,
-        handlelength=1.8, columnspacing=1.0, borderaxespad=0.1,
-    )  # fmt: skip
+        loc="lower right",
+        bbox_to_anchor=(1.02, 0.98),
+        ncols=2,
+        frameon=False,
+        fontsize=SMALL,
+        handlelength=1.8,
+        columnspacing=1.0,
+        borderaxespad=0.1,
+    )
     axes.tick_params(labelsize=SMALL - 1, length=3, pad=2)
     axes.set_xlabel("time, ms", fontsize=SMALL, labelpad=1)
     axes.spines[["top", "right"]].set_visible(False)
@@ -123,9 +123,15 @@ def _mark(axes: Axes, footage: Struck, feet: list[Course]) -> None:
         height = 1e3 * np.interp(hit.time, footage.times, footage.plate)
         edge = feet[hit.foot].colour
         axes.plot(
-            [1e3 * hit.time], [height], style.marker, color=style.colour, markeredgecolor=edge,
-            markeredgewidth=0.6, markersize=2.0 + 4.0 * size, zorder=3,
-        )  # fmt: skip
+            [1e3 * hit.time],
+            [height],
+            style.marker,
+            color=style.colour,
+            markeredgecolor=edge,
+            markeredgewidth=0.6,
+            markersize=2.0 + 4.0 * size,
+            zorder=3,
+        )
 
 
 def largest_impulse(footage: Struck) -> float:

@@ -173,9 +173,7 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
     from walkergen.files import animation
     from walkergen.jobs.run.movie import impacts
 
-    draw, frames, footage = (
-        _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
-    )
+    draw, frames, footage = _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
     colours = impacts.colours(max(len(design.limbs) for design in job.members))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
@@ -259,9 +257,7 @@ def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Pla
 def _check(design: Design, frames: int, every: int, outcome: Outcome) -> None:
     """Raise InputError when a run ended before its second frame."""
     if frames <= every:
-        raise InputError(
-            f"{title(design)}: the run ended before the second frame ({outcome.value})"
-        )
+        raise InputError(f"{title(design)}: the run ended before the second frame ({outcome.value})")
 
 
 def title(design: Design) -> Title:
@@ -284,9 +280,7 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
         times=rows[:, 0],
         places=places,
         pitch=column["pitch_rad"],
-        angles=np.column_stack(
-            [column.get(f"alpha_{side}_rad", none) for side in ("back", "front")]
-        ),
+        angles=np.column_stack([column.get(f"alpha_{side}_rad", none) for side in ("back", "front")]),
         plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
         phase=column["phase_rad"],
         impacts=tuple(map(impact_of, impacts_of(result))),
@@ -334,6 +328,5 @@ def settings(scene: Scene, models: Sequence[str]) -> str:
     slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
     return (
         f"{scene.name}: {shaken}; simulated: {', '.join(models)}, restitution "
-        f"{contact.restitution:g} {law}, friction {contact.friction:g}"
-        + (slope if scene.plate.slope_deg else "")
+        f"{contact.restitution:g} {law}, friction {contact.friction:g}" + (slope if scene.plate.slope_deg else "")
     )

@@ -15,14 +15,7 @@ from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.run.movie import raster
 from walkergen.jobs.run.movie.footage import Impact, pace, strongest
-from walkergen.jobs.run.movie.impacts import (
-    Course,
-    colour_of,
-    largest_impulse,
-    legend,
-    strip,
-    style_of,
-)
+from walkergen.jobs.run.movie.impacts import Course, colour_of, largest_impulse, legend, strip, style_of
 from walkergen.jobs.run.movie.raster import Camera
 from walkergen.jobs.run.movie.shot import Array, Shot
 
@@ -114,10 +107,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
         pixels, left, low = raster.render(model, R[at], place, main.camera, BODY, INK)
         picture.set_data(pixels)
         picture.ox, picture.oy = left + MAIN.left, low + MAIN.bottom
-        glows = [
-            strongest(shot, float(shot.times[at]), afterglow, corner)
-            for corner in range(len(shot.poses.names))
-        ]
+        glows = [strongest(shot, float(shot.times[at]), afterglow, corner) for corner in range(len(shot.poses.names))]
         corners = shot.poses.corners[at] - centres[at]
         _set(main, shot, at, centres[at], corners, glows)
         _set_close(close, shot, at, centres[at], corners, glows)
@@ -150,10 +140,7 @@ def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
     poses = shot.poses
     shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
     covered = np.concatenate(
-        [
-            shot.mesh.vertices @ poses.rotations[at].T + poses.places[at] - centres[at]
-            for at in shown
-        ]
+        [shot.mesh.vertices @ poses.rotations[at].T + poses.places[at] - centres[at] for at in shown]
     )
     margin = 0.14 * float(shot.size[0])
     (left, _, near), (right, top, far) = covered.min(axis=0), covered.max(axis=0)
@@ -188,9 +175,7 @@ def _view(
     camera = raster.camera_for(points, (place.width, place.height))
     (left, right), (near, far) = area
     rim = np.array([(left, 0, near), (right, 0, near), (right, 0, far), (left, 0, far)])
-    ground = PolyCollection(
-        [camera.project(rim)[:, :2]], facecolor=GROUND, edgecolor=PLATE, linewidths=1.0
-    )
+    ground = PolyCollection([camera.project(rim)[:, :2]], facecolor=GROUND, edgecolor=PLATE, linewidths=1.0)
     lines = LineCollection([], colors=LINES, linewidths=0.7)
     for artist in (ground, lines):
         axes.add_artist(artist)
@@ -228,15 +213,20 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     canvas.text(CLOSE.left, CLOSE.bottom + CLOSE.height + 4, words, fontsize=SMALL)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
-    edges = [
-        view.axes.plot([], [], color=colour_of(k), linewidth=3.0)[0] for k in range(len(names) // 2)
-    ]
+    edges = [view.axes.plot([], [], color=colour_of(k), linewidth=3.0)[0] for k in range(len(names) // 2)]
     # Names stand outside: of the left corners, which are farther away, above; of the right below
     labels = [
-        view.axes.text(0, 0, "", fontsize=SMALL, ha="center", va="bottom" if k % 2 == 0 else "top",
-                       visible=len(names) <= MOST_LABELS)
+        view.axes.text(
+            0,
+            0,
+            "",
+            fontsize=SMALL,
+            ha="center",
+            va="bottom" if k % 2 == 0 else "top",
+            visible=len(names) <= MOST_LABELS,
+        )
         for k in range(len(names))
-    ]  # fmt: skip
+    ]
     canvas.move(view.ground, view.lines, drops, *edges)
     _on_top(canvas, view)
     canvas.move(*labels)
@@ -251,22 +241,12 @@ def _courses(shot: Shot) -> list[Course]:
     heights, names = shot.poses.corners[:, :, 1], shot.poses.names
     if len(names) > 4:
         several = len(names) > MOST_LABELS
-        names = tuple(
-            "" if several or k % 2 else shot.poses.legs[k // 2] for k in range(len(names))
-        )
-    return [
-        Course(name, colour_of(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k])
-        for k, name in enumerate(names)
-    ]
+        names = tuple("" if several or k % 2 else shot.poses.legs[k // 2] for k in range(len(names)))
+    return [Course(name, colour_of(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k]) for k, name in enumerate(names)]
 
 
 def _set(
-    view: View,
-    shot: Shot,
-    at: int,
-    centre: Array,
-    corners: Array,
-    glows: list[tuple[Impact, float] | None],
+    view: View, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
     """Show the plate's lines, and flash the corners at the places `corners` of the view."""
     view.lines.set_segments(_lines(view, shot, centre))
@@ -304,18 +284,12 @@ def _lines(view: View, shot: Shot, centre: Array) -> list[Array]:
         first = math.ceil((low + centre[axis]) / spacing)
         count = math.floor((high + centre[axis]) / spacing) - first + 1
         for at in spacing * (first + np.arange(count)) - centre[axis]:
-            ends.append([(at, 0, near), (at, 0, far)] if axis == 0 else
-                        [(left, 0, at), (right, 0, at)])  # fmt: skip
+            ends.append([(at, 0, near), (at, 0, far)] if axis == 0 else [(left, 0, at), (right, 0, at)])
     return list(view.camera.project(np.array(ends, float))[..., :2])
 
 
 def _set_close(
-    close: Close,
-    shot: Shot,
-    at: int,
-    centre: Array,
-    corners: Array,
-    glows: list[tuple[Impact, float] | None],
+    close: Close, shot: Shot, at: int, centre: Array, corners: Array, glows: list[tuple[Impact, float] | None]
 ) -> None:
     """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
     gaps = shot.poses.gaps[at]

@@ -42,8 +42,7 @@ def draw_race(runs: Sequence[Footage], slow: float, settings: str) -> Draw:
     clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
     left, scale = _window(runs)
     lanes = [
-        _lane(canvas, footage, FOOT + LANE * (len(runs) - 1 - place), left, scale)
-        for place, footage in enumerate(runs)
+        _lane(canvas, footage, FOOT + LANE * (len(runs) - 1 - place), left, scale) for place, footage in enumerate(runs)
     ]
     _ruler(canvas, left, scale)
     canvas.move(clock)
@@ -77,9 +76,8 @@ def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: f
     axes.axvline(0.0, ymin=10 / LANE, ymax=0.9, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
     canvas.text(MARGIN, bottom + LANE - 15, footage.title.legs, weight="bold")
     readout = canvas.text(
-        MARGIN, bottom + LANE - 20, "", family="DejaVu Sans Mono", fontsize=SMALL, va="top",
-        linespacing=1.3,
-    )  # fmt: skip
+        MARGIN, bottom + LANE - 20, "", family="DejaVu Sans Mono", fontsize=SMALL, va="top", linespacing=1.3
+    )
     shapes = PolyCollection([], linewidths=0.4)
     axes.add_collection(shapes, autolim=False)
     canvas.move(shapes, readout)
@@ -106,6 +104,5 @@ def _ruler(canvas: Canvas, left: float, scale: float) -> None:
     axes.set_yticks([])
     axes.spines[["left", "right", "top"]].set_visible(False)
     axes.tick_params(labelsize=SMALL, length=4, pad=2)
-    axes.set_xlabel("mm along the plate, from where the middles of the bodies start",
-                    fontsize=SMALL, labelpad=1)  # fmt: skip
+    axes.set_xlabel("mm along the plate, from where the middles of the bodies start", fontsize=SMALL, labelpad=1)
     axes.xaxis.set_major_locator(MaxNLocator(10, steps=[1, 2, 5, 10]))

@@ -87,9 +87,7 @@ def model_of(mesh: Mesh) -> Model:
         for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
             beside.setdefault((min(start, end), max(start, end)), []).append(number)
     edges = [
-        (*ends, *two[:2])
-        for ends, two in beside.items()
-        if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP
+        (*ends, *two[:2]) for ends, two in beside.items() if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP
     ]
     return Model(mesh, normals, np.array(edges, np.int64).reshape(-1, 4))
 
@@ -118,10 +116,7 @@ def render(
 
 def _area(corners: Array) -> Array:
     """Twice the areas of triangles (..., 3, 2 or more), positive when counter-clockwise."""
-    first, second = (
-        corners[..., 1, :2] - corners[..., 0, :2],
-        corners[..., 2, :2] - corners[..., 0, :2],
-    )
+    first, second = (corners[..., 1, :2] - corners[..., 0, :2], corners[..., 2, :2] - corners[..., 0, :2])
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
 
@@ -153,11 +148,7 @@ def _fill(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int
 
 
 def _outline(
-    number: npt.NDArray[np.int32],
-    near: Array,
-    points: Array,
-    model: Model,
-    facing: npt.NDArray[np.bool_],
+    number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: npt.NDArray[np.bool_]
 ) -> None:
     """Write the ink's number, that of the triangles, along the sharp edges that are visible."""
     edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]

@@ -19,14 +19,25 @@ def of(job: Job, film: Made) -> Report:
     if film.mp4 is None:
         lines.append(f"no MP4: {film.without_mp4}")
     walkers = [
-        {"name": shot.name, "model": shot.model, "seconds": shot.times[-1],
-         "distance_mm": shot.distance, "impacts": len(shot.impacts), "ended": shot.ended}
+        {
+            "name": shot.name,
+            "model": shot.model,
+            "seconds": shot.times[-1],
+            "distance_mm": shot.distance,
+            "impacts": len(shot.impacts),
+            "ended": shot.ended,
+        }
         for shot in film.footage
-    ]  # fmt: skip
+    ]
     facts = {
-        "gif": str(film.gif), "mp4": None if film.mp4 is None else str(film.mp4),
-        "without_mp4": film.without_mp4, "frames": film.frames, "fps": job.fps,
-        "slow": job.slow, "view": job.view, "walkers": walkers,
-    }  # fmt: skip
+        "gif": str(film.gif),
+        "mp4": None if film.mp4 is None else str(film.mp4),
+        "without_mp4": film.without_mp4,
+        "frames": film.frames,
+        "fps": job.fps,
+        "slow": job.slow,
+        "view": job.view,
+        "walkers": walkers,
+    }
     files = [film.gif] if film.mp4 is None else [film.gif, film.mp4]
     return Report(name="movie", title="Film", tables=[], facts=facts, lines=lines, files=files)

@@ -32,8 +32,5 @@ def predict(
     """
     built = [solids.build(walker) for walker in walkers]
     predicted = list(members.predicted(walkers, built, scene, mode, weighed))
-    shares = [
-        prediction.shares(one.design, one.mass, scene, mode)
-        for one in (predicted if uncertain else ())
-    ]
+    shares = [prediction.shares(one.design, one.mass, scene, mode) for one in (predicted if uncertain else ())]
     return report.of(design, scene, mode, predicted, shares)

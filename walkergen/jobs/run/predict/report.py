@@ -42,9 +42,8 @@ class PredictReport(Report):
 
 
 def of(
-    design: Design, scene: Scene, mode: str, walkers: Sequence[Member],
-    shares: Sequence[Sequence[Share]] = (),
-) -> PredictReport:  # fmt: skip
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], shares: Sequence[Sequence[Share]] = ()
+) -> PredictReport:
     """Report of walkers, with the shares of the variance behind their bounds where asked for."""
     tables = speed_table.tables("prediction", design.name, walkers)
     rows = list(tables[0])
@@ -55,11 +54,14 @@ def of(
     title = design.name
     if len(walkers) == 1:
         (walker,) = walkers
-        title += (
-            f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {walker.row.speed}"
-        )
+        title += f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {walker.row.speed}"
     return PredictReport(
-        name="predict", title=title, tables=tables, facts={"rows": rows},
-        caption=speed_table.caption(design, scene, mode), lines=speed_table.lines(walkers),
-        scene=scene, members=walkers,
-    )  # fmt: skip
+        name="predict",
+        title=title,
+        tables=tables,
+        facts={"rows": rows},
+        caption=speed_table.caption(design, scene, mode),
+        lines=speed_table.lines(walkers),
+        scene=scene,
+        members=walkers,
+    )

@@ -57,18 +57,14 @@ class Simulated(NamedTuple):
         return self.point.verdicts
 
 
-def asked(
-    scene: Scene, design: Design, mass: MassProperties, interval: float | None = None
-) -> Experiment:
+def asked(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Experiment:
     """Results of a scene: with landings where it is in space, and samples `interval` s apart."""
     in_space = resolve(scene, design, mass).model == "space"
     few = scene.run.runs * scene.run.seconds <= MOST_S
     return Experiment(scene, design, mass, impacts=in_space and few, sample_interval=interval)
 
 
-def measure(
-    experiment: Experiment, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED
-) -> Simulated:
+def measure(experiment: Experiment, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED) -> Simulated:
     """Simulate what is asked, and measure motion and landings of a walker in space.
 
     With an error of the observable `of` as many runs as that needs, without landings. Raises
@@ -99,9 +95,7 @@ def measured(point: Results, experiment: Experiment, progress: Progress = silent
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")
-    moved, untold = motion_of(
-        good, experiment.scene.arena.kind == "lane", experiment.sample_interval
-    )
+    moved, untold = motion_of(good, experiment.scene.arena.kind == "lane", experiment.sample_interval)
     legs = names.legs(experiment.design)
     landed = [_landings(result, len(legs)) for result in good] if experiment.impacts else []
     return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)

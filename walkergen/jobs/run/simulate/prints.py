@@ -35,17 +35,24 @@ def of(spread: Uncertain, design: Design, scene: str, folder: Path | None = None
     inputs = [quantity.name.replace(" ", "_") for quantity in spread.inputs]
     shares = [*spread.shares, (UNEXPLAINED, *unexplained, None, None)]
     return Report(
-        name="uncertain", title=title, facts=_facts(spread), lines=lines,
+        name="uncertain",
+        title=title,
+        facts=_facts(spread),
+        lines=lines,
         tables=[
             Table("summary", [Line(*row) for row in rows(spread)], (), LINES, title),
-            Table("shares", shares, ("input", "first", "first_se", "total", "total_se"),
-                  SHARES if spread.shares else (), "share of the variance between prints",
-                  read=spread.shares),
-            Table("draws", np.column_stack([spread.values, spread.speeds]).tolist(),
-                  [*inputs, "speed_mm_s"]),
+            Table(
+                "shares",
+                shares,
+                ("input", "first", "first_se", "total", "total_se"),
+                SHARES if spread.shares else (),
+                "share of the variance between prints",
+                read=spread.shares,
+            ),
+            Table("draws", np.column_stack([spread.values, spread.speeds]).tolist(), [*inputs, "speed_mm_s"]),
         ],
         figures={"uncertain": lambda: figure(spread, title)},
-    )  # fmt: skip
+    )
 
 
 def write(report: Report, folder: Path) -> None:
@@ -146,10 +153,19 @@ def _draw(spread: Uncertain, title: str) -> "Figure":
     first_se = [*(share.first_se for share in spread.shares), spread.unexplained_se]
     total = [share.total for share in spread.shares]
     total_se = [share.total_se for share in spread.shares]
-    right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2",
-               label="alone")  # fmt: skip
-    right.barh(places[:-1] - 0.2, total, 0.36, xerr=total_se, error_kw=error, color="#D55E00",
-               hatch="////", edgecolor="white", linewidth=0.0, label="with all others")  # fmt: skip
+    right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2", label="alone")
+    right.barh(
+        places[:-1] - 0.2,
+        total,
+        0.36,
+        xerr=total_se,
+        error_kw=error,
+        color="#D55E00",
+        hatch="////",
+        edgecolor="white",
+        linewidth=0.0,
+        label="with all others",
+    )
     right.set_yticks(places, names)
     right.set_xlim(left=0.0)
     right.set_xlabel("share of the variance between prints")

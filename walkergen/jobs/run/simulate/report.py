@@ -36,8 +36,19 @@ class Line(NamedTuple):
 
 LINES = (report.text("", "name"), report.text("", "value"))
 
-FIRST = ("walker", "plate", "model", "mean speed", "95 % bounds", "prints", "chosen", "error, 95 %",
-         "turning", "persistence", "runs")  # fmt: skip
+FIRST = (
+    "walker",
+    "plate",
+    "model",
+    "mean speed",
+    "95 % bounds",
+    "prints",
+    "chosen",
+    "error, 95 %",
+    "turning",
+    "persistence",
+    "runs",
+)
 """Names of the lines that people read unless they ask for all."""
 
 
@@ -92,13 +103,16 @@ def of(experiment: Experiment, simulated: Simulated, whole: bool = False) -> Sim
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
     first = None if whole else _first(lines, simulated)
     return SimulationReport(
-        name="simulate", title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
+        name="simulate",
+        title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
         tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
         lines=[] if whole else ["--all: how it turns and spreads, impacts, contact, power"],
-        facts=_facts(simulated, scene), warnings=simulated.point.warnings,
+        facts=_facts(simulated, scene),
+        warnings=simulated.point.warnings,
         figures=_figures(simulated, design),
-        asked=experiment._replace(scene=scene), simulated=simulated,
-    )  # fmt: skip
+        asked=experiment._replace(scene=scene),
+        simulated=simulated,
+    )
 
 
 def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
@@ -112,16 +126,19 @@ def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
     names = {*FIRST, *(() if ended_well else ("outcomes",))} - unknown
     first = [line for line in lines if line.name in names]
     marks = " ".join(line.value for line in first)
-    return [
-        line for line in lines if line in first or (line.name[:1] == "(" and line.name in marks)
-    ]
+    return [line for line in lines if line in first or (line.name[:1] == "(" and line.name in marks)]
 
 
 def _row(simulated: Simulated, design: Design) -> Table:
     """Table of the summary in one row; tables within it become columns with a dot."""
-    named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind,
-             "scene": simulated.scene.name, "model": simulated.point.model,
-             "method": simulated.point.method}  # fmt: skip
+    named = {
+        "name": design.name,
+        "tilt_deg": design.tilt_deg,
+        "legs": design.kind,
+        "scene": simulated.scene.name,
+        "model": simulated.point.model,
+        "method": simulated.point.method,
+    }
     values = named | _flat(tables.of_drive(simulated.point.summary._asdict(), simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
@@ -141,9 +158,8 @@ def _speed_of(simulated: Simulated) -> Speed:
     summary = simulated.point.summary
     kind = "" if simulated.orbit is None else simulated.orbit.kind
     return speed_of(
-        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
-        summary.speed_high_95_mm_s, kind,
-    )  # fmt: skip
+        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, kind
+    )
 
 
 def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":

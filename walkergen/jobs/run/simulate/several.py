@@ -58,20 +58,29 @@ def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
     titles = [names.part(experiment.design) for experiment in wanted]
-    for experiment, name, point in zip(
-        wanted, titles, experiments.each(wanted, titles, progress, None), strict=True
-    ):
+    for experiment, name, point in zip(wanted, titles, experiments.each(wanted, titles, progress, None), strict=True):
         summary = point.summary
         shared = orbit.of(point, experiment, progress)
         if shared is not None:
             summary = orbit.of_prints(summary, shared)
         predicted = prediction.predict(experiment.design, experiment.mass, experiment.scene)
         yield Row(
-            name, experiment.design.tilt_deg, experiment.design.kind, point.model, point.method,
-            predicted.speed_mm_s, predicted.theory_mm_s, summary.speed_mm_s, summary.speed_se_mm_s,
-            summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, summary.runs, summary.outcomes,
-            point.warnings, None if shared is None else tables.orbit_as_dict(shared),
-        )  # fmt: skip
+            name,
+            experiment.design.tilt_deg,
+            experiment.design.kind,
+            point.model,
+            point.method,
+            predicted.speed_mm_s,
+            predicted.theory_mm_s,
+            summary.speed_mm_s,
+            summary.speed_se_mm_s,
+            summary.speed_low_95_mm_s,
+            summary.speed_high_95_mm_s,
+            summary.runs,
+            summary.outcomes,
+            point.warnings,
+            None if shared is None else tables.orbit_as_dict(shared),
+        )
 
 
 def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Experiment]) -> Report:
@@ -81,10 +90,13 @@ def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Experiment]) -> Repor
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
     note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
     return Report(
-        name="simulate", title=title, facts=facts, lines=[note] if kinds else [],
+        name="simulate",
+        title=title,
+        facts=facts,
+        lines=[note] if kinds else [],
         tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
         warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
-    )  # fmt: skip
+    )
 
 
 def _speed(row: Row) -> str:
@@ -107,10 +119,13 @@ def _bounds(row: Row) -> str:
 
 def _ended(row: Row) -> str:
     """Outcomes of the runs, but for the orbit that the speed is marked by."""
-    return listed({
-        outcome: count for outcome, count in row.outcomes.items()
-        if row.orbit is None or outcome != Outcome.ORBIT.value
-    })  # fmt: skip
+    return listed(
+        {
+            outcome: count
+            for outcome, count in row.outcomes.items()
+            if row.orbit is None or outcome != Outcome.ORBIT.value
+        }
+    )
 
 
 COLUMNS = (

@@ -53,20 +53,13 @@ def of_drive(data: Any, scene: Scene) -> Any:
 def plate_in_words(scene: Scene) -> str:
     """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
     drive = scene.drive
-    return (
-        drive.motor_in_words
-        or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
-    )
+    return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
 def model_in_words(simulated: Simulated, scene: Scene) -> str:
     """Model of a simulation, and what it assumes of the contact."""
     contact, model = scene.contact, simulated.point.model
-    law = (
-        f"elastic feet ({scene.feet.damping})"
-        if model == "space"
-        else f"law of impact {contact.law}"
-    )
+    law = f"elastic feet ({scene.feet.damping})" if model == "space" else f"law of impact {contact.law}"
     return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
 
 
@@ -92,9 +85,7 @@ def motion_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
         estimate = simulated.motion.estimates[name]
         if in_lane and name == "lane_speed":
             continue  # the summary's mean speed
-        if estimate.reason != IN_A_LANE and (
-            estimate.value is not None or estimate.reason != before
-        ):
+        if estimate.reason != IN_A_LANE and (estimate.value is not None or estimate.reason != before):
             value = with_error(estimate)
             text = f"{value} {unit}"
             if name == "rotational_diffusion" and estimate.value:
@@ -117,8 +108,7 @@ def _exponents(motion: Motion) -> str:
         return "runs are too short"
     nearest = [min(defined, key=lambda pair: abs(pair[0] / lag - 1.0)) for lag in (0.1, 1.0)]
     return ", ".join(
-        f"{words.with_error(value, se)} at {words.number(at, 2)} s"
-        for at, value, se in dict.fromkeys(nearest)
+        f"{words.with_error(value, se)} at {words.number(at, 2)} s" for at, value, se in dict.fromkeys(nearest)
     )
 
 
@@ -140,10 +130,7 @@ def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     if low is not None and high is not None:
         yield (
             "95 % bounds",
-            (
-                f"{low:.1f} to {high:.1f} mm/s, by runs and step; --uncertain adds what design and "
-                "scene do not know"
-            ),
+            (f"{low:.1f} to {high:.1f} mm/s, by runs and step; --uncertain adds what design and scene do not know"),
         )
 
 
@@ -168,8 +155,7 @@ def statistic_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
         yield from _landing_rows(simulated)
     yield "in contact", in_words(observables.CONTACT, 100.0, " % of the time")
     powers = (
-        f"{of_drive(name, simulated.scene)} {in_words(f'{observables.POWERS}.{name}', 1e-6)}"
-        for name in POWER_ROWS
+        f"{of_drive(name, simulated.scene)} {in_words(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS
     )
     unaccounted = 100 * simulated.point.summary.energy_error
     yield "power, uW", f"{', '.join(powers)}; unaccounted {words.number(unaccounted, 2)} %"
@@ -185,17 +171,13 @@ def _told(simulated: Simulated, name: str, scale: float = 1.0, unit: str = "") -
     if simulated.orbit is not None:
         return f"{words.number(value, 4)}{unit}"
     error = simulated.errors[name]
-    both = (
-        f"{words.number(value, 4)} ± ?" if error is None else words.with_error(value, scale * error)
-    )
+    both = f"{words.number(value, 4)} ± ?" if error is None else words.with_error(value, scale * error)
     return f"{both}{unit}"
 
 
 def _marks(simulated: Simulated) -> dict[str, str]:
     """Marks (a), (b) ... of the reasons why observables are not resolved."""
-    reasons = dict.fromkeys(
-        verdict.reason for verdict in simulated.verdicts.values() if verdict.reason
-    )
+    reasons = dict.fromkeys(verdict.reason for verdict in simulated.verdicts.values() if verdict.reason)
     return {reason: f"({letter})" for reason, letter in zip(reasons, "abc", strict=False)}
 
 
@@ -209,10 +191,7 @@ def _shares(simulated: Simulated, table: str) -> str:
         shares = (f"{100 * simulated.values[name]:.1f} %" for name in names)
         rows = ", ".join(f"{name_of} {share}" for name_of, share in zip(short, shares, strict=True))
         return f"{rows} {_marks(simulated)[reason]}" if rows else "none"
-    text = (
-        f"{name_of} {_told(simulated, name, 100.0, ' %')}"
-        for name_of, name in zip(short, names, strict=True)
-    )
+    text = (f"{name_of} {_told(simulated, name, 100.0, ' %')}" for name_of, name in zip(short, names, strict=True))
     return ", ".join(text) or "none"
 
 
@@ -259,15 +238,13 @@ def _landing_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
         shown = zip(legs, _keys(legs), strict=True)
         yield (
             "by corner, /s",
-            "; ".join(f"{leg} {per[f'{key}_left']} left, {per[f'{key}_right']} right"
-                      for leg, key in shown),
-        )  # fmt: skip
-        edges = ", ".join(
-            f"{per[f'{key}_edge']} {leg}" for leg, key in zip(legs, _keys(legs), strict=True)
+            "; ".join(f"{leg} {per[f'{key}_left']} left, {per[f'{key}_right']} right" for leg, key in shown),
         )
+        edges = ", ".join(f"{per[f'{key}_edge']} {leg}" for leg, key in zip(legs, _keys(legs), strict=True))
     else:
-        sums = {leg: rates[f"{key}_left"][0] + rates[f"{key}_right"][0]
-                for leg, key in zip(legs, _keys(legs), strict=True)}  # fmt: skip
+        sums = {
+            leg: rates[f"{key}_left"][0] + rates[f"{key}_right"][0] for leg, key in zip(legs, _keys(legs), strict=True)
+        }
         low, high = (pick(sums, key=sums.__getitem__) for pick in (min, max))
         text = f"{sums[low]:.1f} ({low}) to {sums[high]:.1f} ({high}); --json lists all"
         yield "by foot, /s", f"{len(legs)} feet: {text}"
@@ -275,8 +252,7 @@ def _landing_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     together = _together(legs)
     yield (
         f"in {1e6 * TOGETHER_S:.0f} us, /s",
-        f"edges {edges}; {together.replace('_', ' ')} {per[together]}; one corner alone "
-        f"{per['alone']}",
+        f"edges {edges}; {together.replace('_', ' ')} {per[together]}; one corner alone {per['alone']}",
     )
 
 
@@ -314,11 +290,7 @@ def step_as_dict(simulated: Simulated) -> dict[str, Any]:
         if verdict.reason:
             reasons.setdefault(verdict.reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
-    return {
-        "errors_95": errors,
-        "not_resolved": unresolved,
-        "warnings": list(simulated.point.warnings),
-    }
+    return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.point.warnings)}
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:

@@ -63,9 +63,12 @@ def with_film(trajectory: Trajectory, interval: float) -> Trajectory:
     none = np.zeros(len(trajectory.rows))
     in_space = "theta_rad" in own  # in a plane y_mm is the height
     film = (
-        np.rint(own["t_s"] / interval), own["particle"], own["x_mm"],
-        own["y_mm"] if in_space else none, own["theta_rad"] if in_space else none,
-    )  # fmt: skip
+        np.rint(own["t_s"] / interval),
+        own["particle"],
+        own["x_mm"],
+        own["y_mm"] if in_space else none,
+        own["theta_rad"] if in_space else none,
+    )
     ours = {name: values for name, values in own.items() if name != "particle"}
     return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
 
@@ -87,14 +90,10 @@ def to_xyz(written: Written) -> bytes:
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     height = own["height_mm"] if "height_mm" in own else own["y_mm"]
     places = np.column_stack([own["x"], own["y"], height])
-    turns = extended_xyz.orientation(
-        own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height)
-    )
+    turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height))
     box = _box(places, float(np.linalg.norm(half)))
     none = np.zeros(len(height), np.int64)
-    bodies = Bodies(
-        own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None]
-    )
+    bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
     return extended_xyz.text(bodies, box).encode()
 
 
@@ -113,8 +112,7 @@ def check(path: Path) -> None:
     """Raise InputError when a file's suffix names no format."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} "
-            "(extended XYZ, for OVITO)"
+            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (extended XYZ, for OVITO)"
         )
 
 

@@ -76,9 +76,7 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
         raise InputError(f"--draws {draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
     drawn = simulated(scene, design, draws, progress)
-    result = analyse(
-        drawn.model, drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed
-    )
+    result = analyse(drawn.model, drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
     ends = widened(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
     return result._replace(by_step_mm_s=drawn.by_step_mm_s, bounds_mm_s=ends)
 
@@ -111,9 +109,7 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
             f"{model} reads; set one, for instance contact.restitution_sd"
         )
     values = uncertain.draws(inputs, draws, scene.run.seed)
-    experiments_of = [
-        _asked(scene, design, inputs, row, number) for number, row in enumerate(values)
-    ]
+    experiments_of = [_asked(scene, design, inputs, row, number) for number, row in enumerate(values)]
     points = _simulated(experiments_of, progress)
     good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
     if good.sum() < FEWEST_DRAWS:
@@ -133,15 +129,12 @@ def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
     by_step = error or 0.0
     parts = (by_step, 0.5 * by_step, 0.5 * by_step, by_step)
     low2, low1, high1, high2 = (
-        mean + math.copysign(math.hypot(end - mean, part), end - mean)
-        for end, part in zip(ends, parts, strict=True)
+        mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
     )
     return low2, low1, high1, high2
 
 
-def _asked(
-    scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int
-) -> Experiment:
+def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Experiment:
     """Results of one draw: a single run whose drop and corner heights are its own."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
@@ -165,12 +158,7 @@ def _halves(point: Results) -> tuple[float, float]:
 
 
 def analyse(
-    model: str,
-    inputs: tuple[Input, ...],
-    values: Array,
-    halves: Array,
-    outcomes: dict[str, int],
-    seed: int,
+    model: str, inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
 ) -> Uncertain:
     """Tell apart what prints and what short runs add to the scatter of speeds.
 
@@ -188,9 +176,22 @@ def analyse(
         shares = uncertain.listed(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
-        model, len(speeds), outcomes, mean, total / math.sqrt(len(speeds)), between, statistical,
-        None, bounds(speeds, statistical), shares, rest, rest_se, inputs, values, speeds,
-    )  # fmt: skip
+        model,
+        len(speeds),
+        outcomes,
+        mean,
+        total / math.sqrt(len(speeds)),
+        between,
+        statistical,
+        None,
+        bounds(speeds, statistical),
+        shares,
+        rest,
+        rest_se,
+        inputs,
+        values,
+        speeds,
+    )
 
 
 def statistical_error(halves: Array) -> float:
@@ -212,9 +213,7 @@ def bounds(speeds: Array, statistical: float) -> Bounds:
     return low2, low1, high1, high2
 
 
-def _explained(
-    inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
-) -> tuple[Array, Array]:
+def _explained(inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int) -> tuple[Array, Array]:
     """First-order and total shares of the variance between prints, and what inputs explain of it.
 
     Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a

@@ -56,9 +56,15 @@ class Ask(NamedTuple):
         if self.model == CROWD and "scene.run.runs" not in keys:
             scene = scene.variant(**{"run.runs": RUNS})
         request = Request(
-            self.design, scene, self.space, self.model, tuple(dict.fromkeys(keep)),
-            default if self.error is None else self.error, self.printer, self.data,
-        )  # fmt: skip
+            self.design,
+            scene,
+            self.space,
+            self.model,
+            tuple(dict.fromkeys(keep)),
+            default if self.error is None else self.error,
+            self.printer,
+            self.data,
+        )
         for key in self.constants:
             if self.model != CROWD:
                 check_alone(key, f"--set {key}")
@@ -78,10 +84,15 @@ class Ask(NamedTuple):
 
 
 def of(
-    names: tuple[str | None, str | None, str | None], near: Path, space: Space,
-    constants: Mapping[str, Any], model: str | None, error: Tolerance | None,
-    keep: Sequence[str] | None, source: str,
-) -> Ask:  # fmt: skip
+    names: tuple[str | None, str | None, str | None],
+    near: Path,
+    space: Space,
+    constants: Mapping[str, Any],
+    model: str | None,
+    error: Tolerance | None,
+    keep: Sequence[str] | None,
+    source: str,
+) -> Ask:
     """Sweep of a design, a scene and a printer by name, with keys set for all points.
 
     Paths begin at the folder `near`. Raises InputError, for constants with `source`.
@@ -100,18 +111,19 @@ def of(
         data,
         assignments.read(ground, Scene, scenes, source, SCENES),
         None if printer is None else templates.load(printer, "printers", Printer, near),
-        space, tuple(constants), model, error, keep,
-    )  # fmt: skip
+        space,
+        tuple(constants),
+        model,
+        error,
+        keep,
+    )
 
 
 def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
     file = sweep_file.read(path)
     names = file.design, file.scene, file.printer
-    return of(
-        names, file.folder, file.space, file.constants, file.model, file.error, file.keep,
-        f"{path}: set",
-    )  # fmt: skip
+    return of(names, file.folder, file.space, file.constants, file.model, file.error, file.keep, f"{path}: set")
 
 
 def model_of(model: str | None, keys: Sequence[str]) -> str:
@@ -150,8 +162,6 @@ def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sam
     method, _, count = text.partition(":")
     samples = columns.whole(count, axes.MOST_VALUES)
     if method not in get_args(Method) or samples is None:
-        raise InputError(
-            f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}"
-        )
+        raise InputError(f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}")
     sequence: Method = "sobol" if method == "sobol" else "latin"
     return Sample(spans, samples, sequence, seed)

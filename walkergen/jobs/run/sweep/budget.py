@@ -27,9 +27,7 @@ MOST_POINTS = 100_000
 """Number of points that may share a budget: they are kept in memory."""
 
 
-def spend(
-    request: Request, seconds: float, store: Store, pool: WorkerPool | None, progress: Progress
-) -> list[Asked]:
+def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | None, progress: Progress) -> list[Asked]:
     """Points of a request, each with as many runs as it got in so many seconds.
 
     All points get FIRST_RUNS short runs, however long that takes; then those with the widest
@@ -53,11 +51,7 @@ def spend(
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
-        progress(
-            f"widest bars, ± {words.number(half[worst[0]], 2)} mm/s",
-            round(seconds - left),
-            round(seconds),
-        )
+        progress(f"widest bars, ± {words.number(half[worst[0]], 2)} mm/s", round(seconds - left), round(seconds))
         more = [_doubled(points[n], 1) for n in worst]
         for n, point, done in zip(worst, more, run.each(more, store, pool), strict=True):
             points[n], half[n] = point, _half(done.record)
@@ -71,9 +65,7 @@ def check(request: Request) -> None:
     if request.model == CROWD:
         raise InputError("--budget: is for speeds of one walker: set scene.run.runs of crowds")
     if request.space.points > MOST_POINTS:
-        raise InputError(
-            f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget"
-        )
+        raise InputError(f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget")
 
 
 def _doubled(point: Asked, times: int) -> Asked:
@@ -83,9 +75,7 @@ def _doubled(point: Asked, times: int) -> Asked:
     run_ = point.scene.run
     if times == 0:
         seconds = min(run_.seconds, LONGEST_S)
-        return point._replace(
-            scene=with_runs(point.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None
-        )
+        return point._replace(scene=with_runs(point.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None)
     return point._replace(scene=with_runs(point.scene, runs=run_.runs * 2**times))
 
 

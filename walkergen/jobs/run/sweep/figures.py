@@ -51,9 +51,7 @@ def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
         return _multiples(columns, scales, title)
 
 
-def _single(
-    columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str
-) -> Figure:
+def _single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
     """Figure of one panel: lines, or a map."""
     with _sheet(title, 1) as (drawn, (axes,), _):
         rows = np.ones(len(columns.value), dtype=bool)
@@ -123,9 +121,7 @@ def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
         title += f"; {left} keys left out" if left > 0 else ""
     with _sheet(title, len(scales)) as (drawn, panels, wide):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
-            draw.dots(
-                axes, columns, scale, np.ones(len(columns.value), dtype=bool), STYLES[0], 0, False
-            )
+            draw.dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), STYLES[0], 0, False)
             dress(axes, "x", scale)
             if place % wide == 0:
                 axes.set_ylabel(draw.value_label(columns, draw.MOST_SEEN))
@@ -143,10 +139,13 @@ def _spread(count: int, most: int) -> list[int]:
 def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
     """Columns and scales of some rows."""
     kept = Columns(
-        {}, columns.value[rows], columns.low[rows], columns.high[rows],
+        {},
+        columns.value[rows],
+        columns.low[rows],
+        columns.high[rows],
         [status for status, inside in zip(columns.status, rows, strict=True) if inside],
         columns.label,
-    )  # fmt: skip
+    )
     return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
 
 
@@ -188,8 +187,16 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
     handles: list[Any] = []
     for scale in by:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), STYLES, strict=False):
-            handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker,
-                                  label=in_words(scale, number, named=number == 0)))  # fmt: skip
+            handles.append(
+                Line2D(
+                    [],
+                    [],
+                    color=colour,
+                    linestyle=dash,
+                    marker=marker,
+                    label=in_words(scale, number, named=number == 0),
+                )
+            )
     return handles + _mark_handles(columns)
 
 
@@ -201,9 +208,10 @@ def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
     if missing:
         told_of = f"no {name}: {missing} of {len(columns.value)}"
         handles.append(
-            Patch(**HATCHED, label=told_of) if hatched
+            Patch(**HATCHED, label=told_of)
+            if hatched
             else Line2D([], [], color="black", linestyle="none", marker="x", label=told_of)
-        )  # fmt: skip
+        )
     if doubtful:
         handles.append(Line2D([], [], label=f"not ok: {doubtful}, see status", **MARK))
     return handles
@@ -214,5 +222,4 @@ def _legend(drawn: Figure, handles: Sequence[Any]) -> None:
         return
     wide = 2 if drawn.get_figwidth() < PAGE else 5
     drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // wide))
-    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=wide,
-                 handlelength=2.8)  # fmt: skip
+    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=wide, handlelength=2.8)

@@ -41,9 +41,7 @@ class Job(NamedTuple):
         return self.pictures and self.request.space.points <= MOST_DRAWN
 
 
-def make(
-    job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
-) -> SweepReport:
+def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures,
     sweep.png and .pdf, of crowds one of each statistic.
 
@@ -163,8 +161,7 @@ def _set_aside(folder: Folder) -> list[str]:
         raise output.refused(kept, error) from None
     where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
     which = f" in line {where}" if lines else ""
-    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as "
-            f"{kept.name}"]  # fmt: skip
+    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as {kept.name}"]
 
 
 def _free(path: Path) -> Path:
@@ -188,10 +185,13 @@ def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -
     if job.drawn:
         result.write_figures(folder)
     facts = {
-        **_facts(request), "request": "" if job.budget_s is not None else _hash_of(request),
-        "sources": digest(), **{name: result.facts[name] for name in ("points", "known", "bad")},
-        "seconds": round(seconds, 3), "versions": versions(),
-    }  # fmt: skip
+        **_facts(request),
+        "request": "" if job.budget_s is not None else _hash_of(request),
+        "sources": digest(),
+        **{name: result.facts[name] for name in ("points", "known", "bad")},
+        "seconds": round(seconds, 3),
+        "versions": versions(),
+    }
     folder.finish(facts)
 
 

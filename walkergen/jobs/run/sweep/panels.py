@@ -39,14 +39,21 @@ MOST_CORNERS = 200
 
 # Okabe and Ito's, told apart in grey by dash and marker.
 STYLES: tuple[tuple[str, Any, str], ...] = (
-    ("#000000", "-", "o"), ("#0072B2", "--", "s"), ("#D55E00", "-.", "^"), ("#009E73", ":", "D"),
+    ("#000000", "-", "o"),
+    ("#0072B2", "--", "s"),
+    ("#D55E00", "-.", "^"),
+    ("#009E73", ":", "D"),
     ("#CC79A7", (0, (6, 1.5, 1, 1.5, 1, 1.5)), "v"),
-)  # fmt: skip
+)
 
 MARK: Any = {
-    "linestyle": "none", "marker": "o", "markerfacecolor": "white", "markeredgecolor": "black",
-    "markeredgewidth": 0.6, "markersize": 3.0,
-}  # fmt: skip
+    "linestyle": "none",
+    "marker": "o",
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.6,
+    "markersize": 3.0,
+}
 """Look of the open symbols of points whose number is in doubt."""
 
 HATCHED: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx", "linewidth": 0.0}
@@ -100,9 +107,15 @@ def lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) 
 
 
 def dots(
-    axes: Axes, columns: Columns, x: Scale, rows: Mask, style: tuple[str, Any, str], number: int,
-    joined: bool, shift: float = 0.0,
-) -> None:  # fmt: skip
+    axes: Axes,
+    columns: Columns,
+    x: Scale,
+    rows: Mask,
+    style: tuple[str, Any, str],
+    number: int,
+    joined: bool,
+    shift: float = 0.0,
+) -> None:
     """Draw points with their bounds, joined by a line where that has a meaning.
 
     Those without a number stand as crosses at the foot, the higher the later their line.
@@ -119,14 +132,26 @@ def dots(
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
     elif bounded.any() and len(order) <= MOST_SEEN:
         ends = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
-        axes.errorbar(places[bounded], value[bounded], ends, fmt="none", ecolor=colour,
-                      elinewidth=0.8, alpha=0.5 if crowded else 1.0)  # fmt: skip
+        axes.errorbar(
+            places[bounded],
+            value[bounded],
+            ends,
+            fmt="none",
+            ecolor=colour,
+            elinewidth=0.8,
+            alpha=0.5 if crowded else 1.0,
+        )
     doubtful = columns.doubtful[order]
     plain = np.flatnonzero(~doubtful & np.isfinite(value))
     if crowded and joined:  # enough of them to tell the lines apart
         plain = plain[:: max(1, len(plain) // 12)]
-    dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3,
-                 "rasterized": len(order) > MOST_SEEN}  # fmt: skip
+    dots: Any = {
+        "linestyle": "none",
+        "marker": marker,
+        "color": colour,
+        "zorder": 3,
+        "rasterized": len(order) > MOST_SEEN,
+    }
     axes.plot(places[plain], value[plain], **dots)
     axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
     missing = places[np.isnan(value)]
@@ -167,20 +192,13 @@ def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
     """Hatch the cells of points that have no number."""
     across, up = edges(x), edges(y)
     cells = [
-        [
-            (across[i], up[j]),
-            (across[i + 1], up[j]),
-            (across[i + 1], up[j + 1]),
-            (across[i], up[j + 1]),
-        ]
+        [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
         for i, j in zip(x.which[missing], y.which[missing], strict=True)
     ]
     axes.add_collection(PolyCollection(cells, **HATCHED))
 
 
-def _contours(
-    axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize
-) -> None:
+def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
     """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
     assert norm.vmin is not None
     assert norm.vmax is not None
@@ -189,10 +207,14 @@ def _contours(
     if not len(levels):
         return
     lines = axes.contour(
-        x.places, y.places, value, levels=levels, linewidths=0.8,
+        x.places,
+        y.places,
+        value,
+        levels=levels,
+        linewidths=0.8,
         colors=["white" if norm(level) < 0.5 else "black" for level in levels],
         linestyles=["--" if level < 0 else "-" for level in levels],
-    )  # fmt: skip
+    )
     segments = [np.concatenate(parts) for parts in lines.allsegs]
     axes.clabel(lines, fmt="%g", fontsize=7, manual=_places(axes, segments))
 
@@ -228,11 +250,11 @@ def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -
     """Draw points in a plane of two keys, coloured by their number."""
     good = ~columns.missing & ~columns.doubtful
     look: Any = {"cmap": COLOURS, "norm": norm, "s": 14, "rasterized": len(good) > 5000}
-    axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black",
-                 linewidths=0.3, **look)  # fmt: skip
+    axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
     if columns.doubtful.any():
-        ring = axes.scatter(x.at[columns.doubtful], y.at[columns.doubtful],
-                            c=columns.value[columns.doubtful], linewidths=1.2, **look)  # fmt: skip
+        ring = axes.scatter(
+            x.at[columns.doubtful], y.at[columns.doubtful], c=columns.value[columns.doubtful], linewidths=1.2, **look
+        )
         ring.set_facecolor("none")
     axes.plot(x.at[columns.missing], y.at[columns.missing], "x", color="black")
     dress(axes, "x", x)

@@ -66,10 +66,15 @@ def of(request: Request, title: str, points: Points, warnings: Sequence[str] = (
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
     quantities = table.quantities(request.model, request.keep)
     return SweepReport(
-        name="sweep", title=title, tables=[rows], lines=_lines(points),
+        name="sweep",
+        title=title,
+        tables=[rows],
+        lines=_lines(points),
         facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
-        figures=_figures(rows, keys, quantities), keys=keys, warnings=warnings,
-    )  # fmt: skip
+        figures=_figures(rows, keys, quantities),
+        keys=keys,
+        warnings=warnings,
+    )
 
 
 def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
@@ -87,9 +92,7 @@ def _lines(points: Points) -> list[str]:
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 
 
-def _figures(
-    rows: Table, keys: Sequence[str], quantities: Sequence[Quantity]
-) -> "Mapping[str, Callable[[], Figure]]":
+def _figures(rows: Table, keys: Sequence[str], quantities: Sequence[Quantity]) -> "Mapping[str, Callable[[], Figure]]":
     """What draws each quantity over the keys: lines, a map or clouds.
 
     Nothing where no key has two values, or no point the number: there is nothing to compare.

@@ -34,9 +34,7 @@ class Samples(Section):
     method: Method = "sobol"
     points: Annotated[int, Field(ge=1, le=axes.MOST_VALUES)]
     """Number of points, of a Sobol sequence best a power of two."""
-    between: Annotated[
-        Table, Field(description="a table [sample.between] of keys and bounds", min_length=1)
-    ]
+    between: Annotated[Table, Field(description="a table [sample.between] of keys and bounds", min_length=1)]
 
 
 class Contents(Section):
@@ -50,12 +48,8 @@ class Contents(Section):
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     """Seed of the samples; runs have scene.run.seed."""
     keep: Annotated[list[str] | None, Field(description="a list of groups")] = None
-    set: Annotated[
-        Table, Field(description="a table [set] of keys and values", default_factory=dict)
-    ]
-    grid: Annotated[
-        Table, Field(description="a table [grid] of keys and ranges or lists", default_factory=dict)
-    ]
+    set: Annotated[Table, Field(description="a table [set] of keys and values", default_factory=dict)]
+    grid: Annotated[Table, Field(description="a table [grid] of keys and ranges or lists", default_factory=dict)]
     sample: Samples | None = None
 
     @field_validator("model")
@@ -102,9 +96,7 @@ def read(path: Path) -> SweepFile:
     """Read and validate a sweep.toml. Raises InputError with a line for every mistake."""
     data, text = config.load(path)
     if not data:
-        raise InputError(
-            f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"'
-        )
+        raise InputError(f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"')
     flat = _flattened(data, str(path), text)
     contents = config.validate(flat, Contents, str(path), text)
     mistakes = list(_key_mistakes(contents, str(path), text))
@@ -132,10 +124,17 @@ def read(path: Path) -> SweepFile:
     if contents.sample is not None:
         sample = Sample(spans, contents.sample.points, contents.sample.method, contents.seed)
     return SweepFile(
-        path, contents.design, contents.scene, contents.printer, contents.model, error,
-        contents.seed, None if contents.keep is None else tuple(contents.keep), dict(contents.set),
+        path,
+        contents.design,
+        contents.scene,
+        contents.printer,
+        contents.model,
+        error,
+        contents.seed,
+        None if contents.keep is None else tuple(contents.keep),
+        dict(contents.set),
         Space(tuple(entry for entry in varied if isinstance(entry, Axis)), sample),
-    )  # fmt: skip
+    )
 
 
 def _place(table: str, key: str, source: str, text: str) -> str:
@@ -200,8 +199,7 @@ def _axis(key: str, value: Any, place: str) -> Axis:
         axis = axes.of_text(key, value, f"{place} = {value[:60]!r}")
         if isinstance(axis, Span):
             raise InputError(
-                f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid "
-                "has FIRST:LAST:STEP"
+                f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid has FIRST:LAST:STEP"
             )
         return axis
     values = value if isinstance(value, list) else [value]

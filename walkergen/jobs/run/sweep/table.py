@@ -27,24 +27,36 @@ WORDS = ("model", "print_told", STATUS)
 SPEED = {
     False: ("speed_mm_s", "theory_mm_s", "model"),
     True: (
-        "speed_mm_s", "se_mm_s", "low_95_mm_s", "high_95_mm_s", "step_error_mm_s",
-        "predicted_mm_s", "theory_mm_s", "runs", "seconds", "model",
+        "speed_mm_s",
+        "se_mm_s",
+        "low_95_mm_s",
+        "high_95_mm_s",
+        "step_error_mm_s",
+        "predicted_mm_s",
+        "theory_mm_s",
+        "runs",
+        "seconds",
+        "model",
     ),
-}  # fmt: skip
+}
 """Columns of a predicted speed, and of a simulated one."""
 
 MORE = {
-    "spread": ("predicted_low_95_mm_s", "predicted_high_95_mm_s",
-               "predicted_low_68_mm_s", "predicted_high_68_mm_s"),
+    "spread": ("predicted_low_95_mm_s", "predicted_high_95_mm_s", "predicted_low_68_mm_s", "predicted_high_68_mm_s"),
     "persistence": (
-        "persistence_time_s", "persistence_time_se_s", "persistence_length_mm",
-        "persistence_length_se_mm", "rotational_diffusion_rad2_s",
-        "rotational_diffusion_se_rad2_s", "turning_bias_rad_s", "turning_bias_se_rad_s",
+        "persistence_time_s",
+        "persistence_time_se_s",
+        "persistence_length_mm",
+        "persistence_length_se_mm",
+        "rotational_diffusion_rad2_s",
+        "rotational_diffusion_se_rad2_s",
+        "turning_bias_rad_s",
+        "turning_bias_se_rad_s",
     ),
     "impacts": ("impacts_per_s", "impacts_per_s_se", "contact_fraction", "contact_fraction_se"),
     "masses": ("total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"),
     "printability": ("print_errors", "print_warnings", "print_told"),
-}  # fmt: skip
+}
 """Columns of the other groups of numbers."""
 
 

@@ -88,17 +88,18 @@ def _note(view: Survey, rungs: list[Rung]) -> str:
     """Order of an observable's bias, and the longest step that resolves it to WITHIN."""
     longest = 1e6 * resolution.longest_step(view.plan(view.own))
     certain = [
-        rung for rung in rungs
-        if rung.error is not None and rung.error_sd is not None and rung.error > 2 * rung.error_sd
+        rung
+        for rung in rungs
+        if rung.error is not None
+        and rung.error_sd is not None
+        and rung.error > 2 * rung.error_sd
         and float(rung.details["step_us"] or 0.0) < longest  # no order beyond the legs' swing
-    ]  # fmt: skip
+    ]
     sentence = "no bias told from zero"
     if len(certain) >= 3:
         values = [float(rung.details["step_us"] or 0.0) for rung in certain]
         slope, se = order(values, [rung.error or 0.0 for rung in certain])
-        sentence = (
-            f"measured order {slope:.2f} ± {se:.2f} of the {len(certain)} biases told from zero"
-        )
+        sentence = f"measured order {slope:.2f} ± {se:.2f} of the {len(certain)} biases told from zero"
     elif certain:
         sentence = f"biases told from zero at {len(certain)} steps, too few for an order"
     counted = view.of == observables.IMPACTS or view.of.startswith(f"{observables.BY_NUMBER}.")

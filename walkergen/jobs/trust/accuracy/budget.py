@@ -54,9 +54,7 @@ class Budget:
         free_s = self.budget_s - self.spent_s - self.kept_s * self.slowness
         return max(free_s, 0.0) * due[what] / sum(due.values())
 
-    def affords(
-        self, granted_s: float, rate: float, discard_s: float, kinds: Sequence[Runs]
-    ) -> Runs:
+    def affords(self, granted_s: float, rate: float, discard_s: float, kinds: Sequence[Runs]) -> Runs:
         """Runs that take the time granted, at `rate` CPU seconds per simulated second.
 
         Fewer where they would be too short; the last of `kinds` is the least that means something.

@@ -58,11 +58,7 @@ class Line(NamedTuple):
 
 @style()
 def choice_figure(
-    survey: Survey,
-    measurements: Sequence[Measured],
-    reference: Measured,
-    formulas: Iterable[Rung],
-    title: str,
+    survey: Survey, measurements: Sequence[Measured], reference: Measured, formulas: Iterable[Rung], title: str
 ) -> Figure:
     """Draw the total error with 95 % confidence against CPU time: of each setting, and the front.
 
@@ -77,9 +73,7 @@ def choice_figure(
     axes.set_xscale("log")
     axes.set_yscale("log")
     _limit(axes, drawn, rungs)
-    parts = [
-        part for part in front([line for line in drawn if line.worth]) if _length(part) > SHORT
-    ]
+    parts = [part for part in front([line for line in drawn if line.worth]) if _length(part) > SHORT]
     named = {line.name for line, _, _ in parts}
     _draw_rest(axes, [line for line in drawn if line.name not in named])
     _draw_front(axes, parts)
@@ -186,10 +180,7 @@ def _draw_rest(axes: Axes, lines: Sequence[Line]) -> None:
 def _end(axes: Axes, line: Line, colour: str) -> None:
     """Mark the end of a line whose bias the survey did not resolve as a bound."""
     if not line.resolved:
-        axes.plot(
-            line.cost[-1], line.error[-1], "v", color=colour, markerfacecolor="white",
-            markersize=6, zorder=4,
-        )  # fmt: skip
+        axes.plot(line.cost[-1], line.error[-1], "v", color=colour, markerfacecolor="white", markersize=6, zorder=4)
 
 
 def _draw_formulas(axes: Axes, rungs: Sequence[Rung]) -> None:
@@ -197,16 +188,23 @@ def _draw_formulas(axes: Axes, rungs: Sequence[Rung]) -> None:
     for number, rung in enumerate(rungs):
         assert rung.error is not None
         axes.plot(rung.cpu_s, rung.error, "*", color="black", markersize=7, zorder=4)
-        _say(axes, rung.series, (rung.cpu_s, rung.error), (6, LINE * (number - 0.5)), "black",
-             "left")  # fmt: skip
+        _say(axes, rung.series, (rung.cpu_s, rung.error), (6, LINE * (number - 0.5)), "black", "left")
 
 
 def _say(axes: Axes, text: str, at: Any, offset: tuple[float, float], colour: str, ha: str) -> None:
     """Write a name beside a point."""
     axes.annotate(
-        text, at, offset, textcoords="offset points", ha=ha, va="center", color=colour,
-        fontsize=SMALLEST, zorder=5, path_effects=[withStroke(linewidth=2.5, foreground="white")],
-    )  # fmt: skip
+        text,
+        at,
+        offset,
+        textcoords="offset points",
+        ha=ha,
+        va="center",
+        color=colour,
+        fontsize=SMALLEST,
+        zorder=5,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],
+    )
 
 
 def _label(axes: Axes, unit: Unit) -> None:

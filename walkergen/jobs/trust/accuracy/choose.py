@@ -62,10 +62,7 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice:
     offers = (
         _offer(survey, candidate, reference, error)
         for candidate in measurements
-        if all(
-            _within(survey, other, reference, error)
-            for other in margin(survey, candidate, measurements)
-        )
+        if all(_within(survey, other, reference, error) for other in margin(survey, candidate, measurements))
     )
     choices = [offer for offer in offers if offer is not None]
     if not choices:
@@ -81,10 +78,7 @@ def _too_fine(wanted: Tolerance, error: float, survey: Survey, reference: Measur
     share = survey.share(reference.setting) / sum(weights)
     spent = reference.cpu_s / share / survey.cores
     needed = spent * max(3.0 * certainty / error, 1.0) ** 2
-    problem = (
-        f"--error {wanted}: the most accurate setting is itself known to "
-        f"{words.number(certainty, 2)} mm/s only; "
-    )
+    problem = f"--error {wanted}: the most accurate setting is itself known to {words.number(certainty, 2)} mm/s only; "
     if needed > LONGEST_BUDGET:
         least = _up(3.0 * certainty * math.sqrt(spent / LONGEST_BUDGET))
         return f"{problem}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
@@ -92,9 +86,7 @@ def _too_fine(wanted: Tolerance, error: float, survey: Survey, reference: Measur
     return f"{problem}measure longer: walkergen accuracy ... --only steps --budget {budget}"
 
 
-def margin(
-    survey: Survey, candidate: Measured, measurements: Sequence[Measured]
-) -> list[Measured | None]:
+def margin(survey: Survey, candidate: Measured, measurements: Sequence[Measured]) -> list[Measured | None]:
     """Measurements that must be within the error for `candidate` to count: a step twice as long.
 
     [None] where there is none. Steps on a ladder are rounded: 1.9 times as long is twice.

@@ -37,13 +37,7 @@ def ladder_figure(ladder: Ladder) -> Figure:
         x = [_at(rung, ladder.along) for rung in rungs]
         points = [_shown(rung) for rung in rungs]
         label = series if len(rungs) > 1 else "".join(rung.setting for rung in rungs)
-        _draw(
-            axes[0],
-            [(at, *point) for at, point in zip(x, points, strict=True)],
-            at_zero,
-            look,
-            label,
-        )
+        _draw(axes[0], [(at, *point) for at, point in zip(x, points, strict=True)], at_zero, look, label)
         if ladder.along:
             costs = [(at, rung.cpu_s, True) for at, rung in zip(x, rungs, strict=True)]
             _draw(axes[1], costs, at_zero, look, "")
@@ -64,11 +58,7 @@ def _at(rung: Rung, along: str) -> float:
 
 
 def _draw(
-    axes: Axes,
-    points: Sequence[tuple[float, float, bool]],
-    at_zero: float,
-    look: tuple[str, Any, str],
-    label: str,
+    axes: Axes, points: Sequence[tuple[float, float, bool]], at_zero: float, look: tuple[str, Any, str], label: str
 ) -> None:
     """Draw points (x, y, sure) in the order of x, so that no line loops back; 0 stands apart.
 
@@ -79,9 +69,7 @@ def _draw(
     joined = np.array([(at, y) for at, y, sure in shown if at > 0 and sure]).reshape(-1, 2).T
     axes.plot(*joined, color=colour, ls=line, linewidth=0.9)
     for at, y, sure in shown:
-        axes.plot(
-            at or at_zero, y, marker, color=colour, markerfacecolor=colour if sure else "white"
-        )
+        axes.plot(at or at_zero, y, marker, color=colour, markerfacecolor=colour if sure else "white")
     if label and shown:
         joins = line if len(shown) > 1 else ""
         axes.plot([], [], color=colour, ls=joins, marker=marker, label=label)

@@ -11,16 +11,7 @@ from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
-from walkergen.jobs.trust.accuracy import (
-    biases,
-    choose,
-    models,
-    report,
-    shape,
-    space_steps,
-    statistics,
-    steps,
-)
+from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, space_steps, statistics, steps
 from walkergen.jobs.trust.accuracy.ladder import Ladder
 from walkergen.jobs.trust.accuracy.report import Answer
 from walkergen.jobs.trust.accuracy.speeds import Survey

@@ -33,9 +33,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     settings = [*survey.simpler, survey.own]
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
-    rungs += [
-        rung_of(survey, measured, reference) for measured in survey.measure(settings, progress)
-    ]
+    rungs += [rung_of(survey, measured, reference) for measured in survey.measure(settings, progress)]
     return Ladder(
         "models",
         TITLES[survey.complete == "space"],
@@ -102,17 +100,13 @@ def _unknown_to_theory(survey: Survey) -> str:
     """Reason for which the formula has no speed of this walker; "" where it has."""
     contact = survey.scene.contact
     try:
-        stationary(
-            survey.design, survey.mass, contact.restitution, contact.friction, law=contact.law
-        )
+        stationary(survey.design, survey.mass, contact.restitution, contact.friction, law=contact.law)
     except TheoryError as refused:
         return f"formula: {refused}"
     return ""
 
 
-def rung_of(
-    survey: Survey, measured: Measured, reference: Measured, own: Details | None = None
-) -> Rung:
+def rung_of(survey: Survey, measured: Measured, reference: Measured, own: Details | None = None) -> Rung:
     """Rung of a measured setting with its bias and cost; `own` details precede the common ones."""
     bias, unit = survey.bias(measured, reference), survey.unit(reference)
     return Rung(

@@ -7,10 +7,7 @@ from walkergen.simulation import observables, resolution
 from walkergen.simulation.experiments import Results
 from walkergen.simulation.run import ENDED_WELL
 
-MOTION = {
-    "motion.rotational_diffusion_rad2_s": "rotational_diffusion",
-    "motion.diffusivity_mm2_s": "diffusivity",
-}
+MOTION = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
 """Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
 
 NAMES = (*observables.NAMES, *MOTION)
@@ -35,8 +32,4 @@ def _motion(point: Results, lane: bool) -> dict[str, tuple[float | None, float |
     tracks = of_places([result.places for result in good], good[0].block_s, lane)
     estimates = motion.analyse(tracks).estimates
     named = ((name, estimates[key]) for name, key in MOTION.items())
-    return {
-        name: (estimate.value, estimate.se)
-        for name, estimate in named
-        if estimate.value is not None
-    }
+    return {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}

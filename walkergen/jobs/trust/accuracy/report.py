@@ -35,18 +35,20 @@ class Answer(NamedTuple):
 ANSWER = (
     report.text("error (95 %)", "error"),
     report.text("setting", "setting"),
-    Column("runs x seconds",
-           lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
-    Column("takes",
-           lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
+    Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
+    Column("takes", lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
     report.text("why", "why"),
-)  # fmt: skip
+)
 
 
 def of(
-    ladders: Sequence[Ladder], answers: Report | None, simulated_s: float, least_s: float | None,
-    title: str, folder: Path,
-) -> Report:  # fmt: skip
+    ladders: Sequence[Ladder],
+    answers: Report | None,
+    simulated_s: float,
+    least_s: float | None,
+    title: str,
+    folder: Path,
+) -> Report:
     """Report of ladders and answers that lie in a folder.
 
     `simulated_s`: wall time of all simulations, s; `least_s`: least budget of these ladders, s,
@@ -60,35 +62,38 @@ def of(
             lines += [f"{table.title}: {len(table)} rows in {table.name}.md", *table.notes]
     figures = {ladder.name: partial(_draw, ladder) for ladder in ladders}
     return Report(
-        name="accuracy", title=title,
+        name="accuracy",
+        title=title,
         tables=[*tables, *(answers.tables if answers else ())],
         facts={
-            "ladders": {
-                ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders
-            },
+            "ladders": {ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders},
             "answers": [row._asdict() for row in answers.table.rows] if answers else [],
             "simulated_s": simulated_s,
             "least_budget_s": least_s,
         },
         lines=[*lines, *(answers.lines if answers else ())],
-        figures={**figures, **(answers.figures if answers else {})}, folder=folder,
-    )  # fmt: skip
+        figures={**figures, **(answers.figures if answers else {})},
+        folder=folder,
+    )
 
 
 def of_ladder(ladder: Ladder, title: str) -> Report:
     """Report of a ladder, for the walker and scene of a title."""
     return Report(
-        name=ladder.name, title=title, tables=[table_of(ladder)], facts={},
-        lines=[f"measured on: {machine()}"], figures={ladder.name: partial(_draw, ladder)},
-    )  # fmt: skip
+        name=ladder.name,
+        title=title,
+        tables=[table_of(ladder)],
+        facts={},
+        lines=[f"measured on: {machine()}"],
+        figures={ladder.name: partial(_draw, ladder)},
+    )
 
 
-def of_answers(
-    answers: Sequence[Answer], truth: str, title: str, draw: "Callable[[], Figure]"
-) -> Report:  # fmt: skip
+def of_answers(answers: Sequence[Answer], truth: str, title: str, draw: "Callable[[], Figure]") -> Report:
     """Report of what to run for which error, for the walker and scene of a title."""
     return Report(
-        name="accuracy", title=title,
+        name="accuracy",
+        title=title,
         tables=[Table("answers", answers, Answer._fields, ANSWER, "What to run for which error")],
         facts={},
         lines=[
@@ -100,7 +105,7 @@ def of_answers(
             "to rest on the order of the stepping (steps-short), not on a second method",
         ],
         figures={"choice": draw},
-    )  # fmt: skip
+    )
 
 
 def table_of(ladder: Ladder) -> Table:

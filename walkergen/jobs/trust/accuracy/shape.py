@@ -59,10 +59,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         "CPU time to make the solids and weigh them, s",
         f"round feet: {EXACT_SEGMENTS} edges a half circle; files and distances: the mesh as built",
         rungs,
-        (
-            note,
-            "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file.",
-        ),
+        (note, "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file."),
     )
 
 
@@ -105,21 +102,14 @@ def _far(design: Design, scene: Scene) -> Iterator[Rung]:
             yield _rung(series, setting, weighed(), true, design, scene, seconds)
 
 
-def _weighed_far(
-    design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
-) -> MassProperties:
+def _weighed_far(design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]) -> MassProperties:
     shift = distance * np.array([0.6, 0.8, 0.0])
-    body, *legs = (
-        form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs)
-    )
+    body, *legs = (form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs))
     weighed = assemble(design, body, legs)
     # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]
     return weighed._replace(
-        legs=tuple(
-            leg._replace(anchor=leg.anchor + at, c_A=leg.c_A - at, c_T=leg.c_T + at)
-            for leg in weighed.legs
-        )
+        legs=tuple(leg._replace(anchor=leg.anchor + at, c_A=leg.c_A - at, c_T=leg.c_T + at) for leg in weighed.legs)
     )
 
 
@@ -136,22 +126,14 @@ def _through_stl(mesh: Mesh) -> Mesh:
 
 
 def _rung(
-    series: str,
-    setting: str,
-    mass: MassProperties,
-    true: MassProperties,
-    design: Design,
-    scene: Scene,
-    seconds: float,
+    series: str, setting: str, mass: MassProperties, true: MassProperties, design: Design, scene: Scene, seconds: float
 ) -> Rung:
     errors = errors_of(mass, true, design, scene)
     largest = max(error for error in errors if error is not None)
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(
-    weighed: MassProperties, true: MassProperties, design: Design, scene: Scene
-) -> Errors:
+def errors_of(weighed: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
@@ -167,10 +149,7 @@ def errors_of(
         return abs(float(getattr(weighed, name)) / float(getattr(true, name)) - 1.0)
 
     def of_legs(name: str) -> float:
-        pairs = (
-            (getattr(a, name), getattr(b, name))
-            for a, b in zip(weighed.legs, true.legs, strict=True)
-        )
+        pairs = ((getattr(a, name), getattr(b, name)) for a, b in zip(weighed.legs, true.legs, strict=True))
         return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
 
     return Errors(

@@ -81,9 +81,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
         series = [_rung(survey, scene, share, true) for share in SHARES]
         errors = [rung.error or np.nan for rung in series]
         slope, se = order(SHARES, errors)
-        notes.append(
-            f"{scene.name}: measured order {slope:.2f} ± {se:.2f}, claimed {scene.claimed}"
-        )
+        notes.append(f"{scene.name}: measured order {slope:.2f} ± {se:.2f}, claimed {scene.claimed}")
         rungs += series
     return Ladder(
         "steps-short",
@@ -221,9 +219,6 @@ def _rung(survey: Survey, scene: Short, share: float, true: Array) -> Rung:
     se = float(off[:, worst].std(ddof=1) / np.sqrt(len(off))) if several else None
     step = share * survey.resolving_us
     seconds = cpu_time(lambda: _ends(survey, scene, plan), repeats=3)
-    details: dict[str, float | str | None] = {
-        "value": step,
-        "each": float(np.sqrt((off**2).mean(axis=0)).max()),
-    }
+    details: dict[str, float | str | None] = {"value": step, "each": float(np.sqrt((off**2).mean(axis=0)).max())}
     error = float(np.abs(off.mean(axis=0))[worst])
     return Rung(scene.name, f"step {step:.3g} us", error, se, seconds, details)

@@ -45,9 +45,7 @@ CLEAR = 10.0
 class Survey:
     """Measurements of settings for one walker in one scene, each made once and kept."""
 
-    def __init__(
-        self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED
-    ) -> None:
+    def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED) -> None:
         """Survey of an observable; `budget_s`: wall time of all of it, s."""
         self.of = of
         self.scene, self.design, self.mass = scene, design, mass
@@ -121,9 +119,7 @@ class Survey:
                 self.measured[setting] = self._measured(setting, part_progress)
         return [self.measured[setting].seen(self.of) for setting in settings]
 
-    def ensemble(
-        self, setting: Setting, runs: Runs, progress: Progress
-    ) -> tuple[Sequence[RunResult], float]:
+    def ensemble(self, setting: Setting, runs: Runs, progress: Progress) -> tuple[Sequence[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
         point = self._run(setting, runs, progress)
         simulated = runs.number * (runs.seconds + self.scene.run.discard_seconds)

@@ -46,9 +46,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         for length in (length for length in LENGTHS if 2.0 * length <= ensemble_runs.seconds):
             parts = _parts(results, runs, length)
             rungs.append(_rung(parts, results, unit.size, cpu_per_s, own.discard_seconds))
-    correlation_text = (
-        "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
-    )
+    correlation_text = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
     ensemble_text = f"{ensemble_runs.number} runs of {ensemble_runs.seconds:g} s"
     notes = [f"Correlation time of the speed: {correlation_text}."]
     if bias is not None:
@@ -85,11 +83,7 @@ def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[
     blocks = max(1, round(length / results[0].block_s))
     groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]
     starts = range(0, len(results[0].block_speeds) + 1, blocks)
-    return [
-        [_window(result, low, high) for result in group]
-        for group in groups
-        for low, high in pairwise(starts)
-    ]
+    return [[_window(result, low, high) for result in group] for group in groups for low, high in pairwise(starts)]
 
 
 def _window(result: RunResult, low: int, high: int) -> RunResult:
@@ -99,11 +93,7 @@ def _window(result: RunResult, low: int, high: int) -> RunResult:
 
 
 def _rung(
-    parts: Sequence[Sequence[RunResult]],
-    whole: Sequence[RunResult],
-    unit: float,
-    cpu_per_s: float,
-    discard: float,
+    parts: Sequence[Sequence[RunResult]], whole: Sequence[RunResult], unit: float, cpu_per_s: float, discard: float
 ) -> Rung:
     true = float(np.mean([result.speed for result in whole]))
     stated = [mean for mean in map(ensemble.mean_speed, parts) if mean is not None]

@@ -123,9 +123,7 @@ def _orders(rungs: Sequence[Rung]) -> Iterator[str]:
     """Lines with the measured and the claimed order of each series."""
     for series in dict.fromkeys(rung.series for rung in rungs):
         points = [
-            (float(rung.details["value"] or 0.0), rung.error)
-            for rung in rungs
-            if rung.series == series and rung.error
+            (float(rung.details["value"] or 0.0), rung.error) for rung in rungs if rung.series == series and rung.error
         ]
         slope, se = order(*zip(*points, strict=True))
         yield f"{series}: measured order {slope:.2f} ± {se:.2f}, claimed 2 in the step"

@@ -47,18 +47,20 @@ SIDEWAYS = (
 )
 
 REASONS: dict[tuple[str, str, str], str] = {
-    ("single", "", "delay"):
-        "pushes that turn this walker in space also move its centre to the same side, so that its "
-        "velocity leads its heading; the plane knows inertia alone",
+    ("single", "", "delay"): "pushes that turn this walker in space also move its centre to the same side, so that its "
+    "velocity leads its heading; the plane knows inertia alone",
     ("binary", "head on", "aside in 0.3 s"): SIDEWAYS,
-    ("binary", "head on", ""):
-        "less of an approach comes back than the restitution of the contact says, maybe since feet "
-        "rub on the plate during the blow: a plane with 0.1 to 0.3 in place of 0.5 is nearer",
+    (
+        "binary",
+        "head on",
+        "",
+    ): "less of an approach comes back than the restitution of the contact says, maybe since feet "
+    "rub on the plate during the blow: a plane with 0.1 to 0.3 in place of 0.5 is nearer",
     ("binary", "corner on face", ""): SIDEWAYS,
     ("binary", "glancing", ""): SIDEWAYS,
     ("binary", "edge on edge", ""): SIDEWAYS,
     ("collective", "", ""): SIDEWAYS,
-}  # fmt: skip
+}
 """What we take for the reason, by check, case and quantity: the most special that is given."""
 
 

@@ -59,8 +59,7 @@ def notes(size: Size, command: str) -> list[str]:
     walker, met = f"{setting.WALKER} in {setting.PLATE}", size.pair_runs * size.pairs
     return [
         f"made by `{command}`: {walker}, seed {size.seed}",
-        f"alone: {size.alone_runs} runs of {size.alone_seconds:g} s in space, {single.SIDE**2} in "
-        "the plane",
+        f"alone: {size.alone_runs} runs of {size.alone_seconds:g} s in space, {single.SIDE**2} in the plane",
         f"pairs: up to {met} of each meeting in space, {pairs.PLANES * met} in the plane; each "
         f"walks {meetings.NEAREST:g} to {meetings.FARTHEST:g} mm until they meet",
         f"crowd: {setting.COUNT} in {setting.DISH}, {size.crowd_runs} runs in space, "
@@ -73,20 +72,23 @@ def _single(size: Size, card: Card, alone: Measured) -> list[Row]:
     space, plane = single.numbers(alone), single.numbers(single.in_plane(size, card))
     return [
         row("single", "alone", name, unit, space[name], plane[name])
-        for name, unit in single.UNITS.items() if name in space and name in plane
-    ]  # fmt: skip
+        for name, unit in single.UNITS.items()
+        if name in space and name in plane
+    ]
 
 
 def _binary(space: pairs.Numbers, plane: pairs.Numbers) -> list[Row]:
     return [
         row("binary", case, name, meetings.QUANTITIES[name], space[case, name], plane[case, name])
-        for case, name in space if (case, name) in plane
-    ]  # fmt: skip
+        for case, name in space
+        if (case, name) in plane
+    ]
 
 
 def _collective(space: dict[str, Value], plane: dict[str, Value]) -> list[Row]:
     case = f"{setting.COUNT} in {setting.DISH}"
     return [
         row("collective", case, name, unit, space[name], plane[name])
-        for name, unit in many.QUANTITIES.items() if name in space and name in plane
-    ]  # fmt: skip
+        for name, unit in many.QUANTITIES.items()
+        if name in space and name in plane
+    ]

@@ -21,23 +21,30 @@ CLEARANCE_MM = 0.2
 """Least distance of bodies at the start."""
 
 QUANTITIES = {
-    "polar_order": "", "nematic_order": "", "local_polar_order": "", "local_nematic_order": "",
-    "speed": "mm/s", "speed_along_heading": "mm/s", "packing_scatter": "", "wall_density": "",
-    "wall_speed": "mm/s", "wall_alignment": "", "cluster_size": "", "alone": "",
-}  # fmt: skip
+    "polar_order": "",
+    "nematic_order": "",
+    "local_polar_order": "",
+    "local_nematic_order": "",
+    "speed": "mm/s",
+    "speed_along_heading": "mm/s",
+    "packing_scatter": "",
+    "wall_density": "",
+    "wall_speed": "mm/s",
+    "wall_alignment": "",
+    "cluster_size": "",
+    "alone": "",
+}
 """Units of the numbers of a crowd, of `analysis.crowds`."""
 
 
 def in_space(size: Size, design: Design, mass: MassProperties, card: Card) -> dict[str, Value]:
     """Numbers of the crowd in space."""
     scene = _scene(size, size.crowd_runs)
-    whole = scene.run.model_copy(update={
-        "seconds": size.crowd_seconds + size.crowd_discard_seconds, "discard_seconds": 0.0,
-    })  # fmt: skip
-    starts = [places(size, card, scene, number) for number in range(size.crowd_runs)]
-    made = runs.in_space(
-        scene.model_copy(update={"run": whole}), design, mass, starts, CROWD_RATE_HZ, endless=False
+    whole = scene.run.model_copy(
+        update={"seconds": size.crowd_seconds + size.crowd_discard_seconds, "discard_seconds": 0.0}
     )
+    starts = [places(size, card, scene, number) for number in range(size.crowd_runs)]
+    made = runs.in_space(scene.model_copy(update={"run": whole}), design, mass, starts, CROWD_RATE_HZ, endless=False)
     return numbers(size, card, scene, made)
 
 
@@ -61,10 +68,15 @@ def numbers(size: Size, card: Card, scene: Scene, made: list[Run]) -> dict[str, 
     films = []
     for run in made:
         kept = run.times >= size.crowd_discard_seconds - 1e-9
-        films.append(of_places(
-            run.times[kept] - run.times[kept][0], run.poses[kept], [card.name] * COUNT,
-            {card.name: _outline(card)}, scene.crowd.dish,
-        ))  # fmt: skip
+        films.append(
+            of_places(
+                run.times[kept] - run.times[kept][0],
+                run.poses[kept],
+                [card.name] * COUNT,
+                {card.name: _outline(card)},
+                scene.crowd.dish,
+            )
+        )
     by_run = measure(films).by_run
     known = [name for name in QUANTITIES if np.isfinite(by_run[name]).all()]
     return {name: mean(list(by_run[name])) for name in known}

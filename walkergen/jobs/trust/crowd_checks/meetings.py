@@ -117,10 +117,13 @@ def seen(meeting: Meeting, outline: Array, two: Array) -> dict[str, float] | Non
     ways = two[start + LATER, :, :2] - two[start, :, :2]
     across = np.array([_ahead(angle + 0.5 * math.pi) for angle in two[start, :, 2]])
     numbers = (
-        -velocity(AFTER) / velocity(BEFORE), turn(SOON), turn(LATER),
+        -velocity(AFTER) / velocity(BEFORE),
+        turn(SOON),
+        turn(LATER),
         float((apart[start : start + LATER + 1] < NEAR).mean()),
-        float(np.hypot(*ways.T).mean()), float(np.abs((ways * across).sum(axis=1)).mean()),
-    )  # fmt: skip
+        float(np.hypot(*ways.T).mean()),
+        float(np.abs((ways * across).sum(axis=1)).mean()),
+    )
     return dict(zip(QUANTITIES, numbers, strict=True))
 
 

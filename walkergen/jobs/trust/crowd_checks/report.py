@@ -45,14 +45,16 @@ def of(rows: Sequence[Row], folder: Path, notes: Sequence[str]) -> Report:
         for check in dict.fromkeys(row.check for row in rows)
     )
     disagreeing = [
-        f"{check}, {'; '.join(names)}: disagrees, perhaps because {why}"
-        for (check, why), names in reasons.items()
+        f"{check}, {'; '.join(names)}: disagrees, perhaps because {why}" for (check, why), names in reasons.items()
     ]
     return Report(
-        name=NAME, title=TITLE, tables=[table(rows)],
+        name=NAME,
+        title=TITLE,
+        tables=[table(rows)],
         facts={"rows": [row._asdict() for row in rows]},
-        lines=[counted, *disagreeing, *notes], folder=folder,
-    )  # fmt: skip
+        lines=[counted, *disagreeing, *notes],
+        folder=folder,
+    )
 
 
 def _named(row: Row) -> str:

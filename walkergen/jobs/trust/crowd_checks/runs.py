@@ -31,9 +31,8 @@ class Run(NamedTuple):
 
 
 def in_space(
-    scene: Scene, design: Design, mass: MassProperties, places: Sequence[Array], rate_hz: float,
-    endless: bool,
-) -> list[Run]:  # fmt: skip
+    scene: Scene, design: Design, mass: MassProperties, places: Sequence[Array], rate_hz: float, endless: bool
+) -> list[Run]:
     """Runs in space, one from each of `places` (N, 3) at rest; `endless`: on a plane without the
     scene's dish. Equal on any number of threads; Ctrl-C is raised again.
     """
@@ -49,9 +48,7 @@ def in_space(
     return on_threads(one, len(places))
 
 
-def in_plane(
-    card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int
-) -> list[Run]:
+def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
     """Runs in a plane, one from each of `places` (N, 3), at the mean speed of the card."""
 
     def one(number: int, stopped: Callable[[], bool]) -> Run:
@@ -61,9 +58,15 @@ def in_plane(
 
         own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
         run = flat.simulate(
-            [card], np.zeros(len(places[number]), int), dish, places[number], seconds=seconds,
-            rate_hz=rate_hz, seed=own, progress=tell,
-        )  # fmt: skip
+            [card],
+            np.zeros(len(places[number]), int),
+            dish,
+            places[number],
+            seconds=seconds,
+            rate_hz=rate_hz,
+            seed=own,
+            progress=tell,
+        )
         return Run(run.times, run.poses)
 
     return on_threads(one, len(places))

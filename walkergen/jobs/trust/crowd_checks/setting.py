@@ -46,7 +46,11 @@ def walker() -> Design:
 def scene(size: Size, seconds: float, discard_seconds: float, runs: int) -> Scene:
     """Scene of so many runs in space."""
     keys: dict[str, Any] = {
-        "run.seconds": seconds, "run.discard_seconds": discard_seconds, "run.runs": runs,
-        "run.seed": size.seed, "legs.model": "space", "crowd.arena_mm": DISH,
-    }  # fmt: skip
+        "run.seconds": seconds,
+        "run.discard_seconds": discard_seconds,
+        "run.runs": runs,
+        "run.seed": size.seed,
+        "legs.model": "space",
+        "crowd.arena_mm": DISH,
+    }
     return templates.load(PLATE, "scenes", Scene).variant(**keys)

@@ -24,15 +24,18 @@ FORGOTTEN_S = 1.0
 """Start of a run that is left out, s."""
 
 UNITS = {
-    "speed": "mm/s", "turning": "rad/s", "D_R": "rad^2/s", "D_T": "mm^2/s",
-    "velocity relaxes within": "s", "turning relaxes within": "s", "delay": "s",
-}  # fmt: skip
+    "speed": "mm/s",
+    "turning": "rad/s",
+    "D_R": "rad^2/s",
+    "D_T": "mm^2/s",
+    "velocity relaxes within": "s",
+    "turning relaxes within": "s",
+    "delay": "s",
+}
 """Units of the numbers of a walker alone."""
 
 
-def in_space(
-    size: Size, design: Design, mass: MassProperties, progress: Progress
-) -> tuple[Card, Measured]:
+def in_space(size: Size, design: Design, mass: MassProperties, progress: Progress) -> tuple[Card, Measured]:
     """Card of the walker, and the motion that it is from."""
     scene = setting.scene(size, size.alone_seconds, FORGOTTEN_S, size.alone_runs)
     measured = walker_motion.simulated(scene, design, mass, progress)
@@ -47,9 +50,7 @@ def in_plane(size: Size, card: Card) -> Measured:
     x, y = np.meshgrid(line, line)
     rng = np.random.default_rng(np.random.SeedSequence(size.seed, spawn_key=(3,)))
     start = np.column_stack((x.ravel(), y.ravel(), rng.uniform(-math.pi, math.pi, SIDE**2)))
-    (run,) = runs.in_plane(
-        card, Dish("periodic", (SIDE * apart,)), [start], seconds, RATE_HZ, size.seed
-    )
+    (run,) = runs.in_plane(card, Dish("periodic", (SIDE * apart,)), [start], seconds, RATE_HZ, size.seed)
     kept = run.poses[run.times >= FORGOTTEN_S - 1e-9]
     own = tracks.of_places([kept[:, i] for i in range(SIDE**2)], 1.0 / RATE_HZ, lane=False)
     return walker_motion.of_tracks(own, True, ())
@@ -59,9 +60,14 @@ def numbers(measured: Measured) -> dict[str, Value]:
     """Numbers that are known, by the keys of UNITS."""
     known = measured.motion.estimates
     estimates = (
-        known["speed"], known["turning_bias"], known["rotational_diffusion"],
-        measured.translation, measured.velocity.time, measured.turning.time, measured.delay.mean,
-    )  # fmt: skip
+        known["speed"],
+        known["turning_bias"],
+        known["rotational_diffusion"],
+        measured.translation,
+        measured.velocity.time,
+        measured.turning.time,
+        measured.delay.mean,
+    )
     values = {name: _value(one) for name, one in zip(UNITS, estimates, strict=True)}
     return {name: value for name, value in values.items() if value is not None}
 

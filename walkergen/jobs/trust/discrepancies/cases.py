@@ -179,8 +179,7 @@ def _signed_extra(share: float, most: float) -> float:
 
 def _case(kind: Kind, value: dict[str, float]) -> Case:
     """Walker and scene of a row. Raises GeometryError for one that cannot be built."""
-    body = Body(length_mm=value["body_length_mm"], thickness_mm=value["body_thickness_mm"],
-                depth_mm=value["depth_mm"])  # fmt: skip
+    body = Body(length_mm=value["body_length_mm"], thickness_mm=value["body_thickness_mm"], depth_mm=value["depth_mm"])
     legs: dict[str, Any] = {
         "kind": kind,
         "tilt_deg": tilt_of(value["tilt_share"]),

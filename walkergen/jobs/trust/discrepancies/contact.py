@@ -43,9 +43,7 @@ class Posterior(NamedTuple):
 def speeds() -> tuple[Array, Array]:
     """Labels, shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
     # So wide that a normal distribution is even between the least label and 1
-    scene = Scene(
-        contact=Contact(restitution=0.5, restitution_sd=1.0), prediction=Prediction(model_sd=0.0)
-    )
+    scene = Scene(contact=Contact(restitution=0.5, restitution_sd=1.0), prediction=Prediction(model_sd=0.0))
     rows = []
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
@@ -81,10 +79,7 @@ def posterior() -> Posterior:
     mean = float(weights @ labels)
     sd = float(np.sqrt(weights @ (labels - mean) ** 2))
     order = np.argsort(speed, axis=0)
-    middle = [
-        float(speed[rows, k][np.searchsorted(np.cumsum(weights[rows]), 0.5)])
-        for k, rows in enumerate(order.T)
-    ]
+    middle = [float(speed[rows, k][np.searchsorted(np.cumsum(weights[rows]), 0.5)]) for k, rows in enumerate(order.T)]
     return Posterior(mean, sd, float(1.0 / (weights @ weights)), np.array(middle))
 
 
@@ -92,8 +87,7 @@ def main() -> None:
     """Print the label, and the speeds that go with it."""
     label = posterior()
     print(
-        f"restitution {label.restitution:.3f} ± {label.restitution_sd:.3f}, from draws worth "
-        f"{label.effective:.0f} ones"
+        f"restitution {label.restitution:.3f} ± {label.restitution_sd:.3f}, from draws worth {label.effective:.0f} ones"
     )
     for tilt, speed in zip(TILTS_DEG, label.speed, strict=True):
         print(f"{tilt:5.1f} deg {speed:6.1f} mm/s")

@@ -90,18 +90,14 @@ def table(simulated: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
         steepest = max(high.slope_ratio, -low.slope_ratio)
         low = low._replace(root_tilt=0.0, slope_ratio=-steepest)
         high = high._replace(slope_ratio=steepest)
-        ranges[kind] = {
-            name: [float(getattr(low, name)), float(getattr(high, name))] for name in Place._fields
-        }
+        ranges[kind] = {name: [float(getattr(low, name)), float(getattr(high, name))] for name in Place._fields}
         of_kind, errors[kind] = _of_kind(kind, rows, cores, steps)
         arrays |= of_kind
     facts = {"ranges": ranges, "errors": errors, "versions": versions()}
     return arrays | {"facts": np.array(json.dumps(facts))}
 
 
-def _of_kind(
-    kind: str, rows: Rows, cores: int, steps: int
-) -> tuple[dict[str, Array], dict[str, Any]]:
+def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays of one kind of legs, and its errors by groups of rows."""
     inputs, factors = discrepancy.coordinates(rows.places)
     middle = inputs.mean(axis=0)
@@ -140,9 +136,7 @@ def networks(
     trained_on = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
     parts = [Values(*(column[rows] for column in training)) for rows in trained_on]
     with ProcessPoolExecutor(cores) as pool:
-        trained = list(
-            pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
-        )
+        trained = list(pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS)))
     total = np.zeros(len(training.values))
     for layers, rows in zip(trained, trained_on, strict=True):
         outputs = network.evaluated(layers, training.inputs[~rows])

@@ -65,15 +65,27 @@ def of_motor(case: Case) -> tuple[Array, float]:
 MEASURED = ("speed", "se", "runs")
 
 PLATES = Kind(
-    Path(__file__).with_name("rows.csv"), ("braced", *Place._fields, *MEASURED),
-    cases.cases, cases.COUNT, of_plate, fit.table, discrepancy.TABLE, fit.report,
-)  # fmt: skip
+    Path(__file__).with_name("rows.csv"),
+    ("braced", *Place._fields, *MEASURED),
+    cases.cases,
+    cases.COUNT,
+    of_plate,
+    fit.table,
+    discrepancy.TABLE,
+    fit.report,
+)
 """Shaken plates; `braced` is 1 for braced legs."""
 
 MOTORS = Kind(
-    Path(__file__).with_name("motor_rows.csv"), (*motors.NAMES, *MEASURED),
-    motor_cases.cases, motor_cases.COUNT, of_motor, motor_fit.table, motors.TABLE, motor_fit.report,
-)  # fmt: skip
+    Path(__file__).with_name("motor_rows.csv"),
+    (*motors.NAMES, *MEASURED),
+    motor_cases.cases,
+    motor_cases.COUNT,
+    of_motor,
+    motor_fit.table,
+    motors.TABLE,
+    motor_fit.report,
+)
 
 KINDS = {"plates": PLATES, "motors": MOTORS}
 
@@ -136,8 +148,9 @@ class Progress:
         print(
             f"{self.done} of {self.count} rows in {elapsed / 60:.1f} min, {self.simulated:.0f} s "
             f"simulated; about {left / 60:.1f} min left",
-            file=sys.stderr, flush=True,
-        )  # fmt: skip
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 def read(kind: Kind = PLATES) -> Array:
@@ -160,12 +173,8 @@ def write(kind: Kind, table: Array) -> None:
 
 def main() -> None:
     """Simulate the rows, or read them, and write the tables with their errors."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument(
-        "--cores", type=int, default=worker_pool.cores(), help="processes to simulate in"
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
     parser.add_argument("--only", choices=KINDS, help="one of the tables; without: all")
     parser.add_argument(
         "--rows",
@@ -173,17 +182,18 @@ def main() -> None:
         help="rows of each table, about; without: 6700 of plates, in 45 minutes on two cores, and "
         f"{motor_cases.COUNT} of motors, in half an hour of one",
     )
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
-                        help="key of every row's scene, such as run.step_us=2")  # fmt: skip
     parser.add_argument(
-        "--refit", action="store_true", help="fit the stored rows anew, without simulating"
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="key of every row's scene, such as run.step_us=2",
     )
+    parser.add_argument("--refit", action="store_true", help="fit the stored rows anew, without simulating")
     options = parser.parse_args()
     for kind in [KINDS[options.only]] if options.only else KINDS.values():
         if not options.refit:
-            chosen = [
-                with_settings(case, options.set) for case in kind.cases(options.rows or kind.whole)
-            ]
+            chosen = [with_settings(case, options.set) for case in kind.cases(options.rows or kind.whole)]
             write(kind, np.array(list(rows(kind, chosen, options.cores))))
         fitted = kind.fit(read(kind), options.cores)
         output.write(kind.table, fit.as_bytes(fitted))

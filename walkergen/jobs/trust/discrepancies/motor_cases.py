@@ -149,10 +149,11 @@ def _design(value: dict[str, float]) -> dict[str, Any]:
     else:
         body = {"length_mm": length, "thickness_mm": thickness, "depth_mm": _depth(value, cell)}
         legs = {
-            "tilt_deg": tilt, "length_mm": value["length_mm"],
+            "tilt_deg": tilt,
+            "length_mm": value["length_mm"],
             "contact_spacing_mm": value["span_share"] * length,
             "flexible_thickness_mm": value["thickness_mm"],
-        }  # fmt: skip
+        }
         data = {"legs": legs}
     material = {"youngs_modulus_gpa": value["youngs_modulus_gpa"]}
     return data | {"body": body, "material": material} | _parts(value, body, cell)
@@ -188,17 +189,20 @@ def _many(value: dict[str, float], cell: str | None) -> tuple[dict[str, Any], li
         places = [(back, -aside), (back, aside), (ahead, 0.0)]
     else:
         places = [
-            (along, across)
-            for across in (-aside, aside)
-            for along in np.linspace(-half, half, count // 2).tolist()
+            (along, across) for across in (-aside, aside) for along in np.linspace(-half, half, count // 2).tolist()
         ]
     if disc and count == 4:
         places = [(0.7 * along, across) for along, across in places]
     legs = [
-        {"length_mm": value["length_mm"], "along_mm": along, "across_mm": across,
-         "width_mm": width, "thickness_mm": value["thickness_mm"]}
+        {
+            "length_mm": value["length_mm"],
+            "along_mm": along,
+            "across_mm": across,
+            "width_mm": width,
+            "thickness_mm": value["thickness_mm"],
+        }
         for along, across in places
-    ]  # fmt: skip
+    ]
     return body, legs
 
 
@@ -211,17 +215,21 @@ def _parts(value: dict[str, float], body: dict[str, Any], cell: str | None) -> d
     axis = "across" if share < 0.65 else "up" if share < 0.8 else "along"
     length, thickness = body["length_mm"], body["thickness_mm"]
     depth = body.get("depth_mm", length)
-    half = {"along": 0.5 * size.diameter_mm, "across": 0.5 * size.diameter_mm,
-            "up": 0.5 * size.diameter_mm}  # fmt: skip
+    half = {"along": 0.5 * size.diameter_mm, "across": 0.5 * size.diameter_mm, "up": 0.5 * size.diameter_mm}
     half[axis] = 0.5 * size.height_mm
     half = {key: one + CLEARANCE_MM for key, one in half.items()}
     over = OVER_LEG_MM - 0.25 * thickness
     room = 0.5 * length - FLOOR_MM - half["along"]
     along = value["along_share"] * room
     motor = {
-        "diameter_mm": size.diameter_mm, "height_mm": size.height_mm, "mass_g": size.mass_g,
-        "axis": axis, "along_mm": along, "up_mm": over + half["up"] + value["up_mm"], "opens": "up",
-    }  # fmt: skip
+        "diameter_mm": size.diameter_mm,
+        "height_mm": size.height_mm,
+        "mass_g": size.mass_g,
+        "axis": axis,
+        "along_mm": along,
+        "up_mm": over + half["up"] + value["up_mm"],
+        "opens": "up",
+    }
     if abs(value["across_share"]) < 1.0:
         motor["across_mm"] = value["across_share"] * (0.5 * depth - FLOOR_MM - half["across"])
     if cell is None:

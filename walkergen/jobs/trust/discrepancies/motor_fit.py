@@ -52,10 +52,7 @@ def table(simulated: Array, cores: int, supports: int = SUPPORTS) -> dict[str, A
     arrays |= odd_process.arrays_of(process) | {"widened": np.array(max(widened, 1.0))}
     wider = left._replace(sd=np.hypot(max(widened, 1.0) * np.sqrt(left.sd**2 - noise), noise**0.5))
     facts = {
-        "ranges": {
-            name: ends(name, column)
-            for name, column in zip(motors.NAMES, rows.places.T, strict=True)
-        },
+        "ranges": {name: ends(name, column) for name, column in zip(motors.NAMES, rows.places.T, strict=True)},
         "errors": errors(rows, wider),
         "versions": versions(),
     }
@@ -119,8 +116,7 @@ def errors(rows: Rows, left: Left) -> dict[str, dict[str, float]]:
         name: {
             "rows": int(chosen.sum()),
             "rms": float(np.sqrt(np.mean((left.centre - rows.y)[chosen] ** 2))),
-            "explained": float(1.0 - np.mean((left.centre - rows.y)[chosen] ** 2)
-                               / np.mean(rows.y[chosen] ** 2)),
+            "explained": float(1.0 - np.mean((left.centre - rows.y)[chosen] ** 2) / np.mean(rows.y[chosen] ** 2)),
             "median_of_swing": float(np.median(off[chosen])),
             "median_percent": 100.0 * float(np.median((off / size)[chosen & (size > fit.SLOW)])),
             "z_rms": float(np.sqrt(np.mean(z[chosen] ** 2))),
@@ -129,13 +125,14 @@ def errors(rows: Rows, left: Left) -> dict[str, dict[str, float]]:
         }
         for name, chosen in groups.items()
         if chosen.any()
-    }  # fmt: skip
+    }
 
 
 def report(arrays: Mapping[str, Array]) -> str:
     """Errors of a table, as text."""
-    lines = ["error at rows of motors left out by tenths, their own noise within (speeds over the "
-             "swing's, after asinh)"]  # fmt: skip
+    lines = [
+        "error at rows of motors left out by tenths, their own noise within (speeds over the swing's, after asinh)"
+    ]
     for group, numbers_of in json.loads(str(arrays["facts"]))["errors"].items():
         numbers = ", ".join(f"{name} {value:.3g}" for name, value in numbers_of.items())
         lines.append(f"motors, {group}: {numbers}")

@@ -133,9 +133,7 @@ def _stated(findings: Findings) -> Iterator[Row]:
         )
 
 
-def stationary_type_three(
-    design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode
-) -> float | None:
+def stationary_type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float | None:
     """Share of type III among impacts at the stationary speed (see `Theory`)."""
     if mode == "paper":
         return None
@@ -208,9 +206,7 @@ def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
 def _of_lively(series: Sequence[Point], findings: Findings) -> Row:
     """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
     name = series[0].assumption
-    (drive,) = (
-        assumption.scene.drive for assumption in findings.assumptions if assumption.name == name
-    )
+    (drive,) = (assumption.scene.drive for assumption in findings.assumptions if assumption.name == name)
     lively = curves.lively(series, drive.peak_speed)
     model = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
     return _row("proportional", model, name, curves.proportionality(lively), 100.0)

@@ -22,9 +22,7 @@ LAG = 5
 def asked(cases: Sequence[Case]) -> list[experiments.Experiment]:
     """Experiments of walkers alone, on an open plane."""
     return [
-        experiments.Experiment(
-            case.scene, case.design, solids.mass_of(case.design), sample_interval=INTERVAL
-        )
+        experiments.Experiment(case.scene, case.design, solids.mass_of(case.design), sample_interval=INTERVAL)
         for case in cases
     ]
 
@@ -46,6 +44,8 @@ def numbers(case: Case, results: Sequence[RunResult]) -> dict[str, Value]:
     spins = [half * turn / path for turn, path in zip(turns, paths, strict=True)]
     sd = float(np.std(forward, ddof=1))
     return {
-        "forward": mean(forward), "between prints": Value(sd, sd / math.sqrt(2 * len(good) - 2)),
-        "speed": mean(paths), "spin": mean(spins),
-    }  # fmt: skip
+        "forward": mean(forward),
+        "between prints": Value(sd, sd / math.sqrt(2 * len(good) - 2)),
+        "speed": mean(paths),
+        "spin": mean(spins),
+    }

@@ -65,7 +65,7 @@ def crowds(size: Size) -> list[Case]:
         *(_case("packing", share, paper, size, SQUARE, share) for share in PACKINGS),
         *(_case("tapered", share, tapered(), size, SQUARE, share) for share in PACKINGS[1:3]),
         *(_case("lean", lean, oblong(lean), size, DISC, CONFINED) for lean in LEANS),
-    ]  # fmt: skip
+    ]
 
 
 def alone(size: Size) -> list[Case]:
@@ -78,9 +78,15 @@ def alone(size: Size) -> list[Case]:
 
 
 def _case(
-    series: str, setting: float, design: Design, size: Size, dish: str = "", packing: float = 0.0,
-    frequency_hz: float = 90.0, gamma: float = 1.8,
-) -> Case:  # fmt: skip
+    series: str,
+    setting: float,
+    design: Design,
+    size: Size,
+    dish: str = "",
+    packing: float = 0.0,
+    frequency_hz: float = 90.0,
+    gamma: float = 1.8,
+) -> Case:
     """Case on the template plane-90hz, with the crowd that a dish and a packing ask for."""
     keys: dict[str, Any] = {f"run.{key}": value for key, value in size._asdict().items()}
     keys |= {"drive.frequency_hz": frequency_hz, "drive.gamma": gamma, "legs.model": "space"}
@@ -101,8 +107,7 @@ def tapered() -> Design:
     data = paper_walker().model_dump(exclude_unset=True)
     half = [(-14.0, 4.0), (9.0, 4.0), (9.0, 2.75), (11.5, 2.75), (11.5, 1.5), (14.0, 1.5)]
     points = [(x, -y) for x, y in half] + half[::-1]
-    body = {"outline": "polygon", "points_mm": [list(point) for point in points],
-            "thickness_mm": 3.0}  # fmt: skip
+    body = {"outline": "polygon", "points_mm": [list(point) for point in points], "thickness_mm": 3.0}
     return Design.model_validate(data | {"name": "tapered", "body": body})
 
 

@@ -48,50 +48,83 @@ class Claim(NamedTuple):
 
 CLAIMS = (
     Claim(
-        "tapered rods", "packing", "order", "polar order of the paper's walkers",
-        "packing", 1.0,
+        "tapered rods",
+        "packing",
+        "order",
+        "polar order of the paper's walkers",
+        "packing",
+        1.0,
         "our rods are straight, for which no source here has flocking without a medium, and a "
         "periodic square of five lengths turns a flock back on itself",
     ),
     Claim(
-        "tapered rods", "tapered", "order", "polar order of walkers whose front narrows in two "
-        "steps", "packing", 1.0,
+        "tapered rods",
+        "tapered",
+        "order",
+        "polar order of walkers whose front narrows in two steps",
+        "packing",
+        1.0,
         "our taper is short, for the legs need the body's width, and lasts ahead of them only",
     ),
     Claim(
-        "brownian vibrators", "packing", "agreement", "mean cosine between velocities of "
-        "neighbours", "packing", 1.0,
+        "brownian vibrators",
+        "packing",
+        "agreement",
+        "mean cosine between velocities of neighbours",
+        "packing",
+        1.0,
         "the source's discs have no heading and move by chance between contacts; ours are driven "
         "along a heading that a contact hardly turns: neighbours push on against each other",
     ),
     Claim(
-        "frequency", "frequency", "clustered", "share of walkers that touch others",
-        "speed alone as the frequency falls, mm/s", -1.0,
+        "frequency",
+        "frequency",
+        "clustered",
+        "share of walkers that touch others",
+        "speed alone as the frequency falls, mm/s",
+        -1.0,
         "at one peak acceleration frequencies of 150 to 60 Hz make our walkers' speed, and their "
         "inertia, half as large again at most; what we read does not say what the source held",
     ),
     Claim(
-        "walls", "frequency", "at wall", "density at the wall over that of the dish",
-        "speed alone as the frequency falls, mm/s", -1.0,
+        "walls",
+        "frequency",
+        "at wall",
+        "density at the wall over that of the dish",
+        "speed alone as the frequency falls, mm/s",
+        -1.0,
         "our dish is five bodies wide, and a rod that runs into its wall pushes on until something "
         "turns it: what inertia carries away is small beside that",
     ),
     Claim(
-        "swirl or stasis", "lean", "circulation", "circulation about the middle of the dish",
-        "spin alone: turning rate x half length / speed", 1.0,
+        "swirl or stasis",
+        "lean",
+        "circulation",
+        "circulation about the middle of the dish",
+        "spin alone: turning rate x half length / speed",
+        1.0,
         "a dish of few bodies leaves no room to swirl in, and hard walls hold those that walk",
     ),
     Claim(
-        "swirl or stasis", "lean", "speed over alone", "speed in the crowd over that alone",
-        "spin alone: turning rate x half length / speed", 1.0,
+        "swirl or stasis",
+        "lean",
+        "speed over alone",
+        "speed in the crowd over that alone",
+        "spin alone: turning rate x half length / speed",
+        1.0,
         "walkers that spin are slower and meet more often on their way",
     ),
     Claim(
-        "polar discs", "gamma", "order", "polar order", "peak acceleration, g", 1.0,
+        "polar discs",
+        "gamma",
+        "order",
+        "polar order",
+        "peak acceleration, g",
+        1.0,
         "the source's discs are nearly round and their alignment comes of their push; ours are "
         "rods, which meet as hard at any speed",
     ),
-)  # fmt: skip
+)
 
 NOT_COMPARED = {
     "flock by medium": "it needs beads, bodies without legs, which our crowds have none of",
@@ -109,10 +142,7 @@ AXES = {"frequency": "speed", "lean": "spin"}
 def compared(found: Found) -> list[Compared]:
     """All statements with our numbers."""
     rows = [alone(found), *(_of(claim, found) for claim in CLAIMS)]
-    rows += [
-        Compared(FINDINGS[key], "", "", (), "not compared", why)
-        for key, why in NOT_COMPARED.items()
-    ]
+    rows += [Compared(FINDINGS[key], "", "", (), "not compared", why) for key, why in NOT_COMPARED.items()]
     order = list(FINDINGS)
     return sorted(rows, key=lambda row: order.index(row.finding.key))
 
@@ -128,10 +158,13 @@ def alone(found: Found) -> Compared:
         f"those differ by {100.0 * stated[1] / stated[0]:.0f} %"
     )
     return Compared(
-        FINDINGS["one rod"], "speed along the heading, and its standard deviation between prints, "
-        "mm/s", "1: speed; 2: deviation", ((1.0, forward), (2.0, spread)),
-        sign_of(forward, 1.0), why,
-    )  # fmt: skip
+        FINDINGS["one rod"],
+        "speed along the heading, and its standard deviation between prints, mm/s",
+        "1: speed; 2: deviation",
+        ((1.0, forward), (2.0, spread)),
+        sign_of(forward, 1.0),
+        why,
+    )
 
 
 def sign_of(change: Value, stated: float) -> Word:
@@ -144,9 +177,7 @@ def sign_of(change: Value, stated: float) -> Word:
 def _of(claim: Claim, found: Found) -> Compared:
     finding, points = FINDINGS[claim.key], points_of(found, claim.series, claim.number)
     if len(points) < 2:
-        return Compared(
-            finding, claim.quantity, claim.setting, points, "not compared", "too few runs ended"
-        )
+        return Compared(finding, claim.quantity, claim.setting, points, "not compared", "too few runs ended")
     first, last = points[0][1], points[-1][1]
     change = Value(last.mean - first.mean, math.hypot(last.se, first.se))
     word = sign_of(change, claim.stated)

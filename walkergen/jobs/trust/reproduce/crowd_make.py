@@ -76,9 +76,7 @@ def _written(found: Found, size: Size, folder: Path) -> Report:
 def check(size: Size) -> None:
     """Refuse runs that could not tell errors. Raises InputError."""
     if size.runs < FEWEST_RUNS:
-        raise InputError(
-            f"--runs {size.runs}: at least {FEWEST_RUNS}, whose spread gives the errors"
-        )
+        raise InputError(f"--runs {size.runs}: at least {FEWEST_RUNS}, whose spread gives the errors")
     if size.seconds < SHORTEST_S:
         raise InputError(f"--seconds {size.seconds:g}: at least {SHORTEST_S:g}, for means")
 

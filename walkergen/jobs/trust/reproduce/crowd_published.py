@@ -90,8 +90,7 @@ DELAY = Source(
     "abstract and introduction",
 )
 ROTORS = Source(
-    "Scholz, Engel, Pöschel, Rotating robots move collectively and self-organize, "
-    "Nature Communications 9 (2018)",
+    "Scholz, Engel, Pöschel, Rotating robots move collectively and self-organize, Nature Communications 9 (2018)",
     "https://www.nature.com/articles/s41467-018-03154-7",
     "abstract and introduction",
 )
@@ -100,21 +99,25 @@ FINDINGS = {
     finding.key: finding
     for finding in (
         Finding(
-            "one rod", KUMAR,
+            "one rod",
+            KUMAR,
             "A single such motile rod on a bare vibrated surface translates, with mean speed "
             "0.36 cm s-1 and standard deviation 0.25 cm s-1, where the statistics is obtained from "
             "150 rods",
             "a walker alone runs with its thin end or heading ahead, and walkers differ",
-            (3.6, 2.5), "mm/s",
+            (3.6, 2.5),
+            "mm/s",
         ),
         Finding(
-            "flock by medium", KUMAR,
+            "flock by medium",
+            KUMAR,
             "undergo a phase transition to a state of spontaneous alignment of velocities and "
             "orientations above a threshold bead area fraction",
             "order needs beads between few rods",
         ),
         Finding(
-            "tapered rods", DISSENTERS,
+            "tapered rods",
+            DISSENTERS,
             "The system undergoes the flocking phase transition at a threshold area fraction "
             "~ 0.12 having high orientational correlations between the particles. However, the "
             "one-step-tapered rods do not flock",
@@ -122,26 +125,30 @@ FINDINGS = {
             (0.12,),
         ),
         Finding(
-            "brownian vibrators", VIBRATORS,
+            "brownian vibrators",
+            VIBRATORS,
             "The collective motion emerges near φ=0.317, where the most significant clusters span "
             "half of the system, and disappears near φ=0.713, around which the system crystallizes",
             "velocities of neighbours agree between two packings, not below and not above",
             (0.317, 0.713),
         ),
         Finding(
-            "frequency", CAPRINI,
+            "frequency",
+            CAPRINI,
             "inertia can be systematically tuned by changing the shaker frequency ... Before the "
             "suppression of clustering, inertia induces a transition in the cluster's inner "
             "structure",
             "clusters at one end of the frequencies, none at the other, where inertia is larger",
         ),
         Finding(
-            "walls", CAPRINI,
+            "walls",
+            CAPRINI,
             "in an underdamped inertial active system, walls do not favor cluster formation",
             "walkers with much inertia do not gather at the wall",
         ),
         Finding(
-            "swirl or stasis", GIOMI,
+            "swirl or stasis",
+            GIOMI,
             "increasing the density drives a transition from a disordered and uncoordinated motion "
             "to organized collective motion either as a swirling cluster or a collective dynamical "
             "stasis. This transition is regulated by a single parameter, the relative magnitude of "
@@ -149,35 +156,39 @@ FINDINGS = {
             "walkers that spin more circulate more about the dish, those that spin less stand more",
         ),
         Finding(
-            "polar discs", DESEIGNE,
-            "Varying the amplitude of the vibration, we observe the onset of large-scale "
-            "collective motion",
+            "polar discs",
+            DESEIGNE,
+            "Varying the amplitude of the vibration, we observe the onset of large-scale collective motion",
             "polar order rises with the amplitude of the plate",
         ),
         Finding(
-            "two discs", BINARY,
+            "two discs",
+            BINARY,
             "binary collisions are spatiotemporally extended events during which multiple actual "
             "collisions happen, yielding a weak average effective alignment",
             "a meeting of two walkers is many contacts, and aligns them little",
         ),
         Finding(
-            "long range", WEBER,
+            "long range",
+            WEBER,
             "Using system sizes not accessible in the laboratory, we show in silico that true "
             "long-range order is possible in the experimental system",
             "order grows with the number of walkers",
         ),
         Finding(
-            "delay", DELAY,
+            "delay",
+            DELAY,
             "We observe a distinct inertial delay between orientation and velocity of particles",
             "the velocity's direction lags behind the heading",
         ),
         Finding(
-            "rotors", ROTORS,
+            "rotors",
+            ROTORS,
             "rotors move collectively and exhibit super-diffusive interfacial motion and phase "
             "separate via spinodal decomposition",
             "walkers that turn left and right part from each other",
         ),
     )
-}  # fmt: skip
+}
 """Statements by key. Their numbers are of other grains than ours, which no number of ours can
 contradict: what is compared is the sign."""

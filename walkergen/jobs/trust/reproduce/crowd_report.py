@@ -54,13 +54,21 @@ class Point(NamedTuple):
 def row(compared: Compared) -> Row:
     """Statement, source, numbers and verdict as words."""
     finding, source = compared.finding, compared.finding.source
-    ours = "; ".join(
-        f"{words.number(at)}: {words.with_error(*value)}" for at, value in compared.points
-    )
+    ours = "; ".join(f"{words.number(at)}: {words.with_error(*value)}" for at, value in compared.points)
     return Row(
-        finding.key, source.citation, source.address, source.read, finding.quote, finding.stated,
-        finding.sign, compared.quantity, compared.setting, ours, compared.word, compared.why,
-    )  # fmt: skip
+        finding.key,
+        source.citation,
+        source.address,
+        source.read,
+        finding.quote,
+        finding.stated,
+        finding.sign,
+        compared.quantity,
+        compared.setting,
+        ours,
+        compared.word,
+        compared.why,
+    )
 
 
 def table(compared: Sequence[Compared]) -> Table:
@@ -81,28 +89,31 @@ def table(compared: Sequence[Compared]) -> Table:
 def points(compared: Sequence[Compared]) -> Table:
     """Every number of ours, a row each."""
     rows = [
-        Point(one.finding.key, one.quantity, one.setting, at, *value)
-        for one in compared
-        for at, value in one.points
+        Point(one.finding.key, one.quantity, one.setting, at, *value) for one in compared for at, value in one.points
     ]
     return Table("crowds", rows, Point._fields)
 
 
 def of(compared: Sequence[Compared], folder: Path, note: str) -> Report:
     """Report of what was compared, which lies in a folder; `note` says how it was simulated."""
-    counted = {word: sum(one.word == word for one in compared) for word in
-               ("agrees", "disagrees", "undecided", "not compared")}  # fmt: skip
+    counted = {
+        word: sum(one.word == word for one in compared) for word in ("agrees", "disagrees", "undecided", "not compared")
+    }
     told = ", ".join(f"{count} {word}" for word, count in counted.items() if count)
     reasons = [
         f"{one.finding.key}, {one.quantity}: {one.word}, perhaps because {one.why}"
-        for one in compared if one.word == "disagrees"
-    ]  # fmt: skip
+        for one in compared
+        if one.word == "disagrees"
+    ]
     return Report(
-        name="reproduce", title=TITLE, tables=[table(compared), points(compared)],
+        name="reproduce",
+        title=TITLE,
+        tables=[table(compared), points(compared)],
         facts={"rows": [row(one)._asdict() for one in compared]},
-        lines=[told, *reasons, note], folder=folder,
+        lines=[told, *reasons, note],
+        folder=folder,
         figures={"crowds": partial(draw, compared)},
-    )  # fmt: skip
+    )
 
 
 def draw(compared: Sequence[Compared]) -> "Figure":
@@ -133,9 +144,5 @@ def to_markdown(compared: Sequence[Compared], note: str) -> str:
 
 
 def _source(source: Source) -> str:
-    quotes = "; ".join(
-        f"{finding.key}: “{finding.quote}”"
-        for finding in FINDINGS.values()
-        if finding.source == source
-    )
+    quotes = "; ".join(f"{finding.key}: “{finding.quote}”" for finding in FINDINGS.values() if finding.source == source)
     return f"- {source.citation}. <{source.address}>. Read: {source.read}. {quotes}."

@@ -28,19 +28,13 @@ def largest(series: Sequence[Point]) -> Value | None:
 
 def smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None:
     """Smallest share over tilts above 0: an upright walker slides backward as often as forward."""
-    shares = [
-        point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0
-    ]
+    shares = [point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0]
     return min(shares, key=lambda share: share.mean) if shares else None
 
 
 def impact_speed(series: Sequence[Point]) -> Value | None:
     """Impact speed over the plate's peak speed: mean and standard error over the tilts."""
-    ratios = [
-        point.impact_speed.mean / point.plate_speed_mm_s
-        for point in series
-        if point.impact_speed is not None
-    ]
+    ratios = [point.impact_speed.mean / point.plate_speed_mm_s for point in series if point.impact_speed is not None]
     return mean(ratios) if len(ratios) > 1 else None
 
 

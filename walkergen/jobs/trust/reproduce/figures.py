@@ -25,10 +25,8 @@ MODELS = {
 }
 THEORY = {"coulomb": ("#0072B2", "-"), "paper": ("#56B4E9", "--")}
 # From dark to light in the order of TYPES; hatches where greys come close.
-FILLS = (("#0072B2", ""), ("#56B4E9", ""), ("#E69F00", "//"), ("#F0E442", ".."), ("#FFFFFF", ""),
-         ("#FFFFFF", "xx"))  # fmt: skip
-STAR: Any = {"marker": "*", "color": "black", "markersize": 9, "linestyle": "none",
-             "markerfacecolor": "white"}  # fmt: skip
+FILLS = (("#0072B2", ""), ("#56B4E9", ""), ("#E69F00", "//"), ("#F0E442", ".."), ("#FFFFFF", ""), ("#FFFFFF", "xx"))
+STAR: Any = {"marker": "*", "color": "black", "markersize": 9, "linestyle": "none", "markerfacecolor": "white"}
 LABELS = {"from rest": "from rest", "mirrored": "backward before, then stops"}
 PANEL_INCHES = 2.0
 """Width of a panel of three side by side."""
@@ -46,9 +44,7 @@ def figure2(findings: Findings) -> Figure:
             for theory in findings.theories:
                 if theory.assumption == assumption.name:
                     _draw_theory(axes, theory)
-            _draw_points(
-                axes, [p for p in findings.tilts if p.assumption == assumption.name], "tilt_deg"
-            )
+            _draw_points(axes, [p for p in findings.tilts if p.assumption == assumption.name], "tilt_deg")
             _mark_facts(axes)
             axes.set_xlabel("tilt of the legs (deg)")
             axes.set_title(wrapped(assumption.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
@@ -83,25 +79,42 @@ def _draw_points(axes: Axes, points: Sequence[Point], along: str, joined: bool =
         if rows:
             x, speeds, errors = (np.array(column) for column in zip(*rows, strict=True))
             axes.errorbar(
-                x, speeds, 2.0 * errors, fmt=marker, linestyle=line if joined else "none",
-                color=colour, markerfacecolor="white", linewidth=0.8, capsize=2, label=label,
+                x,
+                speeds,
+                2.0 * errors,
+                fmt=marker,
+                linestyle=line if joined else "none",
+                color=colour,
+                markerfacecolor="white",
+                linewidth=0.8,
+                capsize=2,
+                label=label,
                 zorder=3,
-            )  # fmt: skip
+            )
 
 
 def _mark_facts(axes: Axes) -> None:
     """Mark the paper's peak with its margins, and the speeds it calls not significant."""
     tilt, speed, braced = FACTS["peak tilt"], FACTS["peak speed"], FACTS["braced"]
     axes.errorbar(
-        [tilt.value], [speed.value], xerr=[[tilt.value - tilt.low], [tilt.high - tilt.value]],
-        yerr=[[speed.value - speed.low], [speed.high - speed.value]], fmt="none", ecolor="black",
-        elinewidth=1.0, zorder=2,
-    )  # fmt: skip
+        [tilt.value],
+        [speed.value],
+        xerr=[[tilt.value - tilt.low], [tilt.high - tilt.value]],
+        yerr=[[speed.value - speed.low], [speed.high - speed.value]],
+        fmt="none",
+        ecolor="black",
+        elinewidth=1.0,
+        zorder=2,
+    )
     axes.plot([tilt.value], [speed.value], label="the paper's stated peak", zorder=2, **STAR)
     axes.axhspan(
-        braced.low, braced.high, color="0.8", linewidth=0, zorder=-1,
+        braced.low,
+        braced.high,
+        color="0.8",
+        linewidth=0,
+        zorder=-1,
         label="the paper's braced walkers: no significant speed",
-    )  # fmt: skip
+    )
 
 
 def figure3(findings: Findings) -> Figure:
@@ -133,13 +146,25 @@ def _stack(axes: Axes, series: Sequence[Point], counting: str) -> None:
     for kind, (colour, hatch) in zip(TYPES, FILLS, strict=True):
         shares = np.array([100.0 * point.shares[counting, kind].mean for point in series])
         axes.bar(
-            places, shares, 0.9, bottom=ground, color=colour, hatch=hatch, edgecolor="0.25",
-            linewidth=0.4, label=LABELS.get(kind, f"type {kind}"),
-        )  # fmt: skip
+            places,
+            shares,
+            0.9,
+            bottom=ground,
+            color=colour,
+            hatch=hatch,
+            edgecolor="0.25",
+            linewidth=0.4,
+            label=LABELS.get(kind, f"type {kind}"),
+        )
         ground += shares
     bound = FACTS["types II and III"].value
-    axes.axhline(bound, color="black", linestyle="--", linewidth=1.2,
-                 label=f"the paper: types II and III make more than {bound:g} %")  # fmt: skip
+    axes.axhline(
+        bound,
+        color="black",
+        linestyle="--",
+        linewidth=1.2,
+        label=f"the paper: types II and III make more than {bound:g} %",
+    )
     axes.set_ylim(0.0, 100.0)
     axes.set_xticks(places, [f"{point.tilt_deg:g}" for point in series], fontsize=SMALLEST)
 
@@ -178,10 +203,7 @@ def _draw_lines(axes: Axes, points: Sequence[Point], assumption: Assumption) -> 
         colour, line, *_ = MODELS[series[0].model]
         fitted, start = series, 0.0
         if series[0].model == "space":
-            fitted, start = (
-                lively(series, assumption.scene.drive.peak_speed),
-                assumption.scene.drive.peak_speed,
-            )
+            fitted, start = (lively(series, assumption.scene.drive.peak_speed), assumption.scene.drive.peak_speed)
         slope = through_zero(fitted)
         if slope is None:
             continue
@@ -193,24 +215,24 @@ def _draw_lines(axes: Axes, points: Sequence[Point], assumption: Assumption) -> 
         labelled = True
 
 
-def _draw_theory_line(
-    axes: Axes, theory: Theory, assumption: Assumption, points: Sequence[Point]
-) -> None:
+def _draw_theory_line(axes: Axes, theory: Theory, assumption: Assumption, points: Sequence[Point]) -> None:
     """Draw the theory's line: proportional to the plate's speed by construction."""
     colour, line = THEORY[theory.mode]
     speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
     peak, end = assumption.scene.drive.peak_speed, 1.05 * max(p.plate_speed_mm_s for p in points)
-    axes.plot([0.0, end], [0.0, speed * end / peak], line, color=colour, linewidth=1.2,
-              label=theory.label)  # fmt: skip
+    axes.plot([0.0, end], [0.0, speed * end / peak], line, color=colour, linewidth=1.2, label=theory.label)
 
 
 def _mark_drive(axes: Axes, assumption: Assumption) -> None:
     """Mark the speed that the paper states for this drive, at its best tilt."""
     peak, tilt = FACTS["peak speed"], FACTS["peak tilt"]
     axes.plot(
-        [assumption.scene.drive.peak_speed], [peak.value], zorder=5,
-        label=f"the paper's stated peak (at {tilt.value:g} deg)", **STAR,
-    )  # fmt: skip
+        [assumption.scene.drive.peak_speed],
+        [peak.value],
+        zorder=5,
+        label=f"the paper's stated peak (at {tilt.value:g} deg)",
+        **STAR,
+    )
 
 
 def figure6(findings: Findings) -> Figure:
@@ -222,5 +244,8 @@ def figure6(findings: Findings) -> Figure:
 
 
 FIGURES: dict[str, Callable[[Findings], Figure]] = {
-    "figure2": figure2, "figure3": figure3, "figure5": figure5, "figure6": figure6,
-}  # fmt: skip
+    "figure2": figure2,
+    "figure3": figure3,
+    "figure5": figure5,
+    "figure6": figure6,
+}

@@ -104,9 +104,7 @@ def expected_s(job: Job) -> float:
     return PICTURES_S + CPU_PER_S * simulated_s / (os.cpu_count() or 1)
 
 
-def _sweeps(
-    job: Job, assumptions: Sequence[Assumption]
-) -> tuple[list[Case], list[Case], list[Case], list[Case]]:
+def _sweeps(job: Job, assumptions: Sequence[Assumption]) -> tuple[list[Case], list[Case], list[Case], list[Case]]:
     """Cases of flexible and of braced legs along the tilts, of other labels, and along drives."""
     flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant", "space"))
     braced = _cases(job, assumptions, "braced", ("rigid", "space, braced"))
@@ -122,10 +120,12 @@ def _counts(job: Job) -> list[int]:
     assumptions = assumptions_of(job)
     flexible, braced, labelled, driven = _sweeps(job, assumptions)
     return [
-        len(job.tilts_deg) * len(flexible + braced), len(TILTS_OF_LABELS) * len(labelled),
-        len(job.gammas) * len(driven), len(assumptions) * len(plane.TILTS),
+        len(job.tilts_deg) * len(flexible + braced),
+        len(TILTS_OF_LABELS) * len(labelled),
+        len(job.gammas) * len(driven),
+        len(assumptions) * len(plane.TILTS),
         len(mechanisms.designs(job.design)),
-    ]  # fmt: skip
+    ]
 
 
 def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:
@@ -142,26 +142,25 @@ def _labelled(job: Job, assumptions: Sequence[Assumption]) -> list[Case]:
     """Cases in space with the measured friction and the restitutions LABELS."""
     measured = assumptions[0].scene
     others = [
-        Assumption(f"e = {label:g}", measured.model_copy(
-            update={"contact": measured.contact.model_copy(update={"restitution": label})}
-        ))
+        Assumption(
+            f"e = {label:g}",
+            measured.model_copy(update={"contact": measured.contact.model_copy(update={"restitution": label})}),
+        )
         for label in LABELS
-    ]  # fmt: skip
+    ]
     return _cases(job, others, "flexible", ("space",))
 
 
-def _labels(
-    findings: Findings, cases: Sequence[Case], progress: Progress
-) -> dict[float, list[Point]]:
+def _labels(findings: Findings, cases: Sequence[Case], progress: Progress) -> dict[float, list[Point]]:
     """Ensembles in space by restitution, those of the assumptions with this friction included."""
     measured = findings.assumptions[0].scene.contact.friction
     by_restitution = {
         assumption.scene.contact.restitution: [
-            point for point in findings.tilts
-            if (point.assumption, point.model) == (assumption.name, "space")
+            point for point in findings.tilts if (point.assumption, point.model) == (assumption.name, "space")
         ]
-        for assumption in findings.assumptions if assumption.scene.contact.friction == measured
-    }  # fmt: skip
+        for assumption in findings.assumptions
+        if assumption.scene.contact.friction == measured
+    }
     points = sweeps.along_tilts(cases, TILTS_OF_LABELS, progress)
     for case in cases:
         of_case = [point for point in points if point.assumption == case.assumption.name]
@@ -197,11 +196,7 @@ def assumptions_of(job: Job) -> list[Assumption]:
     low = {"restitution": LOW_RESTITUTION}
     scene = _as_measured(job.measured)
     lower = scene.model_copy(update={"contact": scene.contact.model_copy(update=low)})
-    return [
-        Assumption("measured", scene),
-        Assumption(compare.FITTED, job.fitted),
-        Assumption(compare.LOW, lower),
-    ]
+    return [Assumption("measured", scene), Assumption(compare.FITTED, job.fitted), Assumption(compare.LOW, lower)]
 
 
 def _as_measured(scene: Scene) -> Scene:
@@ -232,9 +227,7 @@ def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
     ]
 
 
-def _cases(
-    job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[str]
-) -> list[Case]:
+def _cases(job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[str]) -> list[Case]:
     design = job.design.variant(kind=kind)
     return [Case(assumption, model, design) for assumption in assumptions for model in models]
 

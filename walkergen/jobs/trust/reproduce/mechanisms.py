@@ -65,24 +65,17 @@ def designs(paper: Design) -> list[tuple[str, Design]]:
     return [("tilted flexible legs", tilted), *others]
 
 
-def measure(
-    assumption: Assumption, chosen: Sequence[tuple[str, Design]], progress: Progress
-) -> list[Mechanism]:
+def measure(assumption: Assumption, chosen: Sequence[tuple[str, Design]], progress: Progress) -> list[Mechanism]:
     """Predict and simulate every mechanism with the contact of an assumption."""
     points = sweeps.measured([Case(assumption, MODEL, design) for _, design in chosen], progress)
-    return [
-        _beside(what, design, assumption, point)
-        for (what, design), point in zip(chosen, points, strict=True)
-    ]
+    return [_beside(what, design, assumption, point) for (what, design), point in zip(chosen, points, strict=True)]
 
 
 def _beside(what: str, design: Design, assumption: Assumption, point: Point) -> Mechanism:
     mass, inputs = solids.mass_of(design), uncertain.inputs(assumption.scene, design, PREDICTION)
     contact, values = assumption.scene.contact, uncertain.draws(inputs, DRAWS, SEED)
     foot_speeds = stationary(design, mass, contact.restitution, contact.friction, law=contact.law)
-    drawn = theory_speeds(
-        design, mass, assumption.scene, "coulomb", uncertain.named(inputs, values)
-    )
+    drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain.named(inputs, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
     theory = Value(float(foot_speeds.factor) * assumption.scene.impact_speed, float(drawn.std()))
     return Mechanism(design.name, what, design, theory, used, point)

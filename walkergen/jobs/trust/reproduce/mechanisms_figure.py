@@ -40,11 +40,7 @@ def _profile(axes: Axes, design: Design) -> None:
     side = design.body.shape.side
     assert side is not None  # the mechanisms' bodies are rectangles
     axes.add_collection(PolyCollection([side], facecolors=BODY))
-    legs = [
-        piece + np.array(limb.anchor)
-        for limb in design.limbs
-        for piece in profiles.limb(limb, SEGMENTS)
-    ]
+    legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in profiles.limb(limb, SEGMENTS)]
     axes.add_collection(PolyCollection(legs, facecolors=LEG))
     ground = min(limb.foot_height for limb in design.limbs)
     axes.axhline(ground, color="black", linewidth=0.8)

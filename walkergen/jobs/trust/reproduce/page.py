@@ -183,9 +183,7 @@ def _moved(runs: Runs) -> str:
     for way, axis in (("along", "parallel"), ("across", "orthogonal")):
         mean, sd = (runs.motion.estimates[f"{axis}_{of}"] for of in ("mean", "sd"))
         if mean.value is not None and sd.value is not None:
-            displacements.append(
-                f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm"
-            )
+            displacements.append(f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm")
     lost = f"; {runs.lost} runs ended badly" if runs.lost else ""
     return (
         f"Figure 6, {runs.assumption}, {runs.tilt_deg:g} deg: {number(*runs.speed)} mm/s along the "

@@ -75,29 +75,18 @@ class Runs(NamedTuple):
     """Number of runs that ended badly."""
 
 
-def along_tilts(
-    assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress
-) -> list[Runs]:
+def along_tilts(assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress) -> list[Runs]:
     """Simulate walkers on a plane under every assumption, but ensembles without two good runs."""
-    cases = [
-        (assumption.name, on_plane(assumption.scene), design)
-        for assumption in assumptions
-        for design in designs
-    ]
+    cases = [(assumption.name, on_plane(assumption.scene), design) for assumption in assumptions for design in designs]
     requests = [
-        experiments.Experiment(
-            _longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL
-        )
+        experiments.Experiment(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
         for _, scene, design in cases
     ]
     tilts = [design.tilt_deg for *_, design in cases]
     names = [name for name, *_ in cases]
     titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
     simulated = experiments.each(requests, titles, progress, None)
-    ensembles = [
-        measured(name, tilt, point.results)
-        for name, tilt, point in zip(names, tilts, simulated, strict=True)
-    ]
+    ensembles = [measured(name, tilt, point.results) for name, tilt, point in zip(names, tilts, simulated, strict=True)]
     return [runs for runs in ensembles if runs is not None]
 
 
@@ -145,9 +134,7 @@ def growth(tracks: Tracks) -> Growth:
         return Growth(Curve(none, none, none), None, None, None, None)
     log_sums = [np.log(squares / pairs) for squares, pairs in (whole, *(whole - sums))]
     log_lags = np.log(lags * tracks.interval)
-    slopes = np.array(
-        [(logs[2:] - logs[:-2]) / (log_lags[2:] - log_lags[:-2]) for logs in log_sums]
-    )
+    slopes = np.array([(logs[2:] - logs[:-2]) / (log_lags[2:] - log_lags[:-2]) for logs in log_sums])
     errors = np.asarray(statistics.jackknife_error(slopes[1:]))
     lowest = int(slopes[0].argmin())
     return Growth(

@@ -16,9 +16,7 @@ from walkergen.jobs.trust.reproduce.compare import LOW, Findings
 from walkergen.jobs.trust.reproduce.plane import HALFWAY, SHORTEST, TILTS, Runs
 
 # Okabe and Ito's colours for the tilts, of three greys, each with its own line and marker.
-STYLES = dict(
-    zip(TILTS, (("#0072B2", "-", "o"), ("#E69F00", "--", "s"), ("#000000", ":", "^")), strict=True)
-)
+STYLES = dict(zip(TILTS, (("#0072B2", "-", "o"), ("#E69F00", "--", "s"), ("#000000", ":", "^")), strict=True))
 
 GREY: Any = {"color": "0.55", "linewidth": 1.0, "zorder": 0}
 
@@ -42,18 +40,25 @@ def draw(figure: Figure, findings: Findings) -> None:
     for axes, letter in zip((squares, fast, along), "abc", strict=True):
         axes.set_title(f"({letter})", loc="left")
     figure.suptitle(f"Motion on a plane, {low.label}")
-    figure.legend(
-        *squares.get_legend_handles_labels(), loc="outside lower center", ncols=5,
-    )  # fmt: skip
+    figure.legend(*squares.get_legend_handles_labels(), loc="outside lower center", ncols=5)
 
 
 def _curve(axes: Axes, curve: Curve, tilt: float, **more: Any) -> None:
     colour, line, marker = STYLES[tilt]
     errors = 2.0 * np.nan_to_num(curve.se)
     axes.errorbar(
-        curve.at, curve.value, errors, fmt=marker, linestyle=line, color=colour, markersize=3.5,
-        markerfacecolor="white", linewidth=0.9, elinewidth=0.8, **more,
-    )  # fmt: skip
+        curve.at,
+        curve.value,
+        errors,
+        fmt=marker,
+        linestyle=line,
+        color=colour,
+        markersize=3.5,
+        markerfacecolor="white",
+        linewidth=0.9,
+        elinewidth=0.8,
+        **more,
+    )
 
 
 def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
@@ -72,8 +77,7 @@ def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
         crossing = FACTS["crossover at 35"].value
         height = 2.5 * float(np.interp(crossing, slow.at, slow.value))
         for power, line in ((2, "--"), (1, "-.")):
-            axes.plot(time, height * (time / crossing) ** power, line, **GREY,
-                      label=f"∝ t{'²' if power == 2 else ''}")  # fmt: skip
+            axes.plot(time, height * (time / crossing) ** power, line, **GREY, label=f"∝ t{'²' if power == 2 else ''}")
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
     axes.set_xlabel("lag t (s)")
@@ -88,13 +92,22 @@ def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
         axes.axhline(power, linestyle=line, **GREY)
     fact = FACTS["crossover at 35"]
     axes.errorbar(
-        [fact.value], [HALFWAY], xerr=[[fact.value - fact.low], [fact.high - fact.value]],
-        fmt="*", color="black", markersize=10, elinewidth=1.0,
-    )  # fmt: skip
+        [fact.value],
+        [HALFWAY],
+        xerr=[[fact.value - fact.low], [fact.high - fact.value]],
+        fmt="*",
+        color="black",
+        markersize=10,
+        elinewidth=1.0,
+    )
     axes.annotate(
-        "the paper's crossover, 35 deg", (fact.value, HALFWAY), (0, 8),
-        textcoords="offset points", ha="center", fontsize=SMALLEST,
-    )  # fmt: skip
+        "the paper's crossover, 35 deg",
+        (fact.value, HALFWAY),
+        (0, 8),
+        textcoords="offset points",
+        ha="center",
+        fontsize=SMALLEST,
+    )
     axes.set_xscale("log")
     axes.set_ylim(0.8, 2.1)
     axes.set_xlabel("lag t (s)")
@@ -115,9 +128,7 @@ def _star(axes: Axes, runs: Runs) -> None:
     colour, _, _ = STYLES[runs.tilt_deg]
     paths = [_path(runs, number) for number in range(min(len(runs.tracks.tracks), MOST_TRACKS))]
     for number, path in enumerate(paths):
-        turned = path * np.exp(
-            2j * math.pi * (number + TILTS.index(runs.tilt_deg) / 3) / len(paths)
-        )
+        turned = path * np.exp(2j * math.pi * (number + TILTS.index(runs.tilt_deg) / 3) / len(paths))
         axes.plot(turned.real, turned.imag, color=colour, linewidth=0.9)
 
 
@@ -139,9 +150,14 @@ def _densities(axes: Axes, shown: Sequence[Runs], name: str) -> None:
         axes.plot(curve.at, curve.value, line, color=colour, drawstyle="steps-mid", linewidth=1.1)
         errors = 2.0 * np.nan_to_num(curve.se)
         axes.fill_between(
-            curve.at, np.maximum(curve.value - errors, 0.0), curve.value + errors, step="mid",
-            color=colour, alpha=0.2, linewidth=0,
-        )  # fmt: skip
+            curve.at,
+            np.maximum(curve.value - errors, 0.0),
+            curve.value + errors,
+            step="mid",
+            color=colour,
+            alpha=0.2,
+            linewidth=0,
+        )
     way = {"parallel": "along", "orthogonal": "across"}[name]
     axes.set_xlabel(f"{way} heading (mm)")  # as wide as the panel, at most
     axes.set_ylabel("density over 40 ms (1/mm)")

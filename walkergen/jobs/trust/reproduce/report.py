@@ -31,21 +31,28 @@ def of(findings: Findings, rows: Sequence[Row], title: str, folder: Path) -> Rep
     tables = [table for of_figure in TABLES.values() for table in of_figure(findings)]
     marked = side_by_side(rows, findings.assumptions, _marked)
     return Report(
-        name="reproduce", title=title,
+        name="reproduce",
+        title=title,
         tables=[marked, compared(rows), *tables, labels(findings.labels)],
-        facts=_facts(findings, rows), lines=[LEGEND],
-        figures={name: partial(draw, name, findings) for name in TABLES}, folder=folder,
-    )  # fmt: skip
+        facts=_facts(findings, rows),
+        lines=[LEGEND],
+        figures={name: partial(draw, name, findings) for name in TABLES},
+        folder=folder,
+    )
 
 
 def _facts(findings: Findings, rows: Sequence[Row]) -> dict[str, Any]:
     listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
     ways = [
-        {"mechanism": way.what, "design": way.name, "theory": way.theory._asdict(),
-         "simulated": way.simulated.speed and way.simulated.speed._asdict(),
-         "direction": way.direction}
+        {
+            "mechanism": way.what,
+            "design": way.name,
+            "theory": way.theory._asdict(),
+            "simulated": way.simulated.speed and way.simulated.speed._asdict(),
+            "direction": way.direction,
+        }
         for way in findings.mechanisms
-    ]  # fmt: skip
+    ]
     return {"rows": listed, "mechanisms": ways}
 
 
@@ -61,10 +68,7 @@ def draw(name: str, findings: Findings) -> "Figure":
 def speeds(name: str, points: Sequence[Point]) -> Table:
     """Mean speed and impact speed with standard errors, a row per ensemble."""
     keys = (*POINT, *SPEED, "impact_speed_mm_s", "impact_speed_se_mm_s", "outcomes")
-    rows = [
-        (*_where(point), *_pair(point.speed), *_pair(point.impact_speed), point.outcomes)
-        for point in points
-    ]
+    rows = [(*_where(point), *_pair(point.speed), *_pair(point.impact_speed), point.outcomes) for point in points]
     return Table(name, rows, keys)
 
 
@@ -73,11 +77,11 @@ def types(points: Sequence[Point]) -> Table:
     kinds = (*TYPES, *SUMS)
     shares = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
     rows = [
-        (*_where(point), counting,
-         *(number for kind in kinds for number in point.shares[counting, kind]))
-        for point in points if point.shares
+        (*_where(point), counting, *(number for kind in kinds for number in point.shares[counting, kind]))
+        for point in points
+        if point.shares
         for counting in COUNTINGS
-    ]  # fmt: skip
+    ]
     return Table("figure3", rows, (*POINT, "counting", *shares))
 
 
@@ -146,12 +150,19 @@ def tracks(plane: Sequence[Runs]) -> Table:
     """Tracks on a plane, every 40 ms: y to the left of x."""
     keys = (*ON_PLANE, "particle", "t_s", "x_mm", "y_mm", "theta_rad")
     rows = [
-        (runs.assumption, runs.tilt_deg, track.particle, float(at * runs.tracks.interval),
-         *map(float, track.position[at]), float(track.heading[at]))
+        (
+            runs.assumption,
+            runs.tilt_deg,
+            track.particle,
+            float(at * runs.tracks.interval),
+            *map(float, track.position[at]),
+            float(track.heading[at]),
+        )
         for runs in plane
-        for track in runs.tracks.tracks if track.heading is not None
+        for track in runs.tracks.tracks
+        if track.heading is not None
         for at in range(0, len(track.position), round(runs.motion.lag_s / runs.tracks.interval))
-    ]  # fmt: skip
+    ]
     return Table("figure6_tracks", rows, keys)
 
 
@@ -175,20 +186,27 @@ class Way(NamedTuple):
 def mechanisms(measured: Sequence[Mechanism]) -> Table:
     """Theory and simulation of every mechanism."""
     rows = [
-        Way(way.what, way.name, *way.theory, way.used, way.simulated.model,
-            *_pair(way.simulated.speed), *_pair(way.ratio), way.direction, way.simulated.outcomes)
+        Way(
+            way.what,
+            way.name,
+            *way.theory,
+            way.used,
+            way.simulated.model,
+            *_pair(way.simulated.speed),
+            *_pair(way.ratio),
+            way.direction,
+            way.simulated.outcomes,
+        )
         for way in measured
-    ]  # fmt: skip
+    ]
     columns = (
         report.text("mechanism", "mechanism"),
         report.text("walker", "design"),
-        Column("theory, mm/s",
-               lambda row: f"{number(row.theory_mm_s, row.theory_sd_mm_s)} ({row.theory})"),
-        Column("simulated, mm/s",
-               lambda row: number(row.simulated_mm_s, row.simulated_se_mm_s) or "none ended well"),
+        Column("theory, mm/s", lambda row: f"{number(row.theory_mm_s, row.theory_sd_mm_s)} ({row.theory})"),
+        Column("simulated, mm/s", lambda row: number(row.simulated_mm_s, row.simulated_se_mm_s) or "none ended well"),
         Column("simulated / theory", lambda row: number(row.ratio, row.ratio_se)),
         report.text("direction", "direction"),
-    )  # fmt: skip
+    )
     return Table("mechanisms", rows, Way._fields, columns, "Three mechanisms")
 
 
@@ -196,38 +214,54 @@ TABLES: Mapping[str, Callable[[Findings], Sequence[Table]]] = {
     "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings.theories)],
     "figure3": lambda findings: [types(findings.tilts)],
     "figure5": lambda findings: [speeds("figure5", findings.drives)],
-    "figure6": lambda findings: [
-        *(table(findings.plane) for table in (squares, exponents, densities, tracks)),
-    ],
+    "figure6": lambda findings: [*(table(findings.plane) for table in (squares, exponents, densities, tracks))],
     "mechanisms": lambda findings: [mechanisms(findings.mechanisms)],
-}  # fmt: skip
+}
 """Tables of the numbers that each figure shows."""
 
 
 def compared(rows: Sequence[Row]) -> Table:
     """Comparisons with the paper's words and their place, a row each."""
-    keys = ("fact", "figure", "quote", "where", "quantity", "unit", "stated", "margin", "model",
-            "contact", "ours", "ours_se", "verdict", "by")  # fmt: skip
+    keys = (
+        "fact",
+        "figure",
+        "quote",
+        "where",
+        "quantity",
+        "unit",
+        "stated",
+        "margin",
+        "model",
+        "contact",
+        "ours",
+        "ours_se",
+        "verdict",
+        "by",
+    )
     lines = [
-        (*FACTS[row.fact][:6], FACTS[row.fact].claim, FACTS[row.fact].margin, row.model,
-         row.assumption, row.ours, row.se, row.verdict.word, row.verdict.by)
+        (
+            *FACTS[row.fact][:6],
+            FACTS[row.fact].claim,
+            FACTS[row.fact].margin,
+            row.model,
+            row.assumption,
+            row.ours,
+            row.se,
+            row.verdict.word,
+            row.verdict.by,
+        )
         for row in rows
-    ]  # fmt: skip
+    ]
     return Table("reproduce", lines, keys)
 
 
-def side_by_side(
-    rows: Sequence[Row], assumptions: Sequence[Assumption], cell: Callable[[Row], str]
-) -> Table:  # fmt: skip
+def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption], cell: Callable[[Row], str]) -> Table:
     """Table to read: a row for a fact and a model, a column for a set of contact numbers."""
     keys = ("the paper", "our number from", *(assumption.label for assumption in assumptions))
     lines, last = [], ""
     for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
         same = {row.assumption: row for row in rows if (row.fact, row.model) == (fact, model)}
-        cells = [
-            cell(same[assumption.name]) if assumption.name in same else ""
-            for assumption in assumptions
-        ]
+        cells = [cell(same[assumption.name]) if assumption.name in same else "" for assumption in assumptions]
         lines.append((f"{name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
         last = fact
     return Table("comparison", lines, keys, report.every(keys, keys))

@@ -23,14 +23,17 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 TYPES = {
-    "III": (Kind.III,), "II": (Kind.II,), "I": (Kind.I,), "IV": (Kind.IV,),
-    "from rest": (Kind.FROM_REST,), "mirrored": (Kind.II_MIRRORED, Kind.III_MIRRORED),
-}  # fmt: skip
+    "III": (Kind.III,),
+    "II": (Kind.II,),
+    "I": (Kind.I,),
+    "IV": (Kind.IV,),
+    "from rest": (Kind.FROM_REST,),
+    "mirrored": (Kind.II_MIRRORED, Kind.III_MIRRORED),
+}
 """Types of impacts; from rest: v_x = 0 exactly before; mirrored: II or III of a foot that slides
 backward before."""
 
-SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"),
-        "III+rest": ("III", "from rest")}  # fmt: skip
+SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"), "III+rest": ("III", "from rest")}
 """Shares taken together: an impact from rest is the limit of type III for v_x to 0."""
 
 COUNTINGS = ("every impact", "landings", "by impulse")
@@ -120,24 +123,16 @@ class Case(NamedTuple):
     design: Design
 
 
-def along_tilts(
-    cases: Sequence[Case], tilts_deg: Sequence[float], progress: Progress
-) -> list[Point]:
+def along_tilts(cases: Sequence[Case], tilts_deg: Sequence[float], progress: Progress) -> list[Point]:
     """Simulate every case at every tilt, on the drive of its scene."""
-    tilted = [
-        case._replace(design=case.design.variant(tilt_deg=tilt))
-        for case in cases
-        for tilt in tilts_deg
-    ]
+    tilted = [case._replace(design=case.design.variant(tilt_deg=tilt)) for case in cases for tilt in tilts_deg]
     return list(measured(tilted, progress))
 
 
 def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progress) -> list[Point]:
     """Simulate every case at every peak acceleration (over g), keeping its frequency."""
     shaken = [
-        case._replace(
-            assumption=case.assumption._replace(scene=driven(case.assumption.scene, gamma))
-        )
+        case._replace(assumption=case.assumption._replace(scene=driven(case.assumption.scene, gamma)))
         for case in cases
         for gamma in gammas
     ]
@@ -147,18 +142,14 @@ def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progr
 def driven(scene: Scene, gamma: float) -> Scene:
     """Scene with another amplitude of its drive, given by the peak acceleration over g."""
     cleared = {"amplitude_um": None, "peak_speed_mm_s": None}
-    drive = scene.drive.model_copy(
-        update=cleared | {"frequency_hz": scene.drive.frequency, "gamma": gamma}
-    )
+    drive = scene.drive.model_copy(update=cleared | {"frequency_hz": scene.drive.frequency, "gamma": gamma})
     return scene.model_copy(update={"drive": drive})
 
 
 def measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
     requests = [experiments.Experiment(*_asked(case), impacts=True) for case in cases]
-    titles = [
-        f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases
-    ]
+    titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases]
     for case, point in zip(cases, experiments.each(requests, titles, progress, None), strict=True):
         yield _point(case, point)
 
@@ -186,9 +177,7 @@ def _point(case: Case, point: experiments.Results) -> Point:
     good = [result for result in results if result.outcome in ENDED_WELL]
     corners = 2 if point.model == "space" else 1
     impacts = [_impacts(result, corners) for result in good]
-    speeds = [
-        float(of_run.speed[of_run.landing].mean()) for of_run in impacts if of_run.landing.any()
-    ]
+    speeds = [float(of_run.speed[of_run.landing].mean()) for of_run in impacts if of_run.landing.any()]
     return Point(
         case.assumption.name,
         case.model,
@@ -219,16 +208,17 @@ def _impacts(result: RunResult, corners: int = 1) -> _Impacts:
     return _Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landing)
 
 
-def _shares(
-    results: Sequence[RunResult], impacts: Sequence[_Impacts]
-) -> dict[tuple[str, str], Value]:
+def _shares(results: Sequence[RunResult], impacts: Sequence[_Impacts]) -> dict[tuple[str, str], Value]:
     """Mean shares over the runs that have impacts; empty if fewer than two have."""
     rows = [
-        (_of_counts(result.tally.counts), _of_events(of_run.kind, of_run.landing.astype(float)),
-         _of_events(of_run.kind, of_run.impulse))
+        (
+            _of_counts(result.tally.counts),
+            _of_events(of_run.kind, of_run.landing.astype(float)),
+            _of_events(of_run.kind, of_run.impulse),
+        )
         for result, of_run in zip(results, impacts, strict=True)
         if of_run.landing.any()
-    ]  # fmt: skip
+    ]
     if len(rows) < 2:
         return {}
     table = np.array(rows)

@@ -41,9 +41,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        stationary_speeds = stationary(
-            variant, mass, contact.restitution, contact.friction, mode, contact.law
-        )
+        stationary_speeds = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
         speed.append(float(stationary_speeds.factor) * scene.impact_speed)
         sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(stationary_speeds.reverses))

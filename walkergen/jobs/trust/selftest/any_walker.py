@@ -9,13 +9,7 @@ import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import Array, advance, scene_of, shaken
-from walkergen.jobs.trust.selftest.space_scenes import (
-    apart,
-    endures,
-    quarter_turned,
-    thrown,
-    unslowed,
-)
+from walkergen.jobs.trust.selftest.space_scenes import apart, endures, quarter_turned, thrown, unslowed
 from walkergen.printing.export import stl_bytes
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -62,9 +56,7 @@ def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plan
 def _images(model: str) -> Iterator[Check]:
     """Check that the mirror image of a walker on three unlike legs runs exactly the other way."""
     design = _design(list(THREE))
-    turned = [
-        leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE[::-1]
-    ]
+    turned = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE[::-1]]
     mass = solids.mass_of(design)
     plan, mirror_plan = _plan(design, mass), _plan(_design(turned), _mirrored_mass(mass))
     state = thrown(plan)
@@ -80,11 +72,13 @@ def _mirrored_mass(mass: MassProperties) -> MassProperties:
     assert mass.spatial is not None
     legs = tuple(
         leg._replace(
-            anchor=leg.anchor * (-1.0, 1.0), c_A=leg.c_A * (-1.0, 1.0), c_T=leg.c_T * (-1.0, 1.0),
+            anchor=leg.anchor * (-1.0, 1.0),
+            c_A=leg.c_A * (-1.0, 1.0),
+            c_T=leg.c_T * (-1.0, 1.0),
             tensor=None if leg.tensor is None else MIRROR @ leg.tensor @ MIRROR,
         )
         for leg in mass.legs[::-1]
-    )  # fmt: skip
+    )
     whole = Spatial(mass.spatial.z, MIRROR @ mass.spatial.body @ MIRROR)
     return mass._replace(legs=legs, spatial=whole)
 

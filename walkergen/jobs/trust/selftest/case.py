@@ -7,9 +7,7 @@ from walkergen.simulation.effects import effect
 
 SPACE, IMPACT_LAW, GEOMETRY = ("space",), ("impact law",), ("geometry",)
 
-METHODS: Mapping[str, str] = {
-    **effect.METHODS, "impact law": "closed form", "geometry": "solids"
-}  # fmt: skip
+METHODS: Mapping[str, str] = {**effect.METHODS, "impact law": "closed form", "geometry": "solids"}
 """Methods of what cases run on: of models, and of parts of them."""
 
 

@@ -3,14 +3,7 @@
 Those of planar models test the code, not a machine: tests/hard.
 """
 
-from walkergen.jobs.trust.selftest import (
-    any_walker,
-    geometry,
-    impacts,
-    space,
-    space_contact,
-    space_rest,
-)
+from walkergen.jobs.trust.selftest import any_walker, geometry, impacts, space, space_contact, space_rest
 from walkergen.jobs.trust.selftest.case import Case
 
 
@@ -22,7 +15,5 @@ def _place(case: Case) -> tuple[int, ...]:
 
 _MODULES = impacts, space, space_contact, space_rest, any_walker, geometry
 
-CASES: tuple[Case, ...] = tuple(
-    sorted((case for module in _MODULES for case in module.CASES), key=_place)
-)
+CASES: tuple[Case, ...] = tuple(sorted((case for module in _MODULES for case in module.CASES), key=_place))
 """Every case, sorted by the section of docs/physics.md that it answers."""

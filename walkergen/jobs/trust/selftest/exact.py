@@ -31,9 +31,7 @@ def follow(
         if v_y < 0 and s_y > 0:
             steps.append((-v_y / s_y, "compressed"))
         if v_y >= 0:
-            steps.append(
-                ((rebound - v_y) / s_y if law == Law.NEWTON or p_end is None else p_end - p, "end")
-            )
+            steps.append(((rebound - v_y) / s_y if law == Law.NEWTON or p_end is None else p_end - p, "end"))
         dp, event = min(steps)
         p, F_x, v_y = p + dp, F_x + ratio * dp, v_y + s_y * dp
         v_x = Fraction(0) if event == "stop" else v_x + s_x * dp

@@ -126,8 +126,7 @@ def _thick_legs(model: str) -> Iterator[Check]:
     thick = {"flexible_thickness_mm": 5.0, "braced_thickness_mm": 5.0}
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -30.0), (3.0, 0.05))
     return _all_sound(
-        _design({"thickness_mm": body}, kind=k, foot=f, tilt_deg=t, **thick)
-        for k, f, t, body in combinations
+        _design({"thickness_mm": body}, kind=k, foot=f, tilt_deg=t, **thick) for k, f, t, body in combinations
     )
 
 
@@ -154,9 +153,7 @@ def _opening_window(model: str) -> Iterator[Check]:
         sin, cos = abs(math.sin(start.limbs[0].tilt)), math.cos(start.limbs[0].tilt)
         length = 0.5 * (1.0 / cos + 0.5) / sin + (0.5 if foot == "round" else 0.0)
         for part in (-1e-6, -1e-12, 0.0, 2.0**-52, 1e-14, 1e-11, 1e-9, 1e-8, 1e-6):
-            yield from _sound(
-                _design(kind="braced", foot=foot, tilt_deg=tilt, length_mm=length * (1.0 + part))
-            )
+            yield from _sound(_design(kind="braced", foot=foot, tilt_deg=tilt, length_mm=length * (1.0 + part)))
 
 
 def _flush(model: str) -> Iterator[Check]:
@@ -187,15 +184,23 @@ def _anchor_at_edge(model: str) -> Iterator[Check]:
 
 def _refusals(model: str) -> Iterator[Check]:
     """Check refusals of parts that touch or vanish, also exactly at the limit, without volume."""
-    yield _refused("feet as far apart as they are wide", "run into each other",
-                   tilt_deg=0.0, contact_spacing_mm=0.4)  # fmt: skip
-    yield _refused("round feet on a leg of no side", "no side left",
-                   foot="round", tilt_deg=0.0, length_mm=0.2)  # fmt: skip
-    yield _refused("a brace wider than its foot", "thicker than the foot",
-                   kind="braced", foot="round", tilt_deg=0.0,
-                   brace_thickness_mm=math.nextafter(1.0, 2.0))  # fmt: skip
-    yield _refused("a leg through the other's brace", "crosses the other leg's brace",
-                   kind="braced", tilt_deg=30.0, contact_spacing_mm=4.5)  # fmt: skip
+    yield _refused("feet as far apart as they are wide", "run into each other", tilt_deg=0.0, contact_spacing_mm=0.4)
+    yield _refused("round feet on a leg of no side", "no side left", foot="round", tilt_deg=0.0, length_mm=0.2)
+    yield _refused(
+        "a brace wider than its foot",
+        "thicker than the foot",
+        kind="braced",
+        foot="round",
+        tilt_deg=0.0,
+        brace_thickness_mm=math.nextafter(1.0, 2.0),
+    )
+    yield _refused(
+        "a leg through the other's brace",
+        "crosses the other leg's brace",
+        kind="braced",
+        tilt_deg=30.0,
+        contact_spacing_mm=4.5,
+    )
     yield _refused("legs flat on the body", "leaves the body", tilt_deg=85.0)
 
 
@@ -214,10 +219,7 @@ def _any_size(model: str) -> Iterator[Check]:
         mass, scaled_mass = (solids.mass_of(walker) for walker in (design, scaled))
         for what, power in (("M", 3), ("J", 5)):
             value, reference = float(getattr(scaled_mass, what)), float(getattr(mass, what))
-            yield _relative(
-                f"{_name(design)} x {scale:g}: {what}", value, reference * scale**power, 1e-12,
-                ROUNDING,
-            )  # fmt: skip
+            yield _relative(f"{_name(design)} x {scale:g}: {what}", value, reference * scale**power, 1e-12, ROUNDING)
 
 
 def _far_away(model: str) -> Iterator[Check]:

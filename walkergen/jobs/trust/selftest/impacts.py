@@ -16,9 +16,7 @@ from walkergen.theory.tensors import InverseMass, feet
 ROUNDING = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
 
 
-def _random_impacts(
-    count: int, seed: int
-) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
+def _random_impacts(count: int, seed: int) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
     """Random tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
@@ -76,14 +74,10 @@ def _jamming(model: str) -> Iterator[Check]:
     stuck = (H[0] * H[2] - H[1] ** 2) / H[0]
     expected = (1 + e) * (stop - v_stop / stuck)
     yield exactly(
-        "slip stops while pressed, then sticks",
-        out.kind == Kind.III_MIRRORED and bool(out.sticks) and out.v_x == 0.0,
+        "slip stops while pressed, then sticks", out.kind == Kind.III_MIRRORED and bool(out.sticks) and out.v_x == 0.0
     )
     yield Check(
-        "normal impulse against the closed form",
-        abs(out.F_y / expected - 1),
-        1e-13,
-        "rounding of some ten operations",
+        "normal impulse against the closed form", abs(out.F_y / expected - 1), 1e-13, "rounding of some ten operations"
     )
     just_out = resolve(H, (-0.5, -1.0), e, H[2] / -H[1] * (1 - 1e-12))
     yield exactly("finite at the border of jamming", math.isfinite(just_out.F_y))
@@ -113,12 +107,7 @@ def _energy(model: str) -> Iterator[Check]:
             out = resolve(H, v, 1.0, mu, law)
             gains[law] = max(gains[law], energy_change(v, out) / (math.hypot(*v) * out.F_y))
     for law in (Law.STRONGE, Law.POISSON):
-        yield Check(
-            f"{law.name.lower()}: energy gained at e = 1",
-            gains[law],
-            1e-12,
-            "rounding of the works' sum",
-        )
+        yield Check(f"{law.name.lower()}: energy gained at e = 1", gains[law], 1e-12, "rounding of the works' sum")
     yield exactly("newton's gain is seen and reported", gains[Law.NEWTON] > 0.1)
     plastic = 0.0
     for H, v, _, mu in _random_impacts(200, seed=4):
@@ -162,12 +151,7 @@ def _upright_factors(model: str) -> Iterator[Check]:
                 jump = max(jump, abs(float(right.mean)) / (1.0 + abs(float(at_zero.feet[0]))))
     yield Check("mean speed of the feet at tilt 0, over w", mean, 0.0, "exact: mirror images")
     yield Check("mean at +-1e-12 deg, summed", odd, 0.0, "exact: mirror images")
-    yield Check(
-        "mean at 1e-12 deg, over w",
-        jump,
-        1e-9,
-        "speed grows by at most 1e3 per degree below 0.05 deg",
-    )
+    yield Check("mean at 1e-12 deg, over w", jump, 1e-9, "speed grows by at most 1e3 per degree below 0.05 deg")
 
 
 def _mirror(model: str) -> Iterator[Check]:

@@ -57,9 +57,7 @@ def choose(only: str | None) -> list[Job]:
         names = [case.name for case in catalogue.CASES]
         near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
         hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
-        raise InputError(
-            f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}"
-        )
+        raise InputError(f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}")
     return [Job(case, model) for case in cases for model in case.runs_on]
 
 
@@ -106,9 +104,7 @@ def _in_process(jobs: Sequence[Job]) -> Iterator[tuple[int, Result]]:
 
 
 def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Result]]:
-    pool = ProcessPoolExecutor(
-        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_ignore_interrupts
-    )
+    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_ignore_interrupts)
     try:
         futures: dict[Future[Result], int] = {}
         for index in _compilers_first(jobs):

@@ -18,19 +18,18 @@ def of(results: Sequence[Result], whole: bool) -> Report:
     rows = [row for result in results for row in _rows(result)]
     held = sum(result.holds for result in results)
     failed = len(results) - held
-    cases, checks = (
-        {result.case for result in results},
-        sum(len(result.checks) for result in results),
-    )
+    cases, checks = ({result.case for result in results}, sum(len(result.checks) for result in results))
     return Report(
-        name="selftest", title="Hard cases",
+        name="selftest",
+        title="Hard cases",
         tables=[Table("selftest", rows, KEYS, report.every(KEYS, WORDS))],
-        facts={"rows": [_facts(result) for result in results], "held": held, "failed": failed,
-               "partial": not whole},
-        lines=["sections: docs/physics.md",
-               f"{len(cases)} hard cases in {len(results)} runs of a model, {checks} checks: "
-               f"{held} runs hold, {failed} fail"],
-    )  # fmt: skip
+        facts={"rows": [_facts(result) for result in results], "held": held, "failed": failed, "partial": not whole},
+        lines=[
+            "sections: docs/physics.md",
+            f"{len(cases)} hard cases in {len(results)} runs of a model, {checks} checks: "
+            f"{held} runs hold, {failed} fail",
+        ],
+    )
 
 
 def _rows(result: Result) -> Iterator[tuple[str, ...]]:
@@ -42,8 +41,7 @@ def _rows(result: Result) -> Iterator[tuple[str, ...]]:
     failing = [check for check in result.checks if not check.holds]
     for check in failing or [min(result.checks, key=_room)]:
         margin = "exact" if _room(check) == math.inf else f"x {_room(check):.2g}"
-        yield (*start, check.what, f"{check.value:.2g}", f"{check.limit:.2g}",
-               margin if check.holds else "FAILED")  # fmt: skip
+        yield (*start, check.what, f"{check.value:.2g}", f"{check.limit:.2g}", margin if check.holds else "FAILED")
 
 
 def _room(check: Check) -> float:
@@ -56,8 +54,7 @@ def _room(check: Check) -> float:
 def _facts(result: Result) -> dict[str, Any]:
     """Case for JSON; values that are not finite become null."""
     checks = [
-        check._asdict()
-        | {"value": _finite(check.value), "limit": _finite(check.limit), "holds": check.holds}
+        check._asdict() | {"value": _finite(check.value), "limit": _finite(check.limit), "holds": check.holds}
         for check in result.checks
     ]
     return result._asdict() | {"checks": checks, "holds": result.holds}

@@ -74,9 +74,7 @@ def scene_of(model: str, **tables: Any) -> Scene:
     return Scene.model_validate(data)
 
 
-def plan_of(
-    model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
-) -> Plan:
+def plan_of(model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any) -> Plan:
     """The plan of the paper's walker at a tilt on a scene of the given tables."""
     design = design_of(model, tilt_deg)
     scene = scene_of(model, **tables)

@@ -6,22 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import (
-    STILL,
-    Array,
-    advance,
-    masses,
-    plan_of,
-    scene_of,
-    shaken,
-)
-from walkergen.jobs.trust.selftest.space_scenes import (
-    apart,
-    in_space,
-    quarter_turned,
-    reflected,
-    thrown,
-)
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, masses, plan_of, scene_of, shaken
+from walkergen.jobs.trust.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
@@ -142,10 +128,7 @@ def _momentum(plan: Plan, state: Array) -> Array:
 
 def _upright(model: str) -> Iterator[Check]:
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
-    plan = plan_of(
-        model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25},
-        run=runs,
-    )  # fmt: skip
+    plan = plan_of(model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
     results = [simulate(plan, number) for number in range(8)]
     yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
     speeds = np.array([result.speed for result in results])

@@ -7,14 +7,7 @@ import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, advance, design_of, masses, scene_of, shaken
-from walkergen.jobs.trust.selftest.space_scenes import (
-    apart,
-    endures,
-    in_space,
-    reflected,
-    thrown,
-    unslowed,
-)
+from walkergen.jobs.trust.selftest.space_scenes import apart, endures, in_space, reflected, thrown, unslowed
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
@@ -35,9 +28,7 @@ def _smooth(model: str) -> Iterator[Check]:
 def _rough(model: str) -> Iterator[Check]:
     for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
         for label in (0.02, 0.5, 1.0):
-            plan = in_space(
-                tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label}
-            )
+            plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
             title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
             yield from endures(plan, thrown(plan), RUN, title, BALANCE)
 
@@ -68,9 +59,11 @@ def _lossless(model: str) -> Iterator[Check]:
     for part in (4.0, 8.0, 16.0):
         step = 1e6 * in_space().world.options.step / part
         plan = in_space(
-            drive=STILL, contact={"friction": 0.0, "restitution": 1.0},
-            legs={"damping_ratio": 0.0}, run={"step_us": step},
-        )  # fmt: skip
+            drive=STILL,
+            contact={"friction": 0.0, "restitution": 1.0},
+            legs={"damping_ratio": 0.0},
+            run={"step_us": step},
+        )
         # The mean over drops: each errs with a sign and size of its own
         drops = np.linspace(-1.0, 1.0, 12)
         changes.append(float(np.sqrt(np.mean([_change(plan, drop) ** 2 for drop in drops]))))
@@ -99,9 +92,8 @@ def _stiffness(model: str) -> Iterator[Check]:
     for ratio in (1e-2, 1e2, 1e4):
         for damping in ("viscous", "hysteretic"):
             plan = in_space(
-                drive=shaken(1.8), contact={"restitution": 0.5},
-                feet={"stiffness_ratio": ratio, "damping": damping},
-            )  # fmt: skip
+                drive=shaken(1.8), contact={"restitution": 0.5}, feet={"stiffness_ratio": ratio, "damping": damping}
+            )
             title = f"{damping}, stiffness x {ratio:g}"
             seconds = RUN if ratio <= 1e2 else 0.1 * RUN
             yield from endures(plan, thrown(plan), seconds, title, BALANCE)
@@ -111,13 +103,15 @@ def _frozen(model: str) -> Iterator[Check]:
     """Check joints without give: inverse mass and motion of the same walker without joints."""
     tilt, feet, modulus = 20.0, 1e-6, 9000.0
     design = design_of("space", tilt)
-    stiff = design.model_copy(
-        update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})}
-    )
+    stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
     scene = scene_of(
-        "space", drive=STILL, arena={"kind": "plane"}, contact={"restitution": 0.5},
-        feet={"stiffness_ratio": feet, "damping": "hysteretic"}, run={"step_us": 1.0},
-    )  # fmt: skip
+        "space",
+        drive=STILL,
+        arena={"kind": "plane"},
+        contact={"restitution": 0.5},
+        feet={"stiffness_ratio": feet, "damping": "hysteretic"},
+        run={"step_us": 1.0},
+    )
     loose = prepare(scene, stiff, masses(stiff))
     case = loose.case._replace(mass=as_rigid(masses(stiff)))
     joined, _ = walker_of(case, loose.resolved)
@@ -148,19 +142,17 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
     """Check edges that touch a wall in the step in which feet touch the plate."""
     for label in (0.02, 0.5, 1.0):
         plan = in_space(
-            drive=STILL, arena={"kind": "lane", "gap_mm": 8.5, "wall_restitution": label},
+            drive=STILL,
+            arena={"kind": "lane", "gap_mm": 8.5, "wall_restitution": label},
             contact={"restitution": label},
-        )  # fmt: skip
+        )
         state = plan.start(0.0, 0.0, 0.0)
         state[C_Z] = 0.25
         state[[V_X, V_Y, V_Z]] = 10.0, -20.0, 30.0
         other = reflected(state)
         touched = state.copy()
         advance(plan, touched, 2e-5)
-        yield exactly(
-            f"e = {label:g}: wall and plate push at once",
-            bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0),
-        )
+        yield exactly(f"e = {label:g}: wall and plate push at once", bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0))
         title = f"e = {label:g}: both walls, alike, mm"
         direct = state.copy()
         advance(plan, direct, 1e-3)

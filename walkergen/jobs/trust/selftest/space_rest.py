@@ -13,18 +13,7 @@ from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import Outcome
-from walkergen.simulation.space.state import (
-    C_Y,
-    HEADING,
-    PITCH,
-    QUIET,
-    ROLL,
-    SHOWN_X,
-    SHOWN_Y,
-    W_X,
-    W_Y,
-    W_Z,
-)
+from walkergen.simulation.space.state import C_Y, HEADING, PITCH, QUIET, ROLL, SHOWN_X, SHOWN_Y, W_X, W_Y, W_Z
 
 CREEP = 1e-4
 """Largest speed (mm/s) of a walker that stands."""
@@ -117,8 +106,7 @@ def _long_rest(model: str) -> Iterator[Check]:
     """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
     for gamma in (AT_REST, 0.5):
         plan = in_space(
-            drive=STILL if gamma == AT_REST else shaken(gamma),
-            contact={"friction": 0.6, "restitution": 0.3},
+            drive=STILL if gamma == AT_REST else shaken(gamma), contact={"friction": 0.6, "restitution": 0.3}
         )
         state = settled(plan)
         before, energy, started = state.copy(), plan.energy(state), time.process_time()
@@ -131,9 +119,7 @@ def _long_rest(model: str) -> Iterator[Check]:
         yield Check(f"{title}: time on the processor, s", cost, 1.0, "a few steps")
         gained = plan.energy(state) - energy - float(tally.sums[record.PLATE_WORK])
         whole = plan.world.walker.mass * GRAVITY * float(state[C_Y])
-        yield Check(
-            f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding"
-        )
+        yield Check(f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding")
 
 
 def _rights_itself(model: str) -> Iterator[Check]:

@@ -102,9 +102,7 @@ def unslowed(plan: Plan, seconds: float) -> Check:
     return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
 
 
-def endures(
-    plan: Plan, state: Array, seconds: float, about: str, tolerance: tuple[float, str]
-) -> Iterator[Check]:
+def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: tuple[float, str]) -> Iterator[Check]:
     """Checks of a motion: a physical end, finite, over the plate, its energy accounted for."""
     before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
     speed = plan.scene.drive.peak_speed

@@ -31,18 +31,12 @@ def body(tall: float = TALL, mass: float = 0.833, gyration: float | None = None)
     radius = (HALF**2 + tall**2) / 3.0 if gyration is None else gyration**2
     J = mass * radius
     c, none = np.array([0.0, -0.5 * LEG]), np.zeros((3, 3))
-    legs = tuple(
-        LegMass(0.0, 0.0, np.array([x, LEG - tall]), c, c, 0.0, none) for x in (-HALF, HALF)
-    )
+    legs = tuple(LegMass(0.0, 0.0, np.array([x, LEG - tall]), c, c, 0.0, none) for x in (-HALF, HALF))
     return MassProperties(mass, J, legs, True, Spatial(0.0, np.diag([J, J, J])))
 
 
 def plan(
-    gamma: float,
-    restitution: float,
-    friction: float = 0.0,
-    slope_deg: float = 0.0,
-    mass: MassProperties | None = None,
+    gamma: float, restitution: float, friction: float = 0.0, slope_deg: float = 0.0, mass: MassProperties | None = None
 ) -> Plan:
     """Plan of a rigid body, by events, on a plate whose peak acceleration is `gamma` g."""
     design = Design.model_validate({"legs": {"tilt_deg": 0.0, "kind": "braced"}})

@@ -30,9 +30,7 @@ MEHTA = (
     "A. Mehta, J. M. Luck, Novel temporal behavior of a nonlinear dynamical system: the completely "
     "inelastic bouncing ball, Phys. Rev. Lett. 65, 393 (1990); derived anew"
 )
-BERNSTEIN = (
-    "A. D. Bernstein, Listening to the coefficient of restitution, Am. J. Phys. 45, 41 (1977)"
-)
+BERNSTEIN = "A. D. Bernstein, Listening to the coefficient of restitution, Am. J. Phys. 45, 41 (1977)"
 HOUSNER = (
     "G. W. Housner, The behavior of inverted pendulum structures during earthquakes, Bull. "
     "Seismol. Soc. Am. 53, 403 (1963)"
@@ -68,10 +66,15 @@ def lift_off(effort: Effort) -> Iterator[Claim]:
 
     ours = bisect(leaves, 0.9, 1.1, 1e-6)
     yield exact(
-        GROUP, "acceleration at which a ball leaves the plate", "g", ours, 1.0, 1e-4,
+        GROUP,
+        "acceleration at which a ball leaves the plate",
+        "g",
+        ours,
+        1.0,
+        1e-4,
         "a hop just above 1 g is too short for the kernel's tolerance of a gap",
         "Newton's second law: plate acceleration -g",
-    )  # fmt: skip
+    )
 
 
 def _orbit(plan: Plan, gamma: float, restitution: float) -> Array:
@@ -123,16 +126,7 @@ def period_doubling(effort: Effort) -> Iterator[Claim]:
         theirs = math.hypot(math.pi * (1 - e) / (1 + e), 2.0 * (1 + e * e) / (1 + e) ** 2)
         quantity = f"period doubling, e = {e:g}"
         source = MEHTA if e == 0.0 else TUFILLARO
-        yield exact(
-            GROUP,
-            quantity,
-            "g",
-            doubling(e),
-            theirs,
-            1e-5,
-            "central differences over 1e-6 mm",
-            source,
-        )
+        yield exact(GROUP, quantity, "g", doubling(e), theirs, 1e-5, "central differences over 1e-6 mm", source)
 
 
 def landing_phase(effort: Effort) -> Iterator[Claim]:
@@ -149,10 +143,16 @@ def landing_phase(effort: Effort) -> Iterator[Claim]:
         theirs = math.acos(math.pi * (1 - e) / (1 + e) / gamma)
         off = top - plan.world.drive.amplitude * math.sin(theirs) - GRAVITY * PERIOD**2 / 8.0
         yield exact(
-            GROUP, f"phase of landing, e = {e:g} at {gamma:g} g", "rad", phase, theirs, 1e-6,
-            "what is left of the start after the contraction e^n of n impacts", TUFILLARO,
+            GROUP,
+            f"phase of landing, e = {e:g} at {gamma:g} g",
+            "rad",
+            phase,
+            theirs,
+            1e-6,
+            "what is left of the start after the contraction e^n of n impacts",
+            TUFILLARO,
             f"Height of the flight off by {abs(off):.0e} mm." if abs(off) > 1e-6 else "",
-        )  # fmt: skip
+        )
 
 
 def plastic_flight(effort: Effort) -> Iterator[Claim]:
@@ -167,9 +167,15 @@ def plastic_flight(effort: Effort) -> Iterator[Claim]:
         return bool(tally.sums[record.CONTACT_TIME] < 1e-9 * PERIOD)
 
     yield exact(
-        GROUP, "plastic ball: flights of a whole period", "g", bisect(flies_on, 3.0, 3.5, 1e-7),
-        math.hypot(1.0, math.pi), 1e-6, "bisection", MEHTA,
-    )  # fmt: skip
+        GROUP,
+        "plastic ball: flights of a whole period",
+        "g",
+        bisect(flies_on, 3.0, 3.5, 1e-7),
+        math.hypot(1.0, math.pi),
+        1e-6,
+        "bisection",
+        MEHTA,
+    )
 
 
 def zeno(effort: Effort) -> Iterator[Claim]:
@@ -183,9 +189,15 @@ def zeno(effort: Effort) -> Iterator[Claim]:
         tally = advance(plan, state, theirs + 1.0)
         ours = theirs + 1.0 - float(tally.sums[record.CONTACT_TIME])
         yield exact(
-            GROUP, f"end of all bounces from 1 mm, e = {e:g}", "s", ours, theirs, 1e-5,
-            "bounces slower than the kernel's speed of rest are left out", BERNSTEIN,
-        )  # fmt: skip
+            GROUP,
+            f"end of all bounces from 1 mm, e = {e:g}",
+            "s",
+            ours,
+            theirs,
+            1e-5,
+            "bounces slower than the kernel's speed of rest are left out",
+            BERNSTEIN,
+        )
 
 
 def elastic(effort: Effort) -> Iterator[Claim]:
@@ -197,10 +209,15 @@ def elastic(effort: Effort) -> Iterator[Claim]:
     before = plan.energy(state) - at_rest
     advance(plan, state, (2.0 * bounces + 1.0) * math.sqrt(2.0 * gap / GRAVITY))
     yield exact(
-        GROUP, "energy kept in 10 000 elastic bounces", "", (plan.energy(state) - at_rest) / before,
-        1.0, 1e-9, "rounding of a height, 1e-15 mm of 0.1 mm, in each bounce",
+        GROUP,
+        "energy kept in 10 000 elastic bounces",
+        "",
+        (plan.energy(state) - at_rest) / before,
+        1.0,
+        1e-9,
+        "rounding of a height, 1e-15 mm of 0.1 mm, in each bounce",
         "conservation of energy",
-    )  # fmt: skip
+    )
 
 
 def rocking(slenderness: float) -> float:
@@ -227,11 +244,16 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
     """Claim on blocks that rock from foot to foot: Housner's formula, and measured blocks."""
     for slenderness in (2.0, 3.0, 5.0):
         yield exact(
-            GROUP, f"rocking block {slenderness:g} times as high as wide: spin kept", "",
-            rocking(slenderness), housner(slenderness), 1e-6, "event times", HOUSNER,
-        )  # fmt: skip
-    for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"),
-                                     (5.0, 0.67, "rubber")):  # fmt: skip
+            GROUP,
+            f"rocking block {slenderness:g} times as high as wide: spin kept",
+            "",
+            rocking(slenderness),
+            housner(slenderness),
+            1e-6,
+            "event times",
+            HOUSNER,
+        )
+    for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"), (5.0, 0.67, "rubber")):
         block = f"rocking block {slenderness:g} times as high as wide on {base}"
         quantity = f"{block}: spin kept, over Housner's"
         ours = rocking(slenderness) / housner(slenderness)
@@ -240,8 +262,19 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
             "base takes more, rubber most. Others found more kept than by Housner's formula "
             "(Kalliontzis, Sritharan, Schultz, J. Struct. Eng. 142, 06016002, 2016)."
         )
-        yield Claim(GROUP, quantity, "", ours, None, share, None, 0.02, "our reading of 'about'",
-                    ELGAWADY.format(share, base), why)  # fmt: skip
+        yield Claim(
+            GROUP,
+            quantity,
+            "",
+            ours,
+            None,
+            share,
+            None,
+            0.02,
+            "our reading of 'about'",
+            ELGAWADY.format(share, base),
+            why,
+        )
 
 
 TESTS = (lift_off, period_doubling, landing_phase, plastic_flight, zeno, elastic, rocking_blocks)

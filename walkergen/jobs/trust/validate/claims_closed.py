@@ -60,13 +60,17 @@ def tensor(effort: Effort) -> Iterator[Claim]:
     for tilt in (10.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.legs[0])
-        for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)),
-                                   ("yy", ours.yy, (1, 1))):  # fmt: skip
+        for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)), ("yy", ours.yy, (1, 1))):
             yield exact(
-                GROUP, f"inverse mass H_{name} of the back foot at {tilt:g} deg", "1/g",
-                float(value), float(theirs[place]), 1e-9,
-                "the printed form subtracts numbers of order 1/m", PAPER.format("8-12"),
-            )  # fmt: skip
+                GROUP,
+                f"inverse mass H_{name} of the back foot at {tilt:g} deg",
+                "1/g",
+                float(value),
+                float(theirs[place]),
+                1e-9,
+                "the printed form subtracts numbers of order 1/m",
+                PAPER.format("8-12"),
+            )
 
 
 def stationary(effort: Effort) -> Iterator[Claim]:
@@ -80,9 +84,15 @@ def stationary(effort: Effort) -> Iterator[Claim]:
             H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])
             yield exact(
-                GROUP, f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1",
-                "", float(value), float(theirs), 1e-9, "as above", PAPER.format("12, 15"),
-            )  # fmt: skip
+                GROUP,
+                f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1",
+                "",
+                float(value),
+                float(theirs),
+                1e-9,
+                "as above",
+                PAPER.format("12, 15"),
+            )
 
 
 def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
@@ -97,17 +107,24 @@ def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
             outcome = impact.resolve(entries, velocity, 0.9, 0.3, law)
             gain = impact.energy_change(velocity, outcome) / (math.hypot(*velocity) * outcome.F_y)
             gains[law] = max(gains[law], gain)
-    source = (
-        "W. J. Stronge, Unraveling paradoxical theories for rigid body collisions, J. Appl. Mech. "
-        "58, 1049 (1991)"
-    )
+    source = "W. J. Stronge, Unraveling paradoxical theories for rigid body collisions, J. Appl. Mech. 58, 1049 (1991)"
     quantity = "largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {}'s law"
     sides: dict[impact.Law, Bound] = {impact.Law.STRONGE: "<", impact.Law.NEWTON: ">"}
     for law, bound in sides.items():
         yield Claim(
-            GROUP, quantity.format(law.name.capitalize()), "", gains[law], None, 0.0, None, 1e-12,
-            ROUNDING, source, "", bound,
-        )  # fmt: skip
+            GROUP,
+            quantity.format(law.name.capitalize()),
+            "",
+            gains[law],
+            None,
+            0.0,
+            None,
+            1e-12,
+            ROUNDING,
+            source,
+            "",
+            bound,
+        )
 
 
 def slopes(effort: Effort) -> Iterator[Claim]:
@@ -123,13 +140,27 @@ def slopes(effort: Effort) -> Iterator[Claim]:
     angle = bisect(lambda slope: way(slope) > 1e-4, 10.0, 20.0, 1e-5)
     source = "Coulomb's law on an incline"
     yield exact(
-        GROUP, "slope at which a block starts to slide, μ = 0.25", "deg", angle,
-        math.degrees(math.atan(mu)), 1e-4, "a way of 0.1 um in 0.1 s counts as sliding", source,
-    )  # fmt: skip
+        GROUP,
+        "slope at which a block starts to slide, μ = 0.25",
+        "deg",
+        angle,
+        math.degrees(math.atan(mu)),
+        1e-4,
+        "a way of 0.1 um in 0.1 s counts as sliding",
+        source,
+    )
     slope = math.radians(20.0)
     theirs = 0.5 * GRAVITY * (math.sin(slope) - mu * math.cos(slope)) * seconds**2
-    yield exact(GROUP, "way down 20 deg in 0.1 s", "mm", way(20.0), theirs, 1e-5,
-                "it lands first, within the tolerance of a gap", source)  # fmt: skip
+    yield exact(
+        GROUP,
+        "way down 20 deg in 0.1 s",
+        "mm",
+        way(20.0),
+        theirs,
+        1e-5,
+        "it lands first, within the tolerance of a gap",
+        source,
+    )
 
 
 def sliding_stop(effort: Effort) -> Iterator[Claim]:
@@ -140,9 +171,15 @@ def sliding_stop(effort: Effort) -> Iterator[Claim]:
     state[V_X] = launched
     advance(plan, state, 0.1)
     yield exact(
-        GROUP, "way of a block that slides to a stop from 60 mm/s", "mm", float(state[X]),
-        launched**2 / (2.0 * mu * GRAVITY), 1e-5, "as above", "Coulomb's law",
-    )  # fmt: skip
+        GROUP,
+        "way of a block that slides to a stop from 60 mm/s",
+        "mm",
+        float(state[X]),
+        launched**2 / (2.0 * mu * GRAVITY),
+        1e-5,
+        "as above",
+        "Coulomb's law",
+    )
 
 
 def leg(effort: Effort) -> Iterator[Claim]:
@@ -153,19 +190,30 @@ def leg(effort: Effort) -> Iterator[Claim]:
     density = 1e-3 * design.material.density_g_cm3
     k = compliance.stiffness(design.limbs[0], E, "cantilever")
     yield exact(
-        GROUP, "stiffness of a leg's tip", "N/m", 1e-3 * k / length**2,
-        1e-3 * 3.0 * E * second / length**3, 1e-12, ROUNDING,
+        GROUP,
+        "stiffness of a leg's tip",
+        "N/m",
+        1e-3 * k / length**2,
+        1e-3 * 3.0 * E * second / length**3,
+        1e-12,
+        ROUNDING,
         "cantilever beam, Euler and Bernoulli",
-    )  # fmt: skip
+    )
     line = density * design.limbs[0].thickness * design.size.depth
     ours = math.sqrt(k / (line * length**3 / 3.0)) / (2.0 * math.pi)
     theirs = 1.8751040687**2 * math.sqrt(E * second / (line * length**4)) / (2.0 * math.pi)
     yield exact(
-        GROUP, "first frequency of a leg on a held body", "Hz", ours, theirs, 0.01,
-        "one per cent: no frequency is known better", "cantilever beam, first root 1.8751",
+        GROUP,
+        "first frequency of a leg on a held body",
+        "Hz",
+        ours,
+        theirs,
+        0.01,
+        "one per cent: no frequency is known better",
+        "cantilever beam, first root 1.8751",
         "A stiff leg on a spring keeps one number of the beam, and ours is its static stiffness; "
         'legs.spring = "frequency" keeps the frequency.',
-    )  # fmt: skip
+    )
 
 
 TESTS = (box, tensor, stationary, energy_of_impacts, slopes, sliding_stop, leg)

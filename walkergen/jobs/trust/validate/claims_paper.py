@@ -10,13 +10,7 @@ from walkergen.analysis.values import Value
 from walkergen.files import templates
 from walkergen.jobs.trust.published import FACTS
 from walkergen.jobs.trust.validate.claim import Bound, Claim, Effort
-from walkergen.jobs.trust.validate.ensembles import (
-    exponent,
-    in_space,
-    paper_design,
-    paper_model,
-    rebound,
-)
+from walkergen.jobs.trust.validate.ensembles import exponent, in_space, paper_design, paper_model, rebound
 from walkergen.scene import PAPER_CONTACT, Scene
 from walkergen.theory import maximum, prediction
 from walkergen.walker import solids
@@ -31,10 +25,7 @@ PAPER = (
 MEASURED, LABEL = 0.8, PAPER_CONTACT.restitution
 """Restitution that the paper measured, and label of a foot with which its speeds come out."""
 
-CONTACTS = (
-    (MEASURED, "e = 0.8, as measured"),
-    (LABEL, f"label e = {LABEL:g}, inferred from speeds"),
-)
+CONTACTS = ((MEASURED, "e = 0.8, as measured"), (LABEL, f"label e = {LABEL:g}, inferred from speeds"))
 
 TILTS = (5.0, 8.0, 10.0, 12.0, 15.0)
 GAMMAS = (1.2, 1.4, 1.6, 1.8, 2.2, 2.6)
@@ -70,18 +61,28 @@ QUANTITIES = {
 """Shorter names of quantities of facts."""
 
 
-def _of_fact(
-    key: str, circumstances: str, ours: float, se: float | None, why: str = "", fitted: bool = False
-) -> Claim:
+def _of_fact(key: str, circumstances: str, ours: float, se: float | None, why: str = "", fitted: bool = False) -> Claim:
     """Claim on one of the paper's facts."""
     fact = FACTS[key]
     bound: Bound = "" if not fact.bound else "<" if math.isinf(fact.low) else ">"
     margin = 0.0 if fact.bound else fact.high - fact.value
     quantity = f"{QUANTITIES.get(key, fact.quantity)}: {circumstances}"
     return Claim(
-        GROUP, quantity, fact.unit, ours, se, fact.value, None, margin,
-        fact.margin, f"{PAPER}, {fact.where}", why, bound, fitted, fact,
-    )  # fmt: skip
+        GROUP,
+        quantity,
+        fact.unit,
+        ours,
+        se,
+        fact.value,
+        None,
+        margin,
+        fact.margin,
+        f"{PAPER}, {fact.where}",
+        why,
+        bound,
+        fitted,
+        fact,
+    )
 
 
 def _percent(share: Value) -> Value:
@@ -92,10 +93,12 @@ def drive(effort: Effort) -> Iterator[Claim]:
     """Claim on the plate's peak speed, which frequency and acceleration give."""
     scene = templates.load("plane-90hz", "scenes", Scene)
     yield _of_fact(
-        "plate speed", "1.8 g at 90 Hz", scene.drive.peak_speed, None,
-        "The paper's three numbers do not meet: 32 mm/s at 90 Hz are 1.85 g. We keep its frequency "
-        "and acceleration.",
-    )  # fmt: skip
+        "plate speed",
+        "1.8 g at 90 Hz",
+        scene.drive.peak_speed,
+        None,
+        "The paper's three numbers do not meet: 32 mm/s at 90 Hz are 1.85 g. We keep its frequency and acceleration.",
+    )
 
 
 def predicted(effort: Effort) -> Iterator[Claim]:
@@ -107,9 +110,13 @@ def predicted(effort: Effort) -> Iterator[Claim]:
         half = 0.5 * (row.speed_high_68_mm_s - row.speed_low_68_mm_s)
         circumstances = f"predicted, with half of its 68 % bounds, {name}"
         yield _of_fact(
-            "speed at 10 deg", circumstances, row.speed_mm_s, half,
-            "The contact was inferred from the paper's speeds.", fitted=True,
-        )  # fmt: skip
+            "speed at 10 deg",
+            circumstances,
+            row.speed_mm_s,
+            half,
+            "The contact was inferred from the paper's speeds.",
+            fitted=True,
+        )
 
 
 def theory_maximum(effort: Effort) -> Iterator[Claim]:
@@ -133,12 +140,18 @@ def bounces(effort: Effort) -> Iterator[Claim]:
         for tilt in (10.0, 35.0):
             ours = rebound(tilt, label, effort.runs)
             yield Claim(
-                GROUP, f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {contact}", "",
-                *ours, fact.value, fact.high - fact.value, 0.0, "",
+                GROUP,
+                f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {contact}",
+                "",
+                *ours,
+                fact.value,
+                fact.high - fact.value,
+                0.0,
+                "",
                 f"{PAPER}, {fact.where}",
                 "What a whole walker keeps depends on its tilt more than on the label: legs that "
                 "slide lose the work of friction. The paper names no tilt, height or first roll.",
-            )  # fmt: skip
+            )
 
 
 def shape(effort: Effort) -> Iterator[Claim]:
@@ -172,25 +185,37 @@ def types(effort: Effort) -> Iterator[Claim]:
     """Claim on the types of landings, by the paper's model and in space, and on their speed."""
     relaxed = paper_model(10.0, effort)
     yield _of_fact(
-        "types II and III", "the paper's model at 10 deg", *_percent(relaxed.types),
+        "types II and III",
+        "the paper's model at 10 deg",
+        *_percent(relaxed.types),
         "At 35 deg landings of that model start from rest, the limit of type III for slow slip.",
-    )  # fmt: skip
+    )
     for restitution, contact in CONTACTS:
         for tilt in (10.0, 35.0):
             ensemble = in_space(tilt, effort, restitution)
             yield _of_fact(
-                "types II and III", f"in space at {tilt:g} deg, {contact}",
+                "types II and III",
+                f"in space at {tilt:g} deg, {contact}",
                 *_percent(ensemble.types),
                 "Others of our landings slide forward throughout (type I, at 10 deg) or backward "
                 "(IV, at 35 deg): corners on springs land slowly and one after another. The paper "
                 "counted impacts of its own model, in which legs relax at once.",
-            )  # fmt: skip
+            )
     ours = math.log10(in_space(10.0, effort, LABEL).landing_speed)
     fact = FACTS["impact speed"]
     yield Claim(
-        GROUP, f"log10 of {fact.quantity}, landings in space at 10 deg", "", ours, None, 0.0, None,
-        0.5, fact.margin, f"{PAPER}, {fact.where}", "",
-    )  # fmt: skip
+        GROUP,
+        f"log10 of {fact.quantity}, landings in space at 10 deg",
+        "",
+        ours,
+        None,
+        0.0,
+        None,
+        0.5,
+        fact.margin,
+        f"{PAPER}, {fact.where}",
+        "",
+    )
 
 
 def motion(effort: Effort) -> Iterator[Claim]:
@@ -203,20 +228,11 @@ def motion(effort: Effort) -> Iterator[Claim]:
     early = exponent(35.0, effort, LABEL, 0.04)
     yield _of_fact("superdiffusive at 35", circumstances.format("40 to 80 ms"), *early)
     yield _of_fact(
-        "diffusive at 35", late, *exponent(35.0, effort, LABEL, LATE_S),
+        "diffusive at 35",
+        late,
+        *exponent(35.0, effort, LABEL, LATE_S),
         "The paper has this beyond 1 s, where runs of some seconds say too little.",
-    )  # fmt: skip
+    )
 
 
-TESTS = (
-    drive,
-    predicted,
-    theory_maximum,
-    speeds,
-    bounces,
-    shape,
-    braced,
-    proportional,
-    types,
-    motion,
-)
+TESTS = (drive, predicted, theory_maximum, speeds, bounces, shape, braced, proportional, types, motion)

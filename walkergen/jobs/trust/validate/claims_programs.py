@@ -42,9 +42,7 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     quantity = "mean square displacement at 35 deg over {:g} s"
     if not (installed("trackpy") and installed("pandas")):
         for lag in LAGS:
-            yield missing(
-                GROUP, quantity.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy")
-            )
+            yield missing(GROUP, quantity.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy"))
         return
     import pandas as pd
     import trackpy
@@ -57,16 +55,20 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     place = [track.columns.index(name) for name in ("x_mm", "y_mm")]
     position = np.ascontiguousarray(track.rows[:, place])
     total, pairs = lagged.squares(position, np.array(LAGS))
-    film = pd.DataFrame(
-        {"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]}
-    )
+    film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
     for lag, ours in zip(LAGS, total / pairs, strict=True):
         yield exact(
-            GROUP, quantity.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]),
-            1e-9, "rounding of transforms", source,
-        )  # fmt: skip
+            GROUP,
+            quantity.format(lag * INTERVAL),
+            "mm²",
+            float(ours),
+            float(theirs.loc[lag]),
+            1e-9,
+            "rounding of transforms",
+            source,
+        )
 
 
 def plastic(effort: Effort) -> Iterator[Claim]:
@@ -88,10 +90,16 @@ def plastic(effort: Effort) -> Iterator[Claim]:
             continue
         theirs = 1e-3 * design.material.density_g_cm3 * volume
         yield exact(
-            GROUP, quantity, "g", weight.whole_g, theirs, 0.01,
-            "one per cent, for which the settings' infill overlap was chosen", PRUSASLICER,
+            GROUP,
+            quantity,
+            "g",
+            weight.whole_g,
+            theirs,
+            0.01,
+            "one per cent, for which the settings' infill overlap was chosen",
+            PRUSASLICER,
             "The slicer plans; a balance says what a printer lays down.",
-        )  # fmt: skip
+        )
 
 
 def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
@@ -100,9 +108,19 @@ def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
         folder = Path(name)
         (folder / "walker.stl").write_bytes(mesh)
         (folder / "settings.ini").write_bytes(settings)
-        words = [program, "--load", str(folder / "settings.ini"), "--skirts", "0", "--brim-width",
-                 "0", "--export-gcode", "--output", str(folder / "walker.gcode"),
-                 str(folder / "walker.stl")]  # fmt: skip
+        words = [
+            program,
+            "--load",
+            str(folder / "settings.ini"),
+            "--skirts",
+            "0",
+            "--brim-width",
+            "0",
+            "--export-gcode",
+            "--output",
+            str(folder / "walker.gcode"),
+            str(folder / "walker.stl"),
+        ]
         try:
             subprocess.run(words, capture_output=True, check=True, timeout=TIMEOUT_S)
             text = (folder / "walker.gcode").read_text(encoding="utf-8", errors="replace")

@@ -89,10 +89,15 @@ def inverse_mass(effort: Effort) -> Iterator[Claim]:
         theirs = mujoco_walker.mobility(plan.case.design, plan.case.mass)
         for name, place in zip(names, ((0, 0), (1, 1), (0, 1)), strict=True):
             yield exact(
-                GROUP, f"inverse mass at a back corner at {tilt:g} deg, {name}", "1/g",
-                float(ours[place]), float(theirs[place]), 1e-9, "rounding of two factorisations",
+                GROUP,
+                f"inverse mass at a back corner at {tilt:g} deg, {name}",
+                "1/g",
+                float(ours[place]),
+                float(theirs[place]),
+                1e-9,
+                "rounding of two factorisations",
                 _mujoco(),
-            )  # fmt: skip
+            )
 
 
 def plastic_speeds(effort: Effort) -> Iterator[Claim]:
@@ -114,27 +119,34 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
         hinge = float(walker.stiffness[0]), float(walker.damping[0])
         count = 3 if effort.quick else 6
         runs = mujoco_walker.speeds(
-            case.design, case.mass, hinge, FRICTION, plan.world.drive, 0.25 * effort.seconds + 0.5,
-            range(count),
-        )  # fmt: skip
+            case.design, case.mass, hinge, FRICTION, plan.world.drive, 0.25 * effort.seconds + 0.5, range(count)
+        )
         theirs = float(runs.mean()), float(runs.std(ddof=1) / math.sqrt(count))
         yield Claim(
-            GROUP, quantity.format(tilt), "mm/s", *ours, *theirs, SAME_FEET * theirs[0],
-            "10 %: engines judge friction by the slip at the end of a step", _mujoco(),
+            GROUP,
+            quantity.format(tilt),
+            "mm/s",
+            *ours,
+            *theirs,
+            SAME_FEET * theirs[0],
+            "10 %: engines judge friction by the slip at the end of a step",
+            _mujoco(),
             "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
             "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
             "leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, 36, 58 mm/s at 10 deg and at "
             "36, 39, 43, 47 mm/s at 15 deg (± 1 to 3). MuJoCo's contacts stop within steps of 4 us "
             "and are damped along the plate as well; what they give back is not set but found.",
-        )  # fmt: skip
+        )
 
 
 def impacts(effort: Effort) -> Iterator[Claim]:
     """Claim on single impacts of a rigid body's foot, by Newton's law, against pymunk."""
     cases = (
-        ("without friction", 20.0, 0.0), ("sliding on", 80.0, 0.1),
-        ("stopped and stuck", 20.0, 2.0), ("stopped and slid back", 5.0, 0.1),
-    )  # fmt: skip
+        ("without friction", 20.0, 0.0),
+        ("sliding on", 80.0, 0.1),
+        ("stopped and stuck", 20.0, 2.0),
+        ("stopped and slid back", 5.0, 0.1),
+    )
     for slip, sliding, friction in cases:
         quantity = f"spin after an impact, foot {slip}"
         if not installed("pymunk"):
@@ -142,14 +154,20 @@ def impacts(effort: Effort) -> Iterator[Claim]:
             continue
         lever, velocity = (-6.5, -9.0), (sliding, -30.0)
         yield exact(
-            GROUP, quantity, "rad/s", _spin(lever, velocity, friction),
-            _pymunks_spin(lever, velocity, friction), 1e-8,
+            GROUP,
+            quantity,
+            "rad/s",
+            _spin(lever, velocity, friction),
+            _pymunks_spin(lever, velocity, friction),
+            1e-8,
             "its iteration ends, and turns the body within the step",
             _pymunk(),
             "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
             "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
-            "223 mm/s at 15 deg (docs/physics.md section 5)." if "back" in slip else "",
-        )  # fmt: skip
+            "223 mm/s at 15 deg (docs/physics.md section 5)."
+            if "back" in slip
+            else "",
+        )
 
 
 def _spin(lever: Pair, velocity: Pair, friction: float) -> float:

@@ -54,20 +54,14 @@ def paper_design(tilt_deg: float, kind: limbs.Kind = "flexible") -> Design:
 
 @cache
 def in_space(
-    tilt_deg: float,
-    effort: Effort,
-    restitution: float | None = None,
-    gamma: float = 1.8,
-    kind: limbs.Kind = "flexible",
+    tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8, kind: limbs.Kind = "flexible"
 ) -> Measured:
     """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
     scene = templates.load("plane-90hz", "scenes", Scene)
     tables = scene.model_dump(exclude_none=True)
     tables["drive"] = {"frequency_hz": scene.drive.frequency, "gamma": gamma}
     tables["legs"]["model"] = "space"
-    tables["run"] |= {
-        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
-    }  # fmt: skip
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
     if restitution is not None:
         tables["contact"]["restitution"] = restitution
     return _measured(Scene.model_validate(tables), paper_design(tilt_deg, kind))
@@ -78,9 +72,7 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
     """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
     tables = templates.load("lane-90hz-fitted", "scenes", Scene).model_dump(exclude_none=True)
     tables["legs"]["model"] = "relaxed"
-    tables["run"] |= {
-        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
-    }  # fmt: skip
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
     return _measured(Scene.model_validate(tables), paper_design(tilt_deg))
 
 
@@ -120,9 +112,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     scene = templates.load("plane-90hz", "scenes", Scene)
     tables = scene.model_dump(exclude_none=True)
     tables["contact"]["restitution"] = restitution
-    tables["run"] |= {
-        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
-    }  # fmt: skip
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
     design = paper_design(tilt_deg)
     experiment = experiments.Experiment(
         Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S

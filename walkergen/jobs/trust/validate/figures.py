@@ -11,12 +11,8 @@ from matplotlib.figure import Figure
 from walkergen.files.figures import PAGE, SMALLEST, style, wrapped
 from walkergen.jobs.trust.validate.claim import Claim, Word
 
-COLOURS: dict[Word, str] = {
-    "agree": "#0072B2", "undecided": "#009E73", "fitted": "#8c8c8c", "disagree": "#D55E00",
-}  # fmt: skip
-MARKERS: dict[Word, str] = {
-    "agree": "o", "undecided": "^", "fitted": "D", "disagree": "s",
-}  # fmt: skip
+COLOURS: dict[Word, str] = {"agree": "#0072B2", "undecided": "#009E73", "fitted": "#8c8c8c", "disagree": "#D55E00"}
+MARKERS: dict[Word, str] = {"agree": "o", "undecided": "^", "fitted": "D", "disagree": "s"}
 
 EXACT = 0.01
 """Gap over the allowed one below which a claim stands in the block of those without a gap."""
@@ -55,8 +51,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
 
     `titles`: of the groups, in order.
     """
-    groups = {title: [claim for claim in claims if claim.group == group]
-              for group, title in titles.items()}  # fmt: skip
+    groups = {title: [claim for claim in claims if claim.group == group] for group, title in titles.items()}
     groups = {title: own for title, own in groups.items() if own}
     heights = {title: max(0.5 + PITCH * _tallest(own), 2.2) for title, own in groups.items()}
     rows = {title: _rows(own) for title, own in groups.items()}
@@ -115,11 +110,10 @@ def _subject(claims: Sequence[Claim]) -> str:
 
 def _count(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict: "21 of 30 agree, 2 fitted"."""
-    number = {word: sum(claim.verdict == word for claim in claims)
-              for word in ("agree", "undecided", "fitted", "not run")}  # fmt: skip
-    more = [
-        f", {number[word]} {word}" for word in ("undecided", "fitted", "not run") if number[word]
-    ]
+    number = {
+        word: sum(claim.verdict == word for claim in claims) for word in ("agree", "undecided", "fitted", "not run")
+    }
+    more = [f", {number[word]} {word}" for word in ("undecided", "fitted", "not run") if number[word]]
     return f"{number['agree']} of {len(claims)} agree" + "".join(more)
 
 
@@ -142,10 +136,7 @@ def _swarm(claims: Sequence[Claim]) -> list[tuple[Claim, float, int]]:
     """
     shown = [claim for claim in claims if claim.verdict in ("agree", "undecided", "fitted")]
     exact = [claim for claim in shown if abs(claim.gap_over_allowed or 0.0) < EXACT]
-    places = [
-        (claim, -DOT * (1.5 + number // BLOCK), number % BLOCK)
-        for number, claim in enumerate(exact)
-    ]
+    places = [(claim, -DOT * (1.5 + number // BLOCK), number % BLOCK) for number, claim in enumerate(exact)]
     below = dict[int, int]()
     for claim in sorted((claim for claim in shown if claim not in exact), key=_place):
         cell = round(_place(claim) / DOT)
@@ -161,22 +152,16 @@ def _tallest(claims: Sequence[Claim]) -> int:
 def _draw_dots(axes: Axes, claims: Sequence[Claim], ground: float) -> None:
     """Draw the agreeing claims of a group, one above another, from a line upward."""
     for word in ("agree", "undecided", "fitted"):
-        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims)
-               if claim.verdict == word]  # fmt: skip
+        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims) if claim.verdict == word]
         if places:
             _mark(axes, word, *np.array(places).T.tolist())
 
 
 def _mark(axes: Axes, word: Word, x: Sequence[float], y: Sequence[float]) -> None:
-    axes.plot(
-        x, y, MARKERS[word], color=COLOURS[word], markersize=4, linestyle="none", clip_on=False,
-        zorder=3,
-    )  # fmt: skip
+    axes.plot(x, y, MARKERS[word], color=COLOURS[word], markersize=4, linestyle="none", clip_on=False, zorder=3)
 
 
-def _dress(
-    axes: Axes, left: float, ticks: Sequence[float], names: Sequence[str], bottom: float
-) -> None:
+def _dress(axes: Axes, left: float, ticks: Sequence[float], names: Sequence[str], bottom: float) -> None:
     """Name both axes, which end at `left` and at the `bottom`; what is allowed is shaded."""
     axes.set_xlim(left, _at(LARGEST))
     axes.axvspan(left, 1.0, color="#0072B2", alpha=0.07, linewidth=0, zorder=0)

@@ -19,8 +19,7 @@ from walkergen.jobs.trust.validate import (
 from walkergen.jobs.trust.validate.claim import Claim, Effort, Test
 
 GROUPS: dict[str, tuple[Test, ...]] = {
-    room.GROUP: room.TESTS
-    for room in (claims_paper, claims_closed, claims_bounce, claims_rivals, claims_programs)
+    room.GROUP: room.TESTS for room in (claims_paper, claims_closed, claims_bounce, claims_rivals, claims_programs)
 }
 
 TITLES = {
@@ -43,8 +42,7 @@ def choose(only: str | None) -> list[str]:
     for name in sorted(names):
         if name not in GROUPS:
             raise InputError(
-                f"--only {only[:60]!r}: {name[:30]!r} is no group of claims; choose from "
-                f"{', '.join(GROUPS)}"
+                f"--only {only[:60]!r}: {name[:30]!r} is no group of claims; choose from {', '.join(GROUPS)}"
             )
     return [group for group in GROUPS if group in names]
 
@@ -60,9 +58,7 @@ def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim
     return claims
 
 
-def make(
-    groups: Sequence[str], effort: Effort, command: str, folder: Path, progress: Progress
-) -> Report:  # fmt: skip
+def make(groups: Sequence[str], effort: Effort, command: str, folder: Path, progress: Progress) -> Report:
     """Put the claims of some groups to the test; write validation.png, .csv, .md into a folder.
 
     `command`: words that made them, for the page's head.

@@ -67,10 +67,7 @@ def mujoco_walker(
     """
     whole = mass.spatial
     assert whole is not None
-    legs = "".join(
-        _leg(name, leg, design, spring)
-        for name, leg in zip(("back", "front"), mass.legs, strict=True)
-    )
+    legs = "".join(_leg(name, leg, design, spring) for name, leg in zip(("back", "front"), mass.legs, strict=True))
     half = 0.5 * design.size.depth
     pairs = "".join(
         f"""
@@ -141,16 +138,13 @@ def speeds(
         mujoco.mj_getState(model, data, state, full)
         phases = phase + 2.0 * math.pi * (np.arange(count) + 0.5) / count
         pull = np.zeros((count, model.nbody, 6))
-        pull[:, :, 1] = -np.outer(
-            GRAVITY - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass
-        )
+        pull[:, :, 1] = -np.outer(GRAVITY - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass)
         pull = np.tile(pull.reshape(count, -1), (EVERY, 1))[None]
         places = []
         for _ in range(round((seconds + 0.5) / (EVERY * drive.period))):
             states, _ = rollout.rollout(
-                model, data, state[None], pull,
-                control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False,
-            )  # fmt: skip
+                model, data, state[None], pull, control_spec=mujoco.mjtState.mjSTATE_XFRC_APPLIED, skip_checks=False
+            )
             state[:] = states[0, -1]
             w, x, y, z = state[4:8]
             heading = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * z - w * y)])

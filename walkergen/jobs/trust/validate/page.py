@@ -9,9 +9,12 @@ from walkergen.jobs.trust.validate.claim import VERDICTS, Claim, Word
 TITLE = "What walkergen predicts, against what is known outside it"
 
 TITLES: dict[Word, str] = {
-    "disagree": "Where we disagree, and why", "undecided": "Undecided", "fitted": "Fitted",
-    "agree": "Remarks", "not run": "Not run",
-}  # fmt: skip
+    "disagree": "Where we disagree, and why",
+    "undecided": "Undecided",
+    "fitted": "Fitted",
+    "agree": "Remarks",
+    "not run": "Not run",
+}
 """Titles of the paragraphs of reasons, by verdict."""
 
 SIGNS = {"<": "below ", ">": "above ", "": ""}
@@ -19,9 +22,7 @@ SIGNS = {"<": "below ", ">": "above ", "": ""}
 
 def counted(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict."""
-    return ", ".join(
-        f"{sum(claim.verdict == word for claim in claims)} {word}" for word in VERDICTS
-    )
+    return ", ".join(f"{sum(claim.verdict == word for claim in claims)} {word}" for word in VERDICTS)
 
 
 def as_markdown(claims: Sequence[Claim], command: str, titles: Mapping[str, str]) -> str:
@@ -44,8 +45,7 @@ def _head(claims: Sequence[Claim], command: str) -> str:
         [
             f"# {TITLE}",
             "",
-            f"Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which "
-            f"{counted(claims)}.",
+            f"Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which {counted(claims)}.",
             "",
             "![Gaps over what is allowed, by group](validation.png)",
             "",
@@ -69,22 +69,21 @@ def _table(claims: Sequence[Claim], sources: Sequence[str]) -> str:
     ]
     for claim in claims:
         cells = (
-            claim.quantity, _number(claim, claim.ours, claim.ours_se), _theirs(claim),
+            claim.quantity,
+            _number(claim, claim.ours, claim.ours_se),
+            _theirs(claim),
             "" if claim.gap is None else f"{claim.gap:.2g}",
             "" if claim.gap is None else f"{claim.allowed:.2g}",
-            "" if claim.z is None else f"{claim.z:.1f}", f"**{claim.verdict}**",
+            "" if claim.z is None else f"{claim.z:.1f}",
+            f"**{claim.verdict}**",
             f"{sources.index(claim.source) + 1}",
-        )  # fmt: skip
+        )
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
 def _theirs(claim: Claim) -> str:
-    return (
-        ""
-        if claim.theirs is None
-        else SIGNS[claim.bound] + _number(claim, claim.theirs, claim.theirs_se)
-    )
+    return "" if claim.theirs is None else SIGNS[claim.bound] + _number(claim, claim.theirs, claim.theirs_se)
 
 
 def _number(claim: Claim, value: float | None, error: float | None) -> str:

@@ -10,9 +10,23 @@ from walkergen.jobs.trust.validate import page
 from walkergen.jobs.trust.validate.claim import Claim
 
 KEYS = (
-    "group", "quantity", "unit", "ours", "ours_se", "theirs", "theirs_se", "bound", "margin",
-    "margin_reason", "z", "gap_over_allowed", "verdict", "source", "why", "missing",
-)  # fmt: skip
+    "group",
+    "quantity",
+    "unit",
+    "ours",
+    "ours_se",
+    "theirs",
+    "theirs_se",
+    "bound",
+    "margin",
+    "margin_reason",
+    "z",
+    "gap_over_allowed",
+    "verdict",
+    "source",
+    "why",
+    "missing",
+)
 
 FILES = ("validation.png", "validation.csv", "validation.md")
 
@@ -33,12 +47,13 @@ def of(claims: Sequence[Claim], titles: Mapping[str, str], folder: Path) -> Repo
         return figures.deviations(claims, titles)
 
     return Report(
-        name="validation", title=page.TITLE, tables=[Table("validation", rows, KEYS)],
-        facts={"rows": [_facts(claim) for claim in claims],
-               "files": [str(folder / name) for name in FILES]},
+        name="validation",
+        title=page.TITLE,
+        tables=[Table("validation", rows, KEYS)],
+        facts={"rows": [_facts(claim) for claim in claims], "files": [str(folder / name) for name in FILES]},
         lines=[*lines, counted, f"in {folder}: {', '.join(FILES)}"],
         figures={"validation": draw},
-    )  # fmt: skip
+    )
 
 
 def _facts(claim: Claim) -> dict[str, Any]:
@@ -46,6 +61,5 @@ def _facts(claim: Claim) -> dict[str, Any]:
     row = claim._asdict() | {"z": claim.z, "allowed": claim.allowed, "verdict": claim.verdict}
     del row["fact"]  # quantity, number, margin and source stand beside it
     return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in row.items()
+        name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()
     }
