@@ -1,4 +1,4 @@
-.PHONY: check test slow nightly bench coverage site pictures wheel calibrate-models
+.PHONY: check test slow nightly bench coverage site pictures wheel calibrate-models evidence
 PYTHON ?= .venv/bin/python
 
 check:
@@ -42,4 +42,10 @@ wheel:
 	WALKERGEN_KERNELS=$(or $(KERNELS),all) $(PYTHON) -m build --wheel --no-isolation --outdir $(or $(DIST),dist)
 
 calibrate-models:
-	$(PYTHON) -m walkergen.jobs.trust.discrepancies.make $(ARGS)
+	$(PYTHON) -m evidence.tables.make $(ARGS)
+
+# What our numbers rest on, beside what is known outside: an hour; ARGS=--quick: minutes, wider error bars
+evidence:
+	$(PYTHON) -m evidence validate $(ARGS)
+	$(PYTHON) -m evidence crowd-checks $(ARGS)
+	$(PYTHON) -m evidence crowds-published $(ARGS)

@@ -33,8 +33,8 @@ import walkergen
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.fit import learn
 from walkergen.jobs.run.simulate import uncertain as prints
+from walkergen.lab.fit import learn
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.simulation.experiments import Experiment

@@ -16,10 +16,10 @@ import time
 
 import numpy as np
 
-from walkergen.card import Card
+from walkergen.crowd.card import Card
+from walkergen.crowd.flat import crowd, deck
+from walkergen.crowd.space.placing import place
 from walkergen.dish import Dish
-from walkergen.flat import crowd, deck
-from walkergen.simulation.crowd.placing import place
 
 LENGTH, WIDTH = 28.0, 8.0
 PACKING = 0.3

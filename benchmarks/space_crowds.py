@@ -14,11 +14,11 @@ import time
 
 import numpy as np
 
+from walkergen.crowd.space import run
+from walkergen.crowd.space.placing import place
 from walkergen.dish import Dish
 from walkergen.files import templates
 from walkergen.scene import Scene
-from walkergen.simulation.crowd import run
-from walkergen.simulation.crowd.placing import place
 from walkergen.walker import seen_above, solids
 from walkergen.walker.design import Design
 
@@ -70,7 +70,7 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     """CPU time of a simulated second of a body in LAMMPS, s: by two runs, without its start."""
     from crowds import card
 
-    from walkergen.flat import crowd
+    from walkergen.crowd.flat import crowd
 
     taken = []
     for simulated in (0.1, 0.6):

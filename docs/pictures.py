@@ -206,14 +206,14 @@ PICTURES = (
     Picture(
         "crowd.png",
         CROWD,
-        (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/run/crowd/*.py", "walkergen/points/crowd*.py"),
+        (*STYLE, *SIMULATION, *SCENES, "walkergen/crowd/job/*.py", "walkergen/points/crowd*.py"),
         40,
         "crowd.png",
     ),
     Picture(
         "validation.png",
         VALIDATE,
-        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/validate/*.py"),
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/validate/*.py"),
         180,
         "validation.png",
         beside=("validation.md",),

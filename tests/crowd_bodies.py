@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from walkergen.crowd.space import bodies, run
 from walkergen.jobs.trust.selftest.scenes import STILL
 from walkergen.scene import Scene
-from walkergen.simulation.crowd import bodies, run
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.space.pose import place
 from walkergen.simulation.space.state import C_X, C_Y, C_Z, V_X, V_Z, W_X, work_for

@@ -3,7 +3,7 @@
 import numpy as np
 
 from walkergen import dish as dishes
-from walkergen.analysis.crowds import film, ground
+from walkergen.crowd.statistics import film, ground
 
 DISHES = ("disc:120", "ring:160,60", "rectangle:200x100", "periodic:150")
 

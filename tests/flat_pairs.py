@@ -8,8 +8,8 @@ from flat_cards import BOX, silent
 from shapely import Polygon, affinity
 from shapely.ops import nearest_points
 
+from walkergen.crowd.flat import crowd
 from walkergen.dish import Dish
-from walkergen.flat import crowd
 from walkergen.theory.impact import Law, impact
 
 ROOM = 90.0

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from space_rival import cross
 
-from walkergen.jobs.trust.validate import mujoco_walker
+from evidence.validate import mujoco_walker
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.plan import prepare

@@ -8,8 +8,8 @@ from crowd_films import gas
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
+from walkergen.crowd import files as crowd_files
 from walkergen.errors import InputError
-from walkergen.points import crowd_files
 
 
 @pytest.fixture

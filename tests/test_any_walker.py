@@ -5,11 +5,11 @@ import pytest
 
 from walkergen.analysis import landings
 from walkergen.errors import InputError
-from walkergen.jobs.measure.bench import pluck
 from walkergen.jobs.run.movie import shot
 from walkergen.jobs.run.simulate import tables
 from walkergen.jobs.trust.accuracy.speeds import Survey
-from walkergen.points import resting
+from walkergen.lab import resting
+from walkergen.lab.bench import pluck
 from walkergen.scene import Scene
 from walkergen.simulation import experiments, poses
 from walkergen.simulation.effects import compliance

@@ -8,9 +8,9 @@ import pytest
 from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Curve, Measured
 from walkergen.files import templates
-from walkergen.jobs.measure.bench import pluck, slide
-from walkergen.points import drops, resting
-from walkergen.points.drops import Let
+from walkergen.lab import drops, resting
+from walkergen.lab.bench import pluck, slide
+from walkergen.lab.drops import Let
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance, feet

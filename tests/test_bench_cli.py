@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.jobs.measure.bench import drop, slide
-from walkergen.points import drops
+from walkergen.lab import drops
+from walkergen.lab.bench import drop, slide
 
 
 @pytest.fixture

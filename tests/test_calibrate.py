@@ -19,10 +19,10 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.calibrate import contact, form, make, modulus, parts, specimens
-from walkergen.jobs.measure.calibrate.modulus import Density
-from walkergen.jobs.measure.calibrate.specimens import BENDS, RINGS
-from walkergen.points import drops
+from walkergen.lab import drops
+from walkergen.lab.calibrate import contact, form, make, modulus, parts, specimens
+from walkergen.lab.calibrate.modulus import Density
+from walkergen.lab.calibrate.specimens import BENDS, RINGS
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

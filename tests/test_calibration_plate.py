@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from walkergen.analysis import beams
 from walkergen.cli import command_line
 from walkergen.files import templates
-from walkergen.jobs.measure.calibrate import form, parts, plate, sheet
+from walkergen.lab.calibrate import form, parts, plate, sheet
 from walkergen.printing import walls
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, solids

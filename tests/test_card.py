@@ -11,17 +11,16 @@ import pytest
 from inertial_tracks import Inertial, tracks
 from typer.testing import CliRunner
 
-from walkergen import card as cards
 from walkergen.analysis import motion, relaxation
 from walkergen.analysis.tracks import of_places
-from walkergen.card import Card, Known
 from walkergen.cli import command_line
+from walkergen.crowd import card as cards
+from walkergen.crowd.card import Card, Known
+from walkergen.crowd.cards import inputs, overdamped, walker_card, walled
+from walkergen.crowd.cards import walker_motion as measured
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.card import inputs, walled
-from walkergen.points import overdamped, walker_card
-from walkergen.points import walker_motion as measured
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from crowd_bodies import Pair
 
+from walkergen.crowd.space import bodies, run
 from walkergen.files import templates
 from walkergen.jobs.trust.selftest.scenes import STILL
 from walkergen.scene import Scene
 from walkergen.simulation import plan as plans
 from walkergen.simulation import trajectory
-from walkergen.simulation.crowd import bodies, run
 from walkergen.simulation.space.state import V_X, V_Z, W_X
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -8,13 +8,13 @@ import pytest
 from flat_cards import BOX, DISC, silent, with_lammps
 from typer.testing import CliRunner
 
+from evidence.crowd_checks import compared, make, meetings, pairs, setting, single
+from evidence.crowd_checks.meetings import MEETINGS
+from evidence.crowd_checks.setting import RATE_HZ
 from walkergen.analysis.values import Value
 from walkergen.cli import command_line
+from walkergen.crowd.flat import engine
 from walkergen.errors import InputError
-from walkergen.flat import engine
-from walkergen.jobs.trust.crowd_checks import compared, make, meetings, pairs, setting, single
-from walkergen.jobs.trust.crowd_checks.meetings import MEETINGS
-from walkergen.jobs.trust.crowd_checks.setting import RATE_HZ
 
 OUTLINE = np.array(BOX)
 

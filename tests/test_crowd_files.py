@@ -11,13 +11,17 @@ import pytest
 from crowd_films import BOX, gas, of
 from PIL import Image
 
-from walkergen.analysis import crowds, tracks
-from walkergen.analysis.crowds import film as films
+from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
+from walkergen.crowd import figures as crowd_figures
+from walkergen.crowd import files as crowd_files
+from walkergen.crowd import movie as crowd_movie
+from walkergen.crowd import statistics as crowds
+from walkergen.crowd import tables as crowd_tables
+from walkergen.crowd.statistics import film as films
 from walkergen.errors import InputError
 from walkergen.files import extended_xyz
 from walkergen.files.progress import silent
-from walkergen.points import crowd_figures, crowd_files, crowd_movie, crowd_tables
 
 
 def running(dish="periodic:50", walkers=6, frames=12):

@@ -12,14 +12,14 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen import card as cards
-from walkergen.card import Card
 from walkergen.cli import command_line
+from walkergen.crowd import card as cards
+from walkergen.crowd.card import Card
+from walkergen.crowd.flat import crowd as flat
+from walkergen.crowd.flat.crowd import FlatRun
+from walkergen.crowd.job import plane
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
-from walkergen.flat import crowd as flat
-from walkergen.flat.crowd import FlatRun
-from walkergen.jobs.run.crowd import plane
 from walkergen.scene import Scene
 
 BAR = [[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]

@@ -14,16 +14,16 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
+from walkergen.crowd import in_space as crowd_space
+from walkergen.crowd import members
+from walkergen.crowd.job import make
+from walkergen.crowd.space import placing
+from walkergen.crowd.space import run as crowds
+from walkergen.crowd.space.result import CrowdRun
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.run.crowd import make
-from walkergen.points import crowd_members as members
-from walkergen.points import crowd_space
 from walkergen.scene import Scene
-from walkergen.simulation.crowd import placing
-from walkergen.simulation.crowd import run as crowds
-from walkergen.simulation.crowd.result import CrowdRun
 from walkergen.walker.design import Design
 
 

@@ -11,7 +11,7 @@ import pytest
 from crowd_bodies import Pair
 from crowd_rival import Box, Law, Motion, collide, flush, inverse_mass, meet, still, struck
 
-from walkergen.simulation.crowd import bodies, run
+from walkergen.crowd.space import bodies, run
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.space.pose import place
 from walkergen.simulation.space.state import C_X, V_X, W_X, work_for

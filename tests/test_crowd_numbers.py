@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.analysis.crowds.film import NO_OUTLINES, of_places
+from evidence.crowds_published import numbers
+from evidence.crowds_published.published import FINDINGS
+from walkergen.crowd.statistics.film import NO_OUTLINES, of_places
 from walkergen.dish import parse
-from walkergen.jobs.trust.reproduce import crowd_numbers as numbers
-from walkergen.jobs.trust.reproduce.crowd_published import FINDINGS
 
 
 def crowd(place, heading, dish="disc:200", interval=0.02):

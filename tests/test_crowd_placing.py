@@ -8,8 +8,8 @@ import shapely
 from shapely.affinity import rotate, translate
 
 from walkergen import dish
+from walkergen.crowd.space import placing
 from walkergen.errors import InputError
-from walkergen.simulation.crowd import placing
 
 BAR = [np.array([(-14.0, -4.0), (14.0, -4.0), (14.0, 4.0), (-14.0, 4.0)])]
 HOOK = [np.array([(-12.0, -8), (16, -8), (16, 10), (8, 10), (8, -1), (-12, -1)])]

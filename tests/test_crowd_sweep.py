@@ -12,13 +12,13 @@ from test_crowd_job import walk
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
+from walkergen.crowd import in_space as crowd_space
+from walkergen.crowd.members import RATE_HZ
+from walkergen.crowd.space import run as crowds
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.jobs.run.sweep import ask, make
-from walkergen.points import crowd_space
-from walkergen.points.crowd_members import RATE_HZ
 from walkergen.points.store import Store
-from walkergen.simulation.crowd import run as crowds
 
 PACKINGS = "scene.crowd.packing=0.1,0.2"
 SHORT = ("scene.run.seconds=2", "scene.run.runs=3")

@@ -6,8 +6,8 @@ import shapely
 from crowd_films import BOX, DISHES, gas, of
 
 from walkergen import dish as dishes
-from walkergen.analysis import crowds
-from walkergen.analysis.crowds import boxes, clusters, fluctuations, ground, order, packing, pairs, walls
+from walkergen.crowd import statistics as crowds
+from walkergen.crowd.statistics import boxes, clusters, fluctuations, ground, order, packing, pairs, walls
 from walkergen.errors import InputError
 
 

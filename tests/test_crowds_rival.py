@@ -6,7 +6,7 @@ import pytest
 from crowd_films import of
 
 from walkergen import dish as dishes
-from walkergen.analysis.crowds import clusters, ground, order, pairs
+from walkergen.crowd.statistics import clusters, ground, order, pairs
 
 SIDE = 100.0
 

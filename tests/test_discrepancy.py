@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from walkergen.jobs.trust.discrepancies import cases, fit, make
+from evidence.tables import cases, fit, make
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Drive, Scene

@@ -17,7 +17,6 @@ from walkergen.analysis.tracks import Track
 from walkergen.files import figures
 from walkergen.jobs.make.family import chart_data
 from walkergen.jobs.make.family import figures as family
-from walkergen.jobs.measure.analyse import report as analysis
 from walkergen.jobs.trust.accuracy import figures as precision
 from walkergen.jobs.trust.accuracy.choice_figure import choice_figure, front
 from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
@@ -25,6 +24,7 @@ from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
+from walkergen.track.analyse import report as analysis
 
 TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
 MM = 25.4

@@ -9,8 +9,8 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.track import appearance, blobs, doubts, make, report
-from walkergen.jobs.measure.track.result import Options
+from walkergen.track.film import appearance, blobs, doubts, make, report
+from walkergen.track.film.result import Options
 
 
 def sigmoid(low, soft):

@@ -13,7 +13,7 @@ from walkergen.analysis import speeds
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.track import report
+from walkergen.track.film import report
 
 SCALE, SHARE = 0.2, 0.01
 PLATE = 95.0

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.measure.fit import emulated, learn
+from walkergen.lab.fit import emulated, learn
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.walker import solids

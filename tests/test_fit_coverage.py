@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from walkergen.files import templates
-from walkergen.jobs.measure.fit import emulated, parameters, posterior
-from walkergen.jobs.measure.fit.posterior import Observed
+from walkergen.lab.fit import emulated, parameters, posterior
+from walkergen.lab.fit.posterior import Observed
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.theory import uncertain

@@ -5,10 +5,10 @@ import pytest
 from scipy import stats
 
 from walkergen.files import templates
-from walkergen.jobs.measure.fit import emulated, identifiability, parameters, posterior
-from walkergen.jobs.measure.fit.emulated import Response
-from walkergen.jobs.measure.fit.parameters import Parameter, values
-from walkergen.jobs.measure.fit.posterior import Observed
+from walkergen.lab.fit import emulated, identifiability, parameters, posterior
+from walkergen.lab.fit.emulated import Response
+from walkergen.lab.fit.parameters import Parameter, values
+from walkergen.lab.fit.posterior import Observed
 from walkergen.scene import PAPER_CONTACT, Scene
 from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design

@@ -6,8 +6,8 @@ import pytest
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.fit import emulated, parameters, posterior, request, tabled, weighed
-from walkergen.jobs.measure.fit.posterior import Observed
+from walkergen.lab.fit import emulated, parameters, posterior, request, tabled, weighed
+from walkergen.lab.fit.posterior import Observed
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
 from walkergen.theory.prediction import MODEL, PRINT

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from flat_cards import DISC, card, with_lammps
 
+from walkergen.crowd.flat import crowd, deck
+from walkergen.crowd.space.placing import place
 from walkergen.dish import Dish
-from walkergen.flat import crowd, deck
-from walkergen.simulation.crowd.placing import place
 
 WIDTH = 8.0
 NUMBER = 200

@@ -7,8 +7,8 @@ import pytest
 from flat_cards import DISC, silent, with_lammps
 from flat_pairs import collide
 
+from walkergen.crowd.flat import contact, crowd, discs, doors
 from walkergen.dish import Dish
-from walkergen.flat import contact, crowd, discs, doors
 from walkergen.theory.impact import Law, impact
 
 SPEED = 100.0

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
-from walkergen.card import Card
+from walkergen.crowd.card import Card
+from walkergen.crowd.flat import crowd, deck, dump, engine
 from walkergen.dish import Dish
 from walkergen.errors import InputError, OutputError
-from walkergen.flat import crowd, deck, dump, engine
 
 HELP = """
 Large-scale Atomic/Molecular Massively Parallel Simulator - {release}

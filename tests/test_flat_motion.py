@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
+from walkergen.crowd.flat import crowd, motion
 from walkergen.dish import Dish
-from walkergen.flat import crowd, motion
 
 pytestmark = with_lammps
 

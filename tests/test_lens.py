@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.jobs.measure.track import lens, marked_doubts
-from walkergen.jobs.measure.track.blobs import Blobs
-from walkergen.jobs.measure.track.lens import Lens
+from walkergen.track.film import lens, marked_doubts
+from walkergen.track.film.blobs import Blobs
+from walkergen.track.film.lens import Lens
 
 NEAR = Camera()
 

@@ -16,8 +16,8 @@ from walkergen.analysis import tracks
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.track import marked, marked_report, plane
-from walkergen.jobs.measure.track.marked import Wish
+from walkergen.track.film import marked, marked_report, plane
+from walkergen.track.film.marked import Wish
 
 SIDE = 7.2
 ASKEW = Camera(tilt=np.radians(25.0), roll=0.6)
@@ -402,6 +402,6 @@ def test_opencv_is_named_where_it_is_missing_and_imported_only_where_it_is_used(
         found_in(plain[0])
     words = (
         "import sys, walkergen.cli.track, walkergen.printing.caps, "
-        "walkergen.jobs.measure.track.marked_report as m; assert 'cv2' not in sys.modules"
+        "walkergen.track.film.marked_report as m; assert 'cv2' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", words], check=True)

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from evidence.tables import make, motor_cases
 from walkergen.files import templates
-from walkergen.jobs.measure.fit import learn
-from walkergen.jobs.trust.discrepancies import make, motor_cases
+from walkergen.lab.fit import learn
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Scene

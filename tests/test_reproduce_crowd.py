@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from evidence.crowds_published import cases as crowd_cases
+from evidence.crowds_published import claims as crowd_claims
+from evidence.crowds_published import make as crowd_make
+from evidence.crowds_published import report as crowd_report
+from evidence.crowds_published.published import FINDINGS
 from walkergen.analysis.values import Value
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.jobs.trust.reproduce import crowd_cases, crowd_claims, crowd_make, crowd_report
-from walkergen.jobs.trust.reproduce.crowd_published import FINDINGS
 from walkergen.walker import seen_above, solids
 
 SIZE = crowd_cases.Size(3, 0.5, 0.2, 1)

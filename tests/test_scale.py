@@ -14,7 +14,7 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.measured import measured
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.track import report
+from walkergen.track.film import report
 
 SCALE, ERROR = 0.2, 0.01
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from motor_rival import carrying, throwing
 
-from walkergen.jobs.measure.fit import learn
+from walkergen.lab.fit import learn
 from walkergen.scene import Scene
 from walkergen.simulation.run import simulate
 from walkergen.theory import prediction, shaking, uncertain

@@ -12,9 +12,9 @@ import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.calibrate import filmed, form
-from walkergen.jobs.measure.track import report
+from walkergen.lab.calibrate import filmed, form
 from walkergen.scene import GRAVITY
+from walkergen.track.film import report
 
 HEADER = (*form.HEADER, form.TRACKS)
 ANGLE = 25.0

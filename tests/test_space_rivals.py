@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from space_rival import Walker, keller, land, plan_of, weightless
 
-from walkergen.jobs.trust.validate import mujoco_walker
+from evidence.validate import mujoco_walker
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.plan import prepare

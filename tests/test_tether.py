@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from space_rival import plan_of, weightless
 
 from walkergen.errors import InputError
-from walkergen.points import resting
+from walkergen.lab import resting
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import acting, tether

@@ -18,13 +18,13 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import figures, templates
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.track import appearance, blobs, films, heading, linking, make, report
-from walkergen.jobs.measure.track.blobs import Blob, Blobs
-from walkergen.jobs.measure.track.linking import Seen
-from walkergen.jobs.measure.track.result import Options
 from walkergen.jobs.run.movie import above
 from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
+from walkergen.track.film import appearance, blobs, films, heading, linking, make, report
+from walkergen.track.film.blobs import Blob, Blobs
+from walkergen.track.film.linking import Seen
+from walkergen.track.film.result import Options
 from walkergen.walker.design import Design
 
 HIGH, WIDE = 160, 240
@@ -411,7 +411,7 @@ def test_too_large_a_film_and_a_missing_package_say_what_to_do(monkeypatch, two)
 
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
-    monkeypatch.setattr("walkergen.jobs.measure.track.figures.WIDE", 3.0)  # drawn in less time
+    monkeypatch.setattr("walkergen.track.film.figures.WIDE", 3.0)  # drawn in less time
     found = wg.track(two, length=28.0, heading="mark", folder=tmp_path / "here")
     assert found.picture == tmp_path / "here" / "check.png"
     table = found.table

@@ -9,11 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.analysis import values
-from walkergen.analysis.values import Value
-from walkergen.cli import command_line
-from walkergen.errors import InputError
-from walkergen.jobs.trust.validate import (
+from evidence.validate import (
     bodies,
     claims_bounce,
     claims_closed,
@@ -24,7 +20,11 @@ from walkergen.jobs.trust.validate import (
     make,
     page,
 )
-from walkergen.jobs.trust.validate.claim import Claim, Effort, exact, missing
+from evidence.validate.claim import Claim, Effort, exact, missing
+from walkergen.analysis import values
+from walkergen.analysis.values import Value
+from walkergen.cli import command_line
+from walkergen.errors import InputError
 from walkergen.theory import speed, tensors
 from walkergen.theory.tensors import InverseMass
 

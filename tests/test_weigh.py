@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.jobs.measure.weigh import make
+from walkergen.jobs.make.weigh import make
 from walkergen.printing import export
 from walkergen.shapes import modeller
 from walkergen.shapes.mesh import Mesh

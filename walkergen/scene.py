@@ -33,7 +33,7 @@ class Prior(NamedTuple):
 
 PAPER_CONTACT = Prior("contact of the paper's plate", 0.22, 0.07, 0.25, 0.02)
 """Contact with which the model in space meets what the paper states of its walkers' speeds, with
-the friction that it measured: by walkergen/jobs/trust/discrepancies/contact.py."""
+the friction that it measured: by evidence/tables/contact.py."""
 
 UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.40, 0.25, 0.30, 0.12)
 """Contact of which nothing was measured: plastics are seen to bounce with nearly nothing to 0.9,

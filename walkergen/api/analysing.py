@@ -14,8 +14,8 @@ from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.files.report import Report, Table
 from walkergen.files.tables import csv_text
-from walkergen.jobs.measure.analyse import make
-from walkergen.jobs.measure.analyse.report import AnalysisReport
+from walkergen.track.analyse import make
+from walkergen.track.analyse.report import AnalysisReport
 
 NAME = "tracks"
 """Name by which messages and titles call tracks that come from no file."""

@@ -5,15 +5,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from walkergen import card as cards
 from walkergen.api.loading import Ground, Name, Walker, scene_of, walker_of
-from walkergen.card import Card
+from walkergen.crowd import card as cards
+from walkergen.crowd import in_space as crowd_space
+from walkergen.crowd import members as crowd_members
+from walkergen.crowd.card import Card
+from walkergen.crowd.job import files, make, plane, report
+from walkergen.crowd.job.report import CrowdReport
+from walkergen.crowd.members import RATE_HZ, RUNS
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.run.crowd import files, make, plane, report
-from walkergen.jobs.run.crowd.report import CrowdReport
-from walkergen.points import crowd_members, crowd_space
-from walkergen.points.crowd_members import RATE_HZ, RUNS
 
 PAPER, SCENE = "koumakis2016", "plane-90hz"
 

@@ -11,15 +11,15 @@ from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.measure.bench import make as benches
-from walkergen.jobs.measure.bench.report import BenchReport
-from walkergen.jobs.measure.calibrate import make as calibrations
-from walkergen.jobs.measure.calibrate.report import CalibrationReport
-from walkergen.jobs.measure.fit import request
-from walkergen.jobs.measure.fit.report import FitReport
-from walkergen.jobs.measure.weigh import make as weighing
-from walkergen.jobs.measure.weigh import report as weigh_report
-from walkergen.jobs.measure.weigh.report import WeighReport
+from walkergen.jobs.make.weigh import make as weighing
+from walkergen.jobs.make.weigh import report as weigh_report
+from walkergen.jobs.make.weigh.report import WeighReport
+from walkergen.lab.bench import make as benches
+from walkergen.lab.bench.report import BenchReport
+from walkergen.lab.calibrate import make as calibrations
+from walkergen.lab.calibrate.report import CalibrationReport
+from walkergen.lab.fit import request
+from walkergen.lab.fit.report import FitReport
 from walkergen.theory.speed import Mode
 from walkergen.walker.limbs import Kind
 

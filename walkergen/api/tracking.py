@@ -7,12 +7,12 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.measure.track import lens as lenses
-from walkergen.jobs.measure.track import make, marked, marked_report
-from walkergen.jobs.measure.track.marked import Wish
-from walkergen.jobs.measure.track.marked_report import MarkedReport
-from walkergen.jobs.measure.track.report import TrackReport
-from walkergen.jobs.measure.track.result import Options
+from walkergen.track.film import lens as lenses
+from walkergen.track.film import make, marked, marked_report
+from walkergen.track.film.marked import Wish
+from walkergen.track.film.marked_report import MarkedReport
+from walkergen.track.film.report import TrackReport
+from walkergen.track.film.result import Options
 
 
 def track(

@@ -26,7 +26,7 @@ COMMANDS = {
     "Predict": ("predict", "sweep"),
     "Simulate": ("simulate", "crowd", "movie", "explain"),
     "Measure": ("track", "analyse", "card", "fit", "calibrate", "weigh", "bench"),
-    "Trust": ("accuracy", "selftest", "validate", "reproduce"),
+    "Trust": ("accuracy", "selftest", "reproduce"),
     "Files": ("report", "templates"),
 }
 """Commands under the headings of the help; each is in the module of its name."""
@@ -87,7 +87,7 @@ def _show_surroundings() -> None:
         print(f"cache of this process alone: {error}")
 
 
-def main() -> None:
+def main(commands: typer.Typer = command_line) -> None:
     """Run the command line: every mistake is a line on standard error, and the exit code tells.
 
     0: all is done; 1: a file or a stream could not be written, or a test failed; 2: the input is
@@ -101,7 +101,7 @@ def main() -> None:
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
     # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    code = _run()
+    code = _run(commands)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
     if code == INTERRUPTED:
         leave()
@@ -116,11 +116,11 @@ def leave(code: int = INTERRUPTED) -> NoReturn:
     os._exit(code)
 
 
-def _run() -> int:
+def _run(commands: typer.Typer) -> int:
     """Run a command and empty standard output; returns the exit code."""
     try:
         try:
-            command_line()
+            commands()
         except SystemExit as done:
             sys.stdout.flush()
             if isinstance(getattr(done.__context__, "__cause__", None), KeyboardInterrupt):

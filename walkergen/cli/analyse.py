@@ -55,11 +55,12 @@ def analyse(
     with errors from independent runs (--run), and no walker by itself.
     """
     from walkergen.analysis.tracks import Units
+    from walkergen.crowd import filmed as crowd
     from walkergen.errors import InputError
     from walkergen.files import output
     from walkergen.files.measured import measured
     from walkergen.files.report import Report
-    from walkergen.jobs.measure.analyse import crowd, make
+    from walkergen.track.analyse import make
 
     for flag, value in (("--body", body), ("--middle", middle), ("--run", run)):
         if value is not None and dish is None:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from walkergen.files.progress import Progress
     from walkergen.files.report import Report
-    from walkergen.jobs.measure.bench.make import Drop, Test
+    from walkergen.lab.bench.make import Drop, Test
     from walkergen.walker.design import Design
 
 commands = typer.Typer(
@@ -66,7 +66,7 @@ def drop(
 ) -> None:
     """Drop a walker on a still plate: from its rebound to the restitution of its feet."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.measure.bench import make
+    from walkergen.lab.bench import make
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
@@ -92,7 +92,7 @@ def drop(
 def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     """Film the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.jobs.run.movie import make as movies
-    from walkergen.points import drops, resting
+    from walkergen.lab import drops, resting
 
     let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
     scene = resting.filmed(test.scene)
@@ -118,7 +118,7 @@ def slide(
 ) -> None:
     """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.measure.bench import make
+    from walkergen.lab.bench import make
 
     inputs = loading.inputs(keys, "design scene")
     chosen = inputs.one(design, tilt, legs)
@@ -152,7 +152,7 @@ def pluck(
 ) -> None:
     """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.measure.bench import make
+    from walkergen.lab.bench import make
 
     inputs = loading.inputs(keys, "design scene")
     chosen = inputs.one(design, tilt, legs)
@@ -166,7 +166,7 @@ def _report(
     what: str, design: "Design", out: Path | None, json: bool, quiet: bool, test: "Callable[[Path, Progress], Report]"
 ) -> None:
     """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
-    from walkergen.jobs.measure.bench import make
+    from walkergen.lab.bench import make
 
     folder = out or make.folder_of(what, design)
     with show.progress(f"bench {what}", wanted=not quiet) as progress:

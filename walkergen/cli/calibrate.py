@@ -44,7 +44,7 @@ def calibrate(
     second.
     """
     from walkergen.files import output
-    from walkergen.jobs.measure.calibrate import make
+    from walkergen.lab.calibrate import make
 
     inputs = loading.inputs(keys, "design scene", seed=seed)
     walker, surroundings = inputs.one(design, tilt, legs), inputs.scene(scene)

@@ -57,8 +57,8 @@ def card(
     HOOMD-blue and LAMMPS. From simulated runs, from tracks with headings of a film of a --design,
     or from a card that somebody edited.
     """
+    from walkergen.crowd.cards import make
     from walkergen.files import output
-    from walkergen.jobs.measure.card import make
 
     path = Path(what)
     kind = path.suffix.lower()
@@ -92,8 +92,8 @@ def _filmed(
 ) -> tuple[Any, dict[str, Any]]:
     """Card of filmed walkers, and what was asked. Raises InputError without a design."""
     from walkergen.analysis.tracks import Units
+    from walkergen.crowd.cards import make
     from walkergen.files.measured import measured
-    from walkergen.jobs.measure.card import make
 
     name = of_film["--design"]
     if name is None:

@@ -12,7 +12,7 @@ from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.cli.loading import Inputs
-    from walkergen.points.crowd_job import Job
+    from walkergen.crowd.runs import Job
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
@@ -90,8 +90,9 @@ def crowd(
     the same bytes on any number of threads. A card, as `walkergen card` writes it, in place of a
     design makes a crowd in a plane, of thousands.
     """
-    from walkergen.jobs.run.crowd import files, make, report
-    from walkergen.points import crowd_members, crowd_movie
+    from walkergen.crowd import members as crowd_members
+    from walkergen.crowd import movie as crowd_movie
+    from walkergen.crowd.job import files, make, report
 
     asked = None if count is None else crowd_members.parse(count)
     shares = asked if isinstance(asked, list) else None
@@ -169,7 +170,7 @@ def _in_space(
     legs: str | None,
 ) -> "Job":
     """Crowd of designs."""
-    from walkergen.points import crowd_space
+    from walkergen.crowd import in_space as crowd_space
 
     return crowd_space.asked(scene, _walkers(inputs, names, tilt, legs), counts, rate)
 
@@ -184,8 +185,8 @@ def _flat(
     legs: str | None,
 ) -> "Job":
     """Crowd of cards. Raises InputError for what their measurement has settled."""
-    from walkergen import card
-    from walkergen.jobs.run.crowd import plane
+    from walkergen.crowd import card
+    from walkergen.crowd.job import plane
 
     why = "a card was measured with its own: make another card (`walkergen card`), or leave it out"
     for flag, value in (("--tilt", tilt), ("--legs", legs)):

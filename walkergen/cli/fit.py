@@ -55,7 +55,7 @@ def fit(
     eq. 15, is found by least squares. All write scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
-    from walkergen.jobs.measure.fit import request
+    from walkergen.lab.fit import request
 
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":

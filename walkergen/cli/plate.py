@@ -13,7 +13,7 @@ from walkergen.cli import options as opt
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.jobs.measure.calibrate.plate import Order
+    from walkergen.lab.calibrate.plate import Order
     from walkergen.walker.design import Design
 
 
@@ -72,7 +72,7 @@ def plate(
     """
     from walkergen.files import output
     from walkergen.jobs.make.plate import make as plates
-    from walkergen.jobs.measure.calibrate import plate as calibration_plate
+    from walkergen.lab.calibrate import plate as calibration_plate
 
     inputs = loading.inputs(keys, "design printer")
     if calibration:
@@ -114,8 +114,8 @@ def plate(
 
 def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
     """Make a calibration plate, and print what lies on it and where its files are."""
-    from walkergen.jobs.measure.calibrate import form
-    from walkergen.jobs.measure.calibrate import plate as plates
+    from walkergen.lab.calibrate import form
+    from walkergen.lab.calibrate import plate as plates
 
     with show.progress("calibration", wanted=not quiet) as progress:
         report = plates.make(order, folder, progress, partial(show.warnings, quiet=quiet))

@@ -24,30 +24,12 @@ def reproduce(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     seed: opt.Seed = None,
-    crowd: Annotated[bool, typer.Option("--crowd", help="Crowds beside published ones, instead of the paper.")] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="With --crowd: simulate less, wider error bars.")] = False,
     keys: opt.Values = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Compare the paper's figures and mechanisms, or crowds, with ours (takes minutes)."""
-    if crowd:
-        theirs = {
-            "DESIGN": design != opt.PAPER,
-            "--scene": scene != opt.SCENE,
-            "--scene-fitted": scene_fitted != FITTED,
-            "--tilt": tilt,
-            "--gamma": gamma,
-            "--set": keys,
-        }
-        for flag, given in theirs.items():
-            if given:
-                raise InputError(f"{flag}: with --crowd walkers and scenes are given: leave it out")
-        crowds(seconds, runs, seed, quick, out, json, quiet)
-        return
-    if quick:
-        raise InputError("--quick: for --crowd alone; of the paper take fewer --tilt or --runs")
+    """Compare the paper's figures and mechanisms with ours (takes minutes)."""
     from walkergen.jobs.trust.reproduce import make as side_by_side
 
     inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
@@ -67,27 +49,6 @@ def reproduce(
     about_s = side_by_side.expected_s(job)
     with show.progress("reproduce", wanted=not quiet, about_s=about_s) as progress:
         report = side_by_side.make(job, folder, progress)
-    show.report(report, json, quiet)
-
-
-def crowds(
-    seconds: float | None, runs: int | None, seed: int | None, quick: bool, out: Path | None, json: bool, quiet: bool
-) -> None:
-    """Compare our crowds with published ones. Raises InputError."""
-    from walkergen.jobs.trust.reproduce import crowd_make
-    from walkergen.jobs.trust.reproduce.crowd_cases import QUICK, WHOLE
-
-    size = QUICK if quick else WHOLE
-    size = size._replace(
-        runs=size.runs if runs is None else runs,
-        seconds=size.seconds if seconds is None else seconds,
-        seed=size.seed if seed is None else seed,
-    )
-    crowd_make.check(size)
-    folder = out or Path("out") / "reproduce-crowd"
-    about_s = crowd_make.expected_s(size)
-    with show.progress("reproduce --crowd", wanted=not quiet, about_s=about_s) as progress:
-        report = crowd_make.make(size, folder, progress)
     show.report(report, json, quiet)
 
 

@@ -67,9 +67,9 @@ def track(
     """
     from walkergen.files import output
     from walkergen.files.measured import measured
-    from walkergen.jobs.measure.track import lens as lenses
-    from walkergen.jobs.measure.track import make
-    from walkergen.jobs.measure.track.result import Options
+    from walkergen.track.film import lens as lenses
+    from walkergen.track.film import make
+    from walkergen.track.film.result import Options
 
     if markers is not None:
         beside = {
@@ -121,8 +121,8 @@ def _by_markers(
     """Track by markers, and print what was found."""
     from walkergen.files import output
     from walkergen.files.measured import measured
-    from walkergen.jobs.measure.track import lens as lenses
-    from walkergen.jobs.measure.track import marked, marked_report
+    from walkergen.track.film import lens as lenses
+    from walkergen.track.film import marked, marked_report
 
     marked.check_kind(markers, "--markers ")
     side, side_se = measured(marker_mm, "--marker-mm")

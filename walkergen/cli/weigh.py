@@ -18,6 +18,6 @@ def weigh(
     json: opt.AsJson = False,
 ) -> None:
     """Weigh a mesh: volume, mass, centre of mass, inertia tensor, principal moments and axes."""
-    from walkergen.jobs.measure.weigh import make, report
+    from walkergen.jobs.make.weigh import make, report
 
     show.report(report.of(make.weigh(file, density, scale), file, density, scale), json, False)

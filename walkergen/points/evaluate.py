@@ -37,7 +37,7 @@ def refused(error: WalkergenError) -> Record:
 
 def _evaluated(point: Point) -> Record:
     if point.crowd:
-        from walkergen.points import crowd_numbers  # takes a tenth of a second
+        from walkergen.crowd import numbers as crowd_numbers
 
         return crowd_numbers.evaluate(point)
     design, scene, keep = point.design, point.scene, point.keep

@@ -83,7 +83,7 @@ def kept(model: str) -> tuple[str, ...]:
     """Groups of numbers that a model has: of a walker alone KEPT, of a crowd its statistics."""
     if model != CROWD:
         return KEPT
-    from walkergen.analysis.crowds.measuring import UNITS  # takes a tenth of a second
+    from walkergen.crowd.statistics.measuring import UNITS
 
     return tuple(UNITS)
 
@@ -114,7 +114,8 @@ def digest() -> str:
     package, hasher = Path(__file__).parent.parent, hashlib.sha256()
     counted = (
         "*.py",
-        "analysis/**/*.py",
+        "analysis/*.py",
+        "crowd/**/*.py",
         "points/*.py",
         "numerics/*.py",
         "printing/*.py",

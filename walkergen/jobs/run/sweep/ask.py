@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
+from walkergen.crowd.members import RUNS
 from walkergen.errors import InputError
 from walkergen.files import assignments, columns, templates
 from walkergen.jobs.run.sweep import sweep_file
 from walkergen.points import axes, request
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
-from walkergen.points.crowd_members import RUNS
 from walkergen.points.point import CROWD, PREDICTION
 from walkergen.points.request import SCENE as SCENES
 from walkergen.points.request import Request, check_alone, of_crowds

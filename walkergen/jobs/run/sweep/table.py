@@ -76,7 +76,7 @@ class Quantity(NamedTuple):
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
     """Columns of the records of a model that keep these groups, the status last."""
     if model == CROWD:
-        from walkergen.points import crowd_numbers
+        from walkergen.crowd import numbers as crowd_numbers
 
         statistics = [column for name in keep for column in crowd_numbers.columns(name)]
         return (*crowd_numbers.SIZE, *statistics, STATUS)
@@ -88,7 +88,8 @@ def quantities(model: str, keep: Sequence[str]) -> tuple[Quantity, ...]:
     """What pictures of a model's table show: the speed, or each statistic of crowds."""
     if model != CROWD:
         return (Quantity("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
-    from walkergen.points import crowd_numbers, crowd_tables
+    from walkergen.crowd import numbers as crowd_numbers
+    from walkergen.crowd import tables as crowd_tables
 
     made = []
     for name in keep:

@@ -1,0 +1,1 @@
+"""What walkergen's numbers rest on: run from a checkout, not installed."""

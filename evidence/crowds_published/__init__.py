@@ -1,0 +1,1 @@
+"""Published crowds beside ours."""

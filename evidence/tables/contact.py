@@ -1,0 +1,97 @@
+"""Contact of the paper's plate: the label of its feet's damping, from all that the paper states.
+
+`python -m evidence.tables.contact` prints it, for `scene.PAPER_CONTACT`. By
+Bayes' rule over draws of a prediction: labels are drawn evenly, friction as measured, thickness,
+modulus and feet as a print may have them, prints anew for each tilt. The model's own error is left
+out: the label takes up what it is for the paper's walkers, and predictions of others add it.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.jobs.trust.published import FACTS
+from walkergen.scene import Contact, Prediction, Scene
+from walkergen.theory import prediction, uncertain
+from walkergen.theory.prediction import PRINT
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+ENDS = 2.0
+"""Standard deviations from a stated value to the ends of its margin: 95 % lie between."""
+
+DRAWS, SEED = 2**15, 60
+
+TILTS_DEG = (2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 35.0)
+"""Tilts between which the fastest is looked for."""
+
+
+class Posterior(NamedTuple):
+    """What the paper's speeds say of the label."""
+
+    restitution: float
+    restitution_sd: float
+    effective: float
+    """Number of draws that the weighted ones are worth."""
+    speed: Array
+    """Median speeds at TILTS_DEG by the draws so weighted, mm/s."""
+
+
+def speeds() -> tuple[Array, Array]:
+    """Labels, shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
+    # So wide that a normal distribution is even between the least label and 1
+    scene = Scene(contact=Contact(restitution=0.5, restitution_sd=1.0), prediction=Prediction(model_sd=0.0))
+    rows = []
+    for number, tilt in enumerate(TILTS_DEG):
+        design = Design().variant(tilt_deg=tilt)
+        inputs = prediction.known_inputs(scene, design)
+        drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
+        unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
+        prints = drawn._replace(columns={**drawn.columns, PRINT.name: unevenness})
+        mass = solids.mass_of(design)
+        rows.append(prediction.spread(design, mass, scene, "coulomb", prints).speed)
+    labels = drawn.columns["contact.restitution"]
+    return labels, np.array(rows).T
+
+
+def likelihood(speed: Array) -> Array:
+    """Weights of draws by the paper's statements, shape (n,); `speed` as of `speeds`."""
+    tilts = np.array(TILTS_DEG)
+    fastest = tilts[np.argmax(speed, axis=1)]
+    weights = np.ones(len(speed))
+    for ours, key in ((speed.max(axis=1), "peak speed"), (fastest, "peak tilt")):
+        fact = FACTS[key]
+        sd = (fact.high - fact.value) / ENDS
+        weights *= np.exp(-0.5 * ((ours - fact.value) / sd) ** 2)
+    at = {tilt: speed[:, place] for place, tilt in enumerate(TILTS_DEG)}
+    # "10°, 15°, 35° corresponding to high, medium and low propulsion efficiency"
+    return weights * ((at[10.0] > at[15.0]) & (at[15.0] > at[35.0]))
+
+
+def posterior() -> Posterior:
+    """Mean and standard deviation of the label, given the paper's statements."""
+    labels, speed = speeds()
+    weights = likelihood(speed)
+    weights /= weights.sum()
+    mean = float(weights @ labels)
+    sd = float(np.sqrt(weights @ (labels - mean) ** 2))
+    order = np.argsort(speed, axis=0)
+    middle = [float(speed[rows, k][np.searchsorted(np.cumsum(weights[rows]), 0.5)]) for k, rows in enumerate(order.T)]
+    return Posterior(mean, sd, float(1.0 / (weights @ weights)), np.array(middle))
+
+
+def main() -> None:
+    """Print the label, and the speeds that go with it."""
+    label = posterior()
+    print(
+        f"restitution {label.restitution:.3f} ± {label.restitution_sd:.3f}, from draws worth {label.effective:.0f} ones"
+    )
+    for tilt, speed in zip(TILTS_DEG, label.speed, strict=True):
+        print(f"{tilt:5.1f} deg {speed:6.1f} mm/s")
+
+
+if __name__ == "__main__":
+    main()

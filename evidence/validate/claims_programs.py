@@ -1,0 +1,133 @@
+"""Claims against programs that do a part of what walkergen does; each only where installed."""
+
+import math
+import re
+import shutil
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from evidence.validate.claim import Claim, Effort, exact, missing
+from evidence.validate.claims_rivals import EXTRA, installed, version
+from evidence.validate.ensembles import paper_design
+from walkergen.analysis import lagged
+from walkergen.files import templates
+from walkergen.printing import export, sheet, slicer
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.simulation import trajectory
+from walkergen.simulation.plan import prepare
+from walkergen.walker import solids
+
+GROUP = "programs"
+
+PRUSASLICER = "PrusaSlicer, its length of filament, with our settings"
+
+LAGS = (1, 10, 50)
+"""Lags of the mean square displacement, in samples."""
+
+INTERVAL = 0.01
+"""Time between samples of the track, s."""
+
+TIMEOUT_S = 120.0
+
+
+def displacement(effort: Effort) -> Iterator[Claim]:
+    """Claim on the mean square displacement of one simulated track, against trackpy's."""
+    source = f"trackpy{version('trackpy')}, its imsd"
+    quantity = "mean square displacement at 35 deg over {:g} s"
+    if not (installed("trackpy") and installed("pandas")):
+        for lag in LAGS:
+            yield missing(GROUP, quantity.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy"))
+        return
+    import pandas as pd
+    import trackpy
+
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    run = scene.run.model_copy(update={"seconds": 2.0, "discard_seconds": 0.5, "runs": 1})
+    design = paper_design(35.0)
+    plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
+    track = trajectory.sample(plan, INTERVAL)
+    place = [track.columns.index(name) for name in ("x_mm", "y_mm")]
+    position = np.ascontiguousarray(track.rows[:, place])
+    total, pairs = lagged.squares(position, np.array(LAGS))
+    film = pd.DataFrame({"frame": np.arange(len(position)), "particle": 0, "x": position[:, 0], "y": position[:, 1]})
+    with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
+        theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
+    for lag, ours in zip(LAGS, total / pairs, strict=True):
+        yield exact(
+            GROUP,
+            quantity.format(lag * INTERVAL),
+            "mm²",
+            float(ours),
+            float(theirs.loc[lag]),
+            1e-9,
+            "rounding of transforms",
+            source,
+        )
+
+
+def plastic(effort: Effort) -> Iterator[Claim]:
+    """Claim on the plastic of a printed walker, against what PrusaSlicer would lay down."""
+    program = shutil.which("prusa-slicer")
+    for tilt, kind in ((10.0, "flexible"), (35.0, "flexible"), (10.0, "braced")):
+        quantity = f"plastic of a walker at {tilt:g} deg, {kind}"
+        if program is None:
+            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer is not on the PATH")
+            continue
+        design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
+        built = solids.build(design)
+        printer = templates.load("prusa-mk3s", "printers", Printer)
+        weight = sheet.weigh("walker", design, built, printer)
+        mesh = export.stl_bytes(built.walker, "walker")
+        volume = sliced(program, mesh, slicer.prusaslicer_print(printer))
+        if volume is None:
+            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer ended without G-code")
+            continue
+        theirs = 1e-3 * design.material.density_g_cm3 * volume
+        yield exact(
+            GROUP,
+            quantity,
+            "g",
+            weight.whole_g,
+            theirs,
+            0.01,
+            "one per cent, for which the settings' infill overlap was chosen",
+            PRUSASLICER,
+            "The slicer plans; a balance says what a printer lays down.",
+        )
+
+
+def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
+    """Volume (mm^3) of the filament that PrusaSlicer uses for an STL mesh; None when it fails."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "walker.stl").write_bytes(mesh)
+        (folder / "settings.ini").write_bytes(settings)
+        words = [
+            program,
+            "--load",
+            str(folder / "settings.ini"),
+            "--skirts",
+            "0",
+            "--brim-width",
+            "0",
+            "--export-gcode",
+            "--output",
+            str(folder / "walker.gcode"),
+            str(folder / "walker.stl"),
+        ]
+        try:
+            subprocess.run(words, capture_output=True, check=True, timeout=TIMEOUT_S)
+            text = (folder / "walker.gcode").read_text(encoding="utf-8", errors="replace")
+        except (OSError, subprocess.SubprocessError):
+            return None
+    used = re.search(r"; filament used \[mm\] = ([0-9.]+)", text)
+    return None if used is None else float(used[1]) * math.pi * slicer.FILAMENT_MM**2 / 4.0
+
+
+TESTS = (displacement, plastic)

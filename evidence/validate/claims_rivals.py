@@ -1,0 +1,200 @@
+"""Claims against physics engines that share no code with ours; each only where it is installed."""
+
+import importlib.util
+import math
+from collections.abc import Iterator
+from importlib import metadata
+
+import numpy as np
+
+from evidence.validate.claim import Claim, Effort, exact, missing
+from evidence.validate.ensembles import simulated
+from walkergen.analysis.values import mean
+from walkergen.scene import Scene
+from walkergen.simulation import experiments
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.space.walker import mobility
+from walkergen.theory import impact, tensors
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+GROUP = "rivals"
+
+Pair = tuple[float, float]
+
+EXTRA = "{} is not installed here: pip install 'walkergen[rivals]'"
+
+FRICTION = 0.25
+
+PLASTIC = {"stiffness_ratio": 10.0, "tangential_ratio": 8.0}
+"""Feet ten times as stiff as ours, near the rigid corners of an engine."""
+
+SAME_FEET = 0.1
+"""Share by which speeds may differ since engines judge friction by the slip at a step's end: with
+that rule planar speeds are 5 and 8 % higher (benchmarks/rivals.py)."""
+
+
+RESTITUTION = 0.5
+"""Newton's restitution in single impacts."""
+
+BLOCK = (0.833, 55.07)
+"""Mass (g) and moment of inertia (g mm^2) of a rigid body that strikes with one foot."""
+
+
+def installed(name: str) -> bool:
+    """True when a package can be imported."""
+    return importlib.util.find_spec(name) is not None
+
+
+def version(name: str) -> str:
+    """Version of an installed package; nothing where it is not."""
+    return f" {metadata.version(name)}" if installed(name) else ""
+
+
+def _mujoco() -> str:
+    return f"MuJoCo{version('mujoco')}, our walker without twist of its legs"
+
+
+def _pymunk() -> str:
+    return f"pymunk{version('pymunk')} (Chipmunk), Newton's law of restitution"
+
+
+def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
+    """Plan of a walker without twist, on nearly plastic feet."""
+    design = Design().variant(tilt_deg=tilt_deg)
+    tables = {
+        "drive": {"frequency_hz": 90.0, "gamma": 1.8},
+        "contact": {"restitution": restitution, "friction": FRICTION},
+        "arena": {"kind": "plane"},
+        "effects": {"leg_twist": False},
+        "legs": {"model": "space"},
+        "feet": PLASTIC,
+        "run": {"seconds": 0.5 * effort.seconds, "discard_seconds": 0.5, "runs": effort.runs},
+    }
+    return prepare(Scene.model_validate(tables), design, solids.mass_of(design))
+
+
+def inverse_mass(effort: Effort) -> Iterator[Claim]:
+    """Claim on the inverse mass at a corner of the walker in space, by MuJoCo's own dynamics."""
+    names = ("normal", "along", "normal to along")
+    if not installed("mujoco"):
+        yield missing(GROUP, "inverse mass at a corner", "1/g", _mujoco(), EXTRA.format("MuJoCo"))
+        return
+    from evidence.validate import mujoco_walker
+
+    for tilt in (10.0, 35.0):
+        plan = _plan(tilt, effort)
+        ours = mobility(plan.world.walker)
+        theirs = mujoco_walker.mobility(plan.case.design, plan.case.mass)
+        for name, place in zip(names, ((0, 0), (1, 1), (0, 1)), strict=True):
+            yield exact(
+                GROUP,
+                f"inverse mass at a back corner at {tilt:g} deg, {name}",
+                "1/g",
+                float(ours[place]),
+                float(theirs[place]),
+                1e-9,
+                "rounding of two factorisations",
+                _mujoco(),
+            )
+
+
+def plastic_speeds(effort: Effort) -> Iterator[Claim]:
+    """Claim on speeds of the walker in space on nearly plastic feet, against rigid corners."""
+    tilts = (10.0, 15.0, 20.0)
+    quantity = "speed at {:g} deg, nearly plastic feet"
+    if not installed("mujoco"):
+        for tilt in tilts:
+            yield missing(GROUP, quantity.format(tilt), "mm/s", _mujoco(), EXTRA.format("MuJoCo"))
+        return
+    from evidence.validate import mujoco_walker
+
+    for tilt in tilts:
+        plan = _plan(tilt, effort)
+        case, walker = plan.case, plan.world.walker
+        experiment = experiments.Experiment(plan.scene, case.design, case.mass)
+        point = simulated(experiment)
+        ours = mean([result.speed for result in point.results])
+        hinge = float(walker.stiffness[0]), float(walker.damping[0])
+        count = 3 if effort.quick else 6
+        runs = mujoco_walker.speeds(
+            case.design, case.mass, hinge, FRICTION, plan.world.drive, 0.25 * effort.seconds + 0.5, range(count)
+        )
+        theirs = float(runs.mean()), float(runs.std(ddof=1) / math.sqrt(count))
+        yield Claim(
+            GROUP,
+            quantity.format(tilt),
+            "mm/s",
+            *ours,
+            *theirs,
+            SAME_FEET * theirs[0],
+            "10 %: engines judge friction by the slip at the end of a step",
+            _mujoco(),
+            "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
+            "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
+            "leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, 36, 58 mm/s at 10 deg and at "
+            "36, 39, 43, 47 mm/s at 15 deg (± 1 to 3). MuJoCo's contacts stop within steps of 4 us "
+            "and are damped along the plate as well; what they give back is not set but found.",
+        )
+
+
+def impacts(effort: Effort) -> Iterator[Claim]:
+    """Claim on single impacts of a rigid body's foot, by Newton's law, against pymunk."""
+    cases = (
+        ("without friction", 20.0, 0.0),
+        ("sliding on", 80.0, 0.1),
+        ("stopped and stuck", 20.0, 2.0),
+        ("stopped and slid back", 5.0, 0.1),
+    )
+    for slip, sliding, friction in cases:
+        quantity = f"spin after an impact, foot {slip}"
+        if not installed("pymunk"):
+            yield missing(GROUP, quantity, "rad/s", _pymunk(), EXTRA.format("pymunk"))
+            continue
+        lever, velocity = (-6.5, -9.0), (sliding, -30.0)
+        yield exact(
+            GROUP,
+            quantity,
+            "rad/s",
+            _spin(lever, velocity, friction),
+            _pymunks_spin(lever, velocity, friction),
+            1e-8,
+            "its iteration ends, and turns the body within the step",
+            _pymunk(),
+            "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
+            "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
+            "223 mm/s at 15 deg (docs/physics.md section 5)."
+            if "back" in slip
+            else "",
+        )
+
+
+def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
+    M, J = BLOCK
+    H = tensors.rigid(M, J, np.array(lever))
+    entries = float(H.xx), float(H.xy), float(H.yy)
+    outcome = impact.resolve(entries, velocity, RESTITUTION, friction, impact.Law.NEWTON)
+    return (lever[0] * outcome.F_y - lever[1] * outcome.F_x) / J
+
+
+def _pymunks_spin(lever: Pair, velocity: Pair, friction: float) -> float:
+    """Spin (rad/s) after one very short step in which a point at `lever` (mm) touches the plate."""
+    import pymunk
+
+    M, J = BLOCK
+    radius = 1e-3
+    space = pymunk.Space()
+    space.iterations, space.collision_slop = 2000, 0.0
+    plate = pymunk.Segment(space.static_body, (-1e5, -10.0), (1e5, -10.0), 10.0)
+    body = pymunk.Body(M, J)
+    body.position, body.velocity = (-lever[0], -lever[1] - 1e-7), velocity
+    foot = pymunk.Circle(body, radius, (lever[0], lever[1] + radius))
+    for shape in (plate, foot):  # pymunk multiplies the two surfaces' values
+        shape.elasticity, shape.friction = math.sqrt(RESTITUTION), math.sqrt(friction)
+    space.add(plate, body, foot)
+    space.step(1e-9)
+    return float(body.angular_velocity)
+
+
+TESTS = (impacts, inverse_mass, plastic_speeds)

@@ -1,0 +1,155 @@
+"""Ensembles that claims need: the paper's walker on its plate, at tilts, contacts and drives."""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from evidence.validate.claim import Effort
+from walkergen.analysis import lagged, landings
+from walkergen.analysis.values import Value, mean
+from walkergen.files import templates
+from walkergen.scene import GRAVITY, Scene, at_rest
+from walkergen.simulation import experiments, record, trajectory
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import impacts_of
+from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
+from walkergen.theory.impact import Kind
+from walkergen.walker import limbs, solids
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+SEED = 2016
+"""Seed of the attitudes of drops."""
+
+FRAME_S = 0.01
+"""Time between samples of a run, s."""
+
+TOUCH = 1e-3
+"""Largest pitch and roll of a drop that counts as level, rad."""
+
+STARTED_S = 0.5
+"""Discarded start of a run, s: some hundred impacts."""
+
+
+class Measured(NamedTuple):
+    """Mean over the runs of an ensemble."""
+
+    speed: Value
+    """Mean speed, mm/s."""
+    types: Value
+    """Share of types II and III among landings."""
+    landing_speed: float
+    """Mean normal speed of landings over the plate's peak speed."""
+
+
+def paper_design(tilt_deg: float, kind: limbs.Kind = "flexible") -> Design:
+    """Design of the paper's walker at a tilt."""
+    design = templates.load("koumakis2016", "walkers", Design)
+    return design.variant(tilt_deg=tilt_deg, kind=kind)
+
+
+@cache
+def in_space(
+    tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8, kind: limbs.Kind = "flexible"
+) -> Measured:
+    """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    tables = scene.model_dump(exclude_none=True)
+    tables["drive"] = {"frequency_hz": scene.drive.frequency, "gamma": gamma}
+    tables["legs"]["model"] = "space"
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
+    if restitution is not None:
+        tables["contact"]["restitution"] = restitution
+    return _measured(Scene.model_validate(tables), paper_design(tilt_deg, kind))
+
+
+@cache
+def paper_model(tilt_deg: float, effort: Effort) -> Measured:
+    """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
+    tables = templates.load("lane-90hz-fitted", "scenes", Scene).model_dump(exclude_none=True)
+    tables["legs"]["model"] = "relaxed"
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
+    return _measured(Scene.model_validate(tables), paper_design(tilt_deg))
+
+
+def _measured(scene: Scene, design: Design) -> Measured:
+    point = simulated(experiments.Experiment(scene, design, solids.mass_of(design), impacts=True))
+    corners = 2 if point.model == "space" else 1
+    impacts = [landings.impacts_in(impacts_of(result)) for result in point.results]
+    landing = [landings.of_feet(run.time, run.foot // corners) for run in impacts]
+    kinds = [run.kind[landed] for run, landed in zip(impacts, landing, strict=True)]
+    speeds = [run.v_y[landed] for run, landed in zip(impacts, landing, strict=True)]
+    shares = [float(np.isin(kind, (Kind.II, Kind.III)).mean()) for kind in kinds]
+    approach = float(-np.concatenate(speeds).mean()) / scene.drive.peak_speed
+    speed = mean([result.speed for result in point.results])
+    return Measured(speed, mean(shares), approach)
+
+
+def simulated(experiment: experiments.Experiment) -> experiments.Results:
+    """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
+    (point,) = experiments.each([experiment], [""], lambda *progress: None, None)
+    return point
+
+
+def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Value:
+    """Exponent of the mean square displacement between a lag and twice it, and its error.
+
+    2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
+    """
+    squares = _squares(tilt_deg, effort, restitution, lag_s)
+    total = squares.sum(axis=0)
+    without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
+    n = len(squares)
+    return Value(float(np.log2(total[1] / total[0])), math.sqrt((n - 1) / n * n * without.var()))
+
+
+def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Array:
+    """Mean square displacement of every run at a lag and at twice it, shape (runs, 2), mm^2."""
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    tables = scene.model_dump(exclude_none=True)
+    tables["contact"]["restitution"] = restitution
+    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
+    design = paper_design(tilt_deg)
+    experiment = experiments.Experiment(
+        Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
+    )
+    point = simulated(experiment)
+    lags = np.array([1, 2]) * round(lag_s / FRAME_S)
+    squares = []
+    for result in point.results:
+        places = trajectory.sampled(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
+        total, pairs = lagged.squares(np.ascontiguousarray(places), lags)
+        squares.append(total / pairs)
+    return np.array(squares)
+
+
+def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
+    """Speed after over before the first bounce of walkers dropped level by 1 mm on a plate at rest.
+
+    Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
+    """
+    tables = {
+        "drive": at_rest(90.0),
+        "contact": {"restitution": restitution, "friction": 0.25},
+        "arena": {"kind": "plane"},
+        "legs": {"model": "space"},
+    }
+    design = paper_design(tilt_deg)
+    plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
+    fall, rebounds = math.sqrt(2.0 / GRAVITY), []
+    for number in range(drops):
+        rng = np.random.default_rng([SEED, number])
+        pitch, roll = rng.uniform(-TOUCH, TOUCH, 2)
+        state = plan.start(1.0, pitch, 0.0, roll)
+        ground = float(state[C_Y]) - 1.0
+        heights = []
+        plan.advance(state, 1.05 * fall, record.new(len(state)))
+        for _ in range(100):
+            plan.advance(state, fall / 50.0, record.new(len(state)))
+            heights.append(float(state[C_Y]) - ground)
+        rebounds.append(math.sqrt(max(*heights, 0.0)))
+    return mean(rebounds)

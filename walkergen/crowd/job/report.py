@@ -1,0 +1,143 @@
+"""Report of a crowd: order, clusters and packing with errors, runs, what contacts took."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen.crowd import figures as crowd_figures
+from walkergen.crowd import tables as crowd_tables
+from walkergen.crowd.runs import WELL, Job, Simulated
+from walkergen.crowd.space.result import CrowdRun
+from walkergen.crowd.statistics import CrowdStatistics
+from walkergen.files import report, words
+from walkergen.files.report import Report, Table
+from walkergen.simulation.run import Outcome
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CrowdReport(Report):
+    """What a crowd did, each number with its error from independent runs."""
+
+    simulated: Simulated
+    """Runs and films, of which the numbers are."""
+
+    @property
+    def statistics(self) -> CrowdStatistics:
+        """Numbers, their course in time, and curves."""
+        return self.simulated.statistics
+
+
+class Contacts(NamedTuple):
+    """What the contacts of one run did; the field names are the columns of runs.csv."""
+
+    run: int
+    touches: int
+    """Times that bodies, or a body and a wall, began to touch."""
+    touches_per_walker_s: float
+    deepest_um: float
+    """Deepest give of a contact."""
+    lost_normal_nj: float
+    """Energy that contacts of bodies took along their normals."""
+    lost_friction_nj: float
+    energy_error: float
+    contact_error: float
+    """What contacts took along their normals, less what restitution says, over it."""
+    fallen: int
+    """Walkers that did not come to the end."""
+
+
+CONTACTS = (
+    report.text("run", "run"),
+    report.number("touches", "touches"),
+    report.number("a walker and second", "touches_per_walker_s", 3),
+    report.number("give (µm)", "deepest_um", 2),
+    report.number("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
+    report.number("to friction (nJ)", "lost_friction_nj", 3, wide=True),
+    report.number("energy error", "energy_error", 2),
+    report.number("off restitution", "contact_error", 2),
+    report.text("fallen", "fallen"),
+)
+
+
+def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
+    """Report of a crowd, written into a folder if there is one."""
+    job, statistics = simulated.job, simulated.statistics
+    title = title_of(job)
+    rows = [_contacts(run, statistics.seconds) for run in simulated.runs]
+    contacts = Table("contacts", rows, Contacts._fields, CONTACTS, "Contacts of bodies and walls")
+    tables = [*crowd_tables.tables(statistics), *([contacts] if rows else [])]
+    return CrowdReport(
+        name="report",
+        title=title,
+        caption=caption_of(job),
+        tables=tables,
+        facts=facts(simulated),
+        lines=crowd_tables.lines(statistics),
+        warnings=list(_warnings(simulated)),
+        figures=crowd_figures.figures(statistics, title),
+        folder=folder,
+        simulated=simulated,
+    )
+
+
+def title_of(job: Job) -> str:
+    """Who runs where, in words."""
+    who = " and ".join(f"{kind.walkers} {kind.name}" for kind in job.kinds)
+    return f"{who} in {job.scene.crowd.dish.words}"
+
+
+def caption_of(job: Job) -> str:
+    """What was simulated, without a full stop."""
+    crowd = job.scene.crowd
+    if job.model == "flat":
+        cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in job.kinds if kind.card)
+        return f"model flat, by the cards of {cards}, packing {job.packing:.3g}"
+    return (
+        f"{job.scene.name}, model space, packing {job.packing:.3g}; bodies meet with restitution "
+        f"{crowd.restitution:g} and friction {crowd.friction:g}"
+    )
+
+
+def facts(simulated: Simulated) -> dict[str, object]:
+    """What JSON holds."""
+    job = simulated.job
+    return {
+        "scene": job.scene.name,
+        "model": job.model,
+        "kinds": {kind.name: kind.walkers for kind in job.kinds},
+        "seed": job.scene.run.seed,
+        "asked_runs": job.scene.run.runs,
+        "packing": job.packing,
+        **crowd_tables.facts(simulated.statistics),
+        "contacts": [_contacts(run, simulated.statistics.seconds)._asdict() for run in simulated.runs],
+        "outcomes": dict(simulated.outcomes),
+    }
+
+
+def _contacts(run: CrowdRun, seconds: float) -> Contacts:
+    return Contacts(
+        run.number,
+        run.touches,
+        run.touches / (len(run.kinds) * seconds),
+        1e3 * run.deepest,
+        run.losses["normal"],
+        run.losses["friction"],
+        run.energy_error,
+        run.contact_error,
+        sum(outcome not in WELL for outcome in run.outcomes),
+    )
+
+
+def _warnings(simulated: Simulated) -> Iterator[str]:
+    """What makes the numbers doubtful."""
+    if fallen := simulated.fallen:
+        told = ", ".join(f"{count} {name}" for name, count in fallen.items())
+        yield f"of all walkers in all runs: {told}; they lie where they fell"
+    allowed = simulated.job.scene.run.energy_tolerance
+    worst = simulated.energy_error
+    if worst > allowed:
+        yield (
+            f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "
+            f"is unaccounted for, more than {100.0 * allowed:g} % (run.energy_tolerance)"
+        )

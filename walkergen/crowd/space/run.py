@@ -1,0 +1,263 @@
+"""One run of a crowd: walkers let go at their places, the discarded start, then the record.
+
+Runs and walkers draw from their own random streams (seed, run, walker), the first as if it were
+alone: results are the same bits on any number of threads. All walkers are on one plate.
+"""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.crowd.space import bodies, steps
+from walkergen.crowd.space.result import CrowdRun
+from walkergen.crowd.space.shape import Shape, shape_of
+from walkergen.numerics import kernels
+from walkergen.scene import Arena, Scene
+from walkergen.simulation import plan as plans
+from walkergen.simulation import record
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
+from walkergen.simulation.space.pose import place
+from walkergen.simulation.space.state import C_X, C_Z, COLUMNS, HEADING, PHASE, Q_0, Array, work_for
+from walkergen.simulation.world import OK, State, World
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+TICKS = 13.0
+"""Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
+says, half of that with twice as many."""
+
+
+class CrowdPlan(NamedTuple):
+    """Crowd to be run."""
+
+    scene: Scene
+    plans: tuple[Plan, ...]
+    """Of each kind of walker."""
+    shapes: tuple[Shape, ...]
+    names: tuple[str, ...]
+    kinds: tuple[int, ...]
+    """Kind of each walker, length N."""
+    places: Array
+    """Places x, y (mm) of the centres of mass C and headings (rad), shape (N, 3)."""
+    law: bodies.Law
+    ground: bodies.Ground
+
+
+def on_plane(scene: Scene) -> Scene:
+    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds."""
+    walls = scene.arena.model_dump(include={"wall_friction", "wall_restitution"})
+    return scene.model_copy(update={"arena": Arena(kind="plane", **walls)})
+
+
+def prepare(
+    scene: Scene,
+    designs: Sequence[tuple[Design, MassProperties]],
+    kinds: Sequence[int],
+    places: Array,
+    endless: bool = False,
+) -> CrowdPlan:
+    """Plan of a crowd: walker i is `designs[kinds[i]]`, let go with its O at `places[i]`: x, y (mm)
+    and heading (rad).
+
+    `endless`: on a plane without the scene's dish. Raises InputError where a scene or a design
+    contradicts the model in space.
+    """
+    flat = on_plane(scene)
+    every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
+    shapes = tuple(
+        shape_of(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
+    )
+    return CrowdPlan(
+        flat,
+        every,
+        shapes,
+        tuple(design.name for design, _ in designs),
+        tuple(kinds),
+        _of_centres(places, [every[kind] for kind in kinds]),
+        _law(flat, every),
+        bodies.ground_of(None if endless else scene.crowd.dish),
+    )
+
+
+def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
+    """Places of the centres of mass of walkers whose O are at `places`."""
+    centres = np.asarray(places, float).copy()
+    for row, plan in zip(centres, of_walkers, strict=True):
+        forward, left = -plan.world.walker.centre[0], plan.world.walker.centre[2]
+        c, s = math.cos(row[2]), math.sin(row[2])
+        row[:2] += c * forward - s * left, s * forward + c * left
+    return centres
+
+
+def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
+    """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
+    touch = 1e-3 * scene.crowd.touch_ms
+    step = min(plan.world.options.step for plan in every)
+    tick = step * 2.0 ** math.floor(math.log2(touch / TICKS / step))
+    return bodies.Law(
+        0.5 * (math.pi / touch) ** 2,
+        (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
+        (scene.crowd.friction, scene.arena.wall_friction),
+        scene.drive.peak_speed,
+        tick,
+    )
+
+
+def simulate(
+    plan: CrowdPlan,
+    number: int,
+    rate_hz: float,
+    stopped: Callable[[], bool] = lambda: False,
+    progress: Callable[[float], None] = lambda seconds: None,
+) -> CrowdRun:
+    """Simulate one run, with `rate_hz` frames a second; `progress` is told the seconds done.
+
+    A run that is `stopped` keeps the frames that it has.
+    """
+    started, run = time.thread_time(), plan.scene.run
+    walkers = let_go(plan, number)
+    crowd = gathered(plan, walkers)
+    advance(crowd, run.discard_seconds, 1 if len(walkers) == 1 else 0, stopped)
+    tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
+    crowd = recorded(plan, crowd, tallies)
+    energies, held = _energies(plan, crowd), float(steps.stored(crowd))
+    done = advance(crowd, run.seconds, 0, stopped, progress)
+    gained = _energies(plan, crowd) - energies
+    balanced = [
+        record.energy_error(sums, change, before)
+        for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
+    ]
+    frames = min(int(tally.samples.cursor[0]) for tally in tallies)
+    rows = np.array([tally.samples.rows[:frames] for tally in tallies])
+    return CrowdRun(
+        number,
+        _outcomes(crowd, done < run.seconds),
+        tuple(plan.names[kind] for kind in plan.kinds),
+        rows[0, :, 0],
+        rows[:, :, 1:].transpose(1, 0, 2),
+        int(crowd.book[bodies.TOUCHES]),
+        float(crowd.book[bodies.DEEPEST]),
+        max(balanced),
+        _unbalanced(crowd.book, float(steps.stored(crowd)) - held),
+        {"normal": float(crowd.book[bodies.LOST]), "friction": float(crowd.book[bodies.RUBBED])},
+        time.thread_time() - started,
+    )
+
+
+def let_go(plan: CrowdPlan, number: int) -> list[tuple[World, State]]:
+    """World and state of each walker, at rest over its place; the first draws plate and phase."""
+    walkers: list[tuple[World, State]] = []
+    seed, phase = plan.scene.run.seed, None
+    for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
+        rng = np.random.default_rng([seed, number] if i == 0 else [seed, number, i])
+        own, state = drop(plan.plans[kind], rng, phase)
+        world = own.world
+        if walkers:
+            plate = walkers[0][0].acting
+            acting = world.acting._replace(noise=plate.noise, roughness=plate.roughness)
+            world = world._replace(acting=acting)
+        phase = float(state[PHASE])
+        _put(world, state, *place_of)
+        walkers.append((world, state))
+    return walkers
+
+
+def _put(world: World, state: State, x: float, y: float, heading: float) -> None:
+    """Put a walker with its centre of mass at (x, y), mm, on the plate, turned to a heading."""
+    c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    q, i, j, k = state[Q_0 : Q_0 + 4]
+    state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
+    state[C_X], state[C_Z], state[HEADING] = x, -y, heading
+    place(world, state, work_for(world.walker, state))
+
+
+def gathered(plan: CrowdPlan, walkers: Sequence[tuple[World, State]]) -> bodies.Crowd:
+    """Crowd of walkers in these states, which nothing records."""
+    worlds, states = zip(*walkers, strict=True)
+    return _crowd(plan, worlds, states, [record.new() for _ in walkers])
+
+
+def recorded(plan: CrowdPlan, before: bodies.Crowd, tallies: Sequence[record.Tally]) -> bodies.Crowd:
+    """The same crowd with these records, which begin now."""
+    worlds = [mover.world for mover in before.movers]
+    crowd = _crowd(plan, worlds, [mover.state for mover in before.movers], tallies)
+    crowd.planar[:], crowd.status[:] = before.planar, before.status
+    crowd.touching[:] = before.touching
+    return crowd
+
+
+def _crowd(
+    plan: CrowdPlan, worlds: Sequence[World], states: Sequence[State], tallies: Sequence[record.Tally]
+) -> bodies.Crowd:
+    count = len(worlds)
+    movers, free = bodies.movers_of(worlds, states, tallies)
+    return bodies.Crowd(
+        kernels.listed(movers),
+        free,
+        bodies.bodies_of(plan.kinds, plan.shapes),
+        plan.ground,
+        plan.law,
+        np.zeros((count, 8)),
+        np.full(count, OK),
+        np.zeros((count, count), np.uint8),
+        np.zeros(7),
+        np.zeros(1),
+    )
+
+
+def advance(
+    crowd: bodies.Crowd,
+    seconds: float,
+    blocks: int,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], None] = lambda seconds: None,
+) -> float:
+    """Advance by `seconds` in so many blocks; returns the seconds done.
+
+    Without a number, in the blocks of a single walker's record, whose bits depend on them.
+    """
+    if seconds <= 0.0:
+        return 0.0
+    period = crowd.movers[0].world.drive.period
+    blocks = blocks or min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MOST_BLOCKS)
+    block, done = seconds / blocks, 0.0
+    pairs = np.zeros((8 * len(crowd.status), 2), np.int64)
+    code = kernels.entry(steps.advance, crowd, pairs, block)
+    for number in range(blocks):
+        if stopped() or not np.any(crowd.status == OK):
+            return done
+        left = block
+        while left > 0.0:
+            left -= code(crowd, pairs, left)
+            if left > 0.0:
+                pairs = np.zeros((2 * len(pairs), 2), np.int64)
+        done = (number + 1) / blocks * seconds
+        progress(done)
+    return done
+
+
+def _energies(plan: CrowdPlan, crowd: bodies.Crowd) -> Array:
+    """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
+    return np.array(
+        [
+            plan.plans[kind].model.energy(mover.world, mover.state)
+            for kind, mover in zip(plan.kinds, crowd.movers, strict=True)
+        ]
+    )
+
+
+def _unbalanced(book: Array, held: float) -> float:
+    """Energy of contacts along their normals that nothing accounts for, over the energy taken."""
+    lost = book[bodies.LOST]
+    taken = max(abs(book[bodies.WORK]), lost, abs(held))
+    return float(abs(book[bodies.WORK] + held + lost) / taken) if taken else 0.0
+
+
+def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
+    """How it ended for each walker."""
+    well = Outcome.STOPPED if unfinished else Outcome.OK
+    return tuple((well if status == OK else ENDS[int(status)]).value for status in crowd.status)

@@ -1,0 +1,1 @@
+"""Bench, calibration and fits: what measurements say of plate, plastic and walker."""

@@ -1,0 +1,1 @@
+"""Printed walkers filmed: from pictures to tracks, and what tracks say."""
