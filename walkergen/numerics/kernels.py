@@ -16,7 +16,16 @@ from typing import Any, TypeVar
 from walkergen import caches
 from walkergen.numerics import shipped
 
-SOURCES = ("numerics/*.py", "shapes/crossings.py", "theory/*.py", "simulation/**/*.py", "crowd/space/*.py")
+SOURCES = (
+    "numerics/dormand_prince.py",
+    "numerics/emulator.py",
+    "numerics/kernels.py",
+    "numerics/shipped.py",
+    "shapes/crossings.py",
+    "theory/*.py",
+    "simulation/**/*.py",
+    "crowd/space/*.py",
+)
 """Patterns of the files that kernels, their constants and their arguments' types come from."""
 
 

@@ -1,0 +1,53 @@
+"""Quantities: their bounds hold, and noise makes no two of them agree."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from walkergen.numerics.quantity import Quantity, Verdict, exact, mean
+
+
+def test_bounds_are_students_and_of_a_variance_chi_squared():
+    speed = Quantity("speed", "mm_s", 56.5, 0.5, freedom=7)
+    assert speed.interval(0.95) == pytest.approx(stats.t.interval(0.95, 7, 56.5, 0.5))
+    assert speed.column == "speed_mm_s"
+    variance = Quantity("scatter", "mm2", 4.0, 1.0, freedom=9, noise=1.0)
+    low, high = variance.interval(0.95)
+    assert (low + 1.0, high + 1.0) == pytest.approx((45.0 / stats.chi2.ppf(0.975, 9), 45.0 / stats.chi2.ppf(0.025, 9)))
+    root = variance._replace(value=2.0, root=True)
+    assert root.interval(0.95) == pytest.approx((math.sqrt(low), math.sqrt(high)))
+    assert exact("g", "mm_s2", 9806.65).interval() == (9806.65, 9806.65)
+    assert Quantity("turning", "rad2_s", None, refused="no headings").interval() is None
+
+
+def test_ninety_five_of_a_hundred_bounds_of_a_mean_hold_the_truth():
+    random, tries = np.random.default_rng(1), 4000
+    ends = [mean("x", "", random.normal(3.0, 2.0, 6)).interval(0.95) for _ in range(tries)]
+    inside = sum(low <= 3.0 <= high for low, high in ends) / tries
+    assert abs(inside - 0.95) < 4.0 * math.sqrt(0.95 * 0.05 / tries)  # four standard errors of a share
+
+
+def test_the_noisier_a_number_the_less_it_agrees():
+    published = exact("speed", "mm_s", 60.0)
+    for se, verdict in ((0.5, Verdict.AGREE), (4.0, Verdict.UNDECIDED), (100.0, Verdict.UNDECIDED)):
+        assert Quantity("speed", "mm_s", 61.0, se).beside(published, margin=0.1) == verdict
+    assert Quantity("speed", "mm_s", 80.0, 1.0).beside(published, margin=0.1) == Verdict.DISAGREE
+    assert Quantity("speed", "mm_s", 61.0, 0.0).beside(published) == Verdict.DISAGREE
+    assert Quantity("speed", "mm_s", 61.0).beside(published, margin=0.1) == Verdict.UNDECIDED
+    assert Quantity("speed", "mm_s", None, refused="fell").beside(published) == Verdict.MISSING
+    assert Quantity("order", "", 0.3, 0.01).within(-math.inf, 0.5) == Verdict.AGREE
+
+
+def test_differences_and_ratios_carry_both_errors():
+    one, two = mean("a", "mm", [1.0, 2.0, 4.0]), mean("a", "mm", [7.0, 9.0, 8.0, 6.0])
+    welch = stats.ttest_ind([1.0, 2.0, 4.0], [7.0, 9.0, 8.0, 6.0], equal_var=False)
+    gap = one.less(two)
+    assert gap.freedom == pytest.approx(welch.df)
+    assert gap.value / gap.se == pytest.approx(welch.statistic)
+    ratio = Quantity("a", "mm", 10.0, 0.3).over(Quantity("b", "mm", 5.0, 0.1))
+    drawn = np.random.default_rng(2).normal([10.0, 5.0], [0.3, 0.1], (20000, 2))
+    assert ratio.se == pytest.approx(
+        np.std(drawn[:, 0] / drawn[:, 1]), rel=0.03
+    )  # of 20 000 draws 0.5 %, second order 1 %

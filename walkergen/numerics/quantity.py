@@ -1,0 +1,142 @@
+"""Quantities: a number with its error and unit, or why there is none; and how two of them compare.
+
+Every number that walkergen states is one of these. Bounds follow Student's t (Student 1908), those of
+a variance chi^2. There is one rule for "agrees", and noise never makes an agreement by it.
+"""
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.numerics import statistics
+
+CONFIDENCE = 0.95
+"""Confidence of the bounds by which two quantities are compared."""
+
+
+class Verdict(StrEnum):
+    """How a quantity stands beside another, or beside a range that is allowed."""
+
+    AGREE = "agree"
+    """All of its bounds lie within what is allowed."""
+    UNDECIDED = "undecided"
+    """Its bounds reach over an end of what is allowed: a smaller error would tell."""
+    DISAGREE = "disagree"
+    """None of its bounds lies within what is allowed."""
+    MISSING = "missing"
+    """There is no value."""
+
+
+class Quantity(NamedTuple):
+    """Number with its standard error, in a unit; value, error or both are None when refused."""
+
+    key: str
+    unit: str
+    """As keys write it: mm_s, rad2_s; "" for a pure number."""
+    value: float | None
+    se: float | None = None
+    """Standard error; None where it is not known, 0 of a number without chance."""
+    freedom: float = math.inf
+    """Degrees of freedom of the error: bounds follow Student's t."""
+    refused: str = ""
+    """Reason why there is no value, or no error; "" where both are known."""
+    noise: float | None = None
+    """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
+    root: bool = False
+    """True for the root of such a variance."""
+
+    @property
+    def known(self) -> bool:
+        """Whether there are both a value and its error."""
+        return self.value is not None and self.se is not None
+
+    @property
+    def column(self) -> str:
+        """Name of its column, with the unit."""
+        return f"{self.key}_{self.unit}" if self.unit else self.key
+
+    def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None without an error."""
+        if self.value is None or self.se is None:
+            return None
+        if self.se == 0.0 and self.noise is None:
+            return self.value, self.value
+        if self.noise is not None:
+            return self._of_variance(self.value, self.noise, confidence)
+        return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
+
+    def _of_variance(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
+        """Bounds of a variance, or of its root, to which noise adds."""
+        from scipy import special
+
+        tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
+        power = 2 if self.root else 1
+        total = (value**power + noise) * self.freedom
+        ends = (total / special.chdtri(self.freedom, tail) - noise for tail in tails)
+        low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
+        return low, high
+
+    def within(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
+        """How its bounds lie in a range, whose ends may be infinite: agree inside, disagree outside.
+
+        Without an error it is undecided: noise that is not known makes no agreement, nor the contrary.
+        """
+        if self.value is None:
+            return Verdict.MISSING
+        ends = self.interval(confidence)
+        if ends is None:
+            return Verdict.UNDECIDED
+        if ends[1] < low or ends[0] > high:
+            return Verdict.DISAGREE
+        return Verdict.AGREE if low <= ends[0] and ends[1] <= high else Verdict.UNDECIDED
+
+    def less(self, other: "Quantity") -> "Quantity":
+        """Difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
+        if self.value is None or other.value is None:
+            return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
+        gap = self.value - other.value
+        if self.se is None or other.se is None:
+            return Quantity(self.key, self.unit, gap, None, refused=self.refused or other.refused)
+        se = math.hypot(self.se, other.se)
+        parts = self.se**4 / self.freedom + other.se**4 / other.freedom
+        return Quantity(self.key, self.unit, gap, se, se**4 / parts if parts > 0.0 else math.inf)
+
+    def over(self, other: "Quantity") -> "Quantity":
+        """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
+        if self.value is None or other.value is None:
+            return Quantity(self.key, "", None, None, refused=self.refused or other.refused or "no value")
+        quotient = self.value / other.value
+        if self.se is None or other.se is None:
+            return Quantity(self.key, "", quotient, None, refused=self.refused or other.refused)
+        return Quantity(self.key, "", quotient, math.hypot(self.se, quotient * other.se) / abs(other.value))
+
+    def beside(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
+        """How it stands beside another: their difference within `margin` of the other, or `allowed` in the unit.
+
+        The larger of both counts. It says agree when the whole interval of the difference lies within
+        what is allowed, disagree when none of it does, undecided in between: the noisier a number, the
+        less it agrees. So without a margin only numbers without errors agree.
+        """
+        gap = self.less(other)
+        room = max(margin * abs(other.value or 0.0), allowed)
+        return gap.within(-room, room)
+
+
+def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]") -> Quantity:
+    """Mean of independent values, shape (n,), by their scatter; of one value the error is refused."""
+    array = np.asarray(values, dtype=float)
+    if len(array) == 0:
+        return Quantity(key, unit, None, None, refused="no value")
+    if len(array) == 1:
+        return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
+    value, se, freedom = statistics.mean_of(array)
+    return Quantity(key, unit, value, se, freedom)
+
+
+def exact(key: str, unit: str, value: float) -> Quantity:
+    """Number without chance: a definition, a closed form."""
+    return Quantity(key, unit, value, 0.0)
