@@ -49,7 +49,7 @@ SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
 )
 REPRODUCE = "walkergen reproduce --seconds 6 --gamma 1.5,1.8"
-VALIDATE = "walkergen validate"
+VALIDATE = "python -m evidence validate"
 CROWD = "walkergen crowd koumakis2016 --count 30 --arena disc:170 --seconds 2 --runs 2"
 OTHERS = {
     "two-materials": "rough foot behind, smooth ahead",
@@ -323,7 +323,7 @@ def stale(picture: Picture) -> bool:
 
 def walkergen(command: str, *more: str) -> None:
     """Run a command of walkergen from the code beside this file."""
-    words = [sys.executable, "-m", *shlex.split(command), *more]
+    words = [sys.executable, "-m", *shlex.split(command.removeprefix("python -m ")), *more]
     subprocess.run(words, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
 

@@ -67,8 +67,11 @@ def crowds_published(
     from evidence.crowds_published.cases import QUICK, WHOLE
 
     size = QUICK if quick else WHOLE
-    given = {"runs": runs, "seconds": seconds, "seed": seed}
-    size = size._replace(**{key: value for key, value in given.items() if value is not None})
+    size = size._replace(
+        runs=size.runs if runs is None else runs,
+        seconds=size.seconds if seconds is None else seconds,
+        seed=size.seed if seed is None else seed,
+    )
     make.check(size)
     folder = out or Path("out") / "crowds-published"
     with show.progress("crowds-published", wanted=not quiet, about_s=make.expected_s(size)) as progress:

@@ -1,4 +1,4 @@
-"""`walkergen validate`: claims, their verdicts, and the page, table and figure of them."""
+"""`python -m evidence validate`: claims, their verdicts, and the page, table and figure of them."""
 
 import csv
 import json
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from evidence.__main__ import commands
 from evidence.validate import (
     bodies,
     claims_bounce,
@@ -23,7 +24,6 @@ from evidence.validate import (
 from evidence.validate.claim import Claim, Effort, exact, missing
 from walkergen.analysis import values
 from walkergen.analysis.values import Value
-from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.theory import speed, tensors
 from walkergen.theory.tensors import InverseMass
@@ -50,7 +50,7 @@ NARROW = {
 
 
 def call(*words):
-    return CliRunner().invoke(command_line, ["validate", *words], catch_exceptions=True)
+    return CliRunner().invoke(commands, ["validate", *words], catch_exceptions=True)
 
 
 def claim(ours, ours_se=None, theirs=1.0, theirs_se=None, margin=0.0, **more):
@@ -117,7 +117,7 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
     text = (tmp_path / "validation.md").read_text()
     assert all(title in text for title in make.TITLES.values())
     assert all(row["quantity"] in text and row["source"] in text for row in rows)
-    assert "walkergen validate --quick" in text
+    assert "python -m evidence validate --quick" in text
     with (tmp_path / "validation.csv").open() as file:
         table = list(csv.DictReader(file))
     assert [line["verdict"] for line in table] == list(found.values())
@@ -197,7 +197,7 @@ def test_what_is_not_installed_is_said_and_not_claimed(monkeypatch):
     found = [one for test in (*claims_rivals.TESTS, *claims_programs.TESTS) for one in test(QUICK)]
     assert {one.verdict for one in found} == {"not run"}
     assert {one.ours for one in found} == {None}
-    text = page.as_markdown(found, "walkergen validate", make.TITLES)
+    text = page.as_markdown(found, "validate", make.TITLES)
     assert "walkergen[rivals]" in text
     assert "prusa-slicer is not on the PATH" in text
 

@@ -8,7 +8,7 @@ four such springs, excite the mean of the bending's shapes, and do not twist the
 the speed that the walker as a whole keeps 1 ms later, over that of the landing. Legs, whose own
 twist and swing the model has, are light; what a mode kept until the next landing is left out.
 
-    python evidence/causes/body_mode.py        (15 s)
+    python -m evidence.causes.body_mode        (15 s)
 """
 
 import math

@@ -1,4 +1,4 @@
-"""What evidence/causes/causes.py measures of the paper's walker, on its plate with one thing changed."""
+"""What evidence.causes.causes measures of the paper's walker, on its plate with one thing changed."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from evidence.validate.ensembles import landings
+from walkergen.analysis import landings
 from walkergen.analysis.values import mean
 from walkergen.files import templates
 from walkergen.jobs.trust.reproduce import plane
@@ -42,7 +42,7 @@ class Setting(NamedTuple):
     size: str
     likely: bool
     """Whether the paper's set-up may well have had that."""
-    keys: Mapping[str, object] = MappingProxyType({})
+    keys: Mapping[str, Any] = MappingProxyType({})
     """Keys of the scene; those that begin with "walker." are the design's."""
     to_and_fro: tuple[float, float] | None = None
     """Amplitude of a plate's motion along x over that of the vertical one, and its phase, rad."""
@@ -113,8 +113,14 @@ def fast(one: Setting, label: float) -> Quantities:
     """Speed at 10 deg, mm/s, and share of types II and III among its landings."""
     results = runs_of(plan_of(one, label, 10.0, 12, 3.0), impacts=True)
     yield "speed", *mean([result.speed for result in results])
-    kinds = [landings(impacts_of(result), 2)[:, 6] for result in results]
-    yield "types", *mean([float(np.isin(each, (Kind.II, Kind.III)).mean()) for each in kinds])
+    yield "types", *mean([_usual(result) for result in results])
+
+
+def _usual(result: RunResult) -> float:
+    """Share of types II and III among the landings of a run."""
+    impacts = landings.impacts_in(impacts_of(result))
+    kinds = impacts.kind[landings.of_feet(impacts.time, impacts.foot // landings.CORNERS)]
+    return float(np.isin(kinds, (Kind.II, Kind.III)).mean())
 
 
 def bounce(one: Setting, label: float) -> Quantities:
@@ -123,7 +129,7 @@ def bounce(one: Setting, label: float) -> Quantities:
     plan = resting.plan_of(plan.scene, plan.case.design)
     turns = np.random.default_rng(2016).uniform(-1e-3, 1e-3, (16, 2))
     for name, starts in (("level", np.zeros((4, 2))), ("rebound", turns)):
-        lets = [drops.Let(1.0, *start, number) for number, start in enumerate(starts)]
+        lets = [drops.Let(1.0, pitch, roll, number) for number, (pitch, roll) in enumerate(starts.tolist())]
         ratios = [drops.rebound(plan, let).ratio for let in lets]
         yield name, *mean([ratio for ratio in ratios if ratio is not None])
 

@@ -7,7 +7,7 @@ and run at 60 mm/s at 10 deg. Each of SETTINGS changes one thing of the scene `p
 walker `koumakis2016`, and all four are measured again: (a) and (b) at the label of the feet that
 the speeds speak for, (c) and (d) at larger ones too, up to the one that the paper measured.
 
-    python evidence/causes/causes.py [--only walls,"plate noise"] [--out out/causes.csv] [--table]
+    python -m evidence.causes.causes [--only walls,"plate noise"] [--out out/causes.csv] [--table]
 
 Lines are written for every measure as soon as it is done; a second call goes on where the first
 ended, and measures again what was measured with other kernels. A setting takes 40 s of one core,
@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from cause_measures import GAMMAS, MEASURES, Setting
 
+from evidence.causes.cause_measures import GAMMAS, MEASURES, Setting
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
 from walkergen.scene import PAPER_CONTACT
@@ -146,7 +146,7 @@ def measured(one: Setting, known: Sequence[Row], path: Path) -> Iterator[Row]:
         if (label, last) in have:
             continue
         started = time.perf_counter()
-        rows = [Row(kernels.digest(), *one[:2], label, *each) for each in measure(one, label)]
+        rows = [Row(kernels.digest(), one.cause, one.size, label, *each) for each in measure(one, label)]
         text = csv_text(Row._fields, rows)
         with path.open("a", encoding="utf-8", newline="") as stream:
             stream.write(text.partition("\n")[2] if stream.tell() else text)
@@ -162,8 +162,11 @@ def kept(path: Path) -> list[Row]:
         return []
     with path.open(encoding="utf-8", newline="") as stream:
         lines = [list(line.values()) for line in csv.DictReader(stream)]
-    numbers = ((*line[:3], float(line[3]), line[4], *map(float, line[5:])) for line in lines)
-    return [Row(*line) for line in numbers if line[0] == kernels.digest()]
+    return [
+        Row(code, cause, size, float(label), quantity, float(value), float(se))
+        for code, cause, size, label, quantity, value, se in lines
+        if code == kernels.digest()
+    ]
 
 
 Known = dict[tuple[float, str], tuple[float, float]]
@@ -215,7 +218,7 @@ def table(rows: Sequence[Row]) -> str:
     each: dict[tuple[str, str], Known] = {}
     for row in rows:
         each.setdefault((row.cause, row.size), {})[row.label, row.quantity] = row.value, row.se
-    still_plate = {key: pair for key, pair in each["none", ""].items() if key[1] in DROPS}
+    still_plate = {key: pair for key, pair in each.get(("none", ""), {}).items() if key[1] in DROPS}
     lines = [
         "| cause | size | a: crossover, s | exponent at 1 s | b: share of the line at 1.2 g | "
         "at 1.4 g | c: II + III, % | d: speed, mm/s | rebound beside 55 to 65 mm/s | brings |",
