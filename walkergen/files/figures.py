@@ -1,4 +1,18 @@
-"""Figures: one style for all, sizes of a journal, and PNG and PDF of equal bytes."""
+"""Figures: one style for all, sizes of a journal, and PNG and PDF of equal bytes.
+
+What draws a figure is decorated by `style()` and says only what is drawn:
+
+    figure, axes = axes_of(title)                            # or panels_of, grid_of: several panels
+    points(axes, (lag, speed, se), MEASURED, "measured")     # symbols with bars, or
+    curve(axes, (lag, speed, se), SERIES[1], "of turning")   # a line with its error as a band
+    axes.plot(lag, fit, color=FITTED.colour, label="fit")
+    level(axes, 0.0)                                         # a thin line at a value to compare with
+    name(axes, "lag (s)", "speed (mm/s)", log="x")           # names with units; logarithmic axes
+    axes.legend()                                            # or legend_below(figure)
+
+A colour tells a role: blue was measured, orange was fitted or is expected, grey is what one compares
+with; series without a role take the looks of SERIES in turn, which lines and markers tell apart too.
+"""
 
 import io
 import math
@@ -6,9 +20,10 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
@@ -47,20 +62,44 @@ STYLE: Any = {
 }
 """Sizes of letters and lines, in matplotlib's keys; letters of a PDF stay letters (TrueType)."""
 
-# Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
-STYLES: dict[str, tuple[str, str, str]] = {"flexible": ("#0072B2", "-", "o"), "braced": ("#D55E00", "--", "s")}
+BLUE, ORANGE, BLACK, GREEN = "#0072B2", "#D55E00", "#000000", "#009E73"
+"""Colours of Okabe and Ito: told apart by the colour-blind, the first two in grey too."""
 
-SERIES: tuple[tuple[str, Any, str], ...] = (
-    ("#0072B2", "-", "o"),
-    ("#D55E00", "--", "s"),
-    ("#000000", "-.", "^"),
-    ("#009E73", ":", "D"),
-    ("#882255", (0, (7, 2)), "v"),
-    ("#56B4E9", (0, (5, 1, 1, 1, 1, 1)), "P"),
-    ("#B07900", (0, (3, 1, 1, 1)), "X"),
-    ("#7F7F7F", (0, (1, 1)), "*"),
+INK, GREY, FAINT, PALE = "0.3", "0.45", "0.7", "0.9"
+"""Greys of words in a panel, of lines of a theory, of levels to compare with, and of areas."""
+
+
+class Look(NamedTuple):
+    """Colour, line and marker of a series."""
+
+    colour: str
+    line: Any = "-"
+    marker: str = "o"
+
+
+STYLES: dict[str, Look] = {"flexible": Look(BLUE, "-", "o"), "braced": Look(ORANGE, "--", "s")}
+"""Looks of walkers by their kind of legs."""
+
+MEASURED, FITTED = Look(BLUE, "-", "o"), Look(ORANGE, "--", "s")
+"""Looks of what was measured, and of what was fitted to it or is expected of it."""
+
+SERIES: tuple[Look, ...] = (
+    Look(BLUE, "-", "o"),
+    Look(ORANGE, "--", "s"),
+    Look(BLACK, "-.", "^"),
+    Look(GREEN, ":", "D"),
+    Look("#882255", (0, (7, 2)), "v"),
+    Look("#56B4E9", (0, (5, 1, 1, 1, 1, 1)), "P"),
+    Look("#B07900", (0, (3, 1, 1, 1)), "X"),
+    Look("#7F7F7F", (0, (1, 1)), "*"),
 )
-"""Colour, line and marker of series: the last two tell them apart where colours are lost."""
+"""Looks of series without a role: the last two parts tell them apart where colours are lost."""
+
+FEW = 12
+"""Number of points of a series up to which its symbols are large."""
+
+BAND = 0.2
+"""Opacity of a band of errors."""
 
 COLOURS = {"flexible": (0.35, 0.58, 0.78), "braced": (0.86, 0.55, 0.30)}
 """Red, green and blue of shaded parts by their kind of legs."""
@@ -142,13 +181,87 @@ def axes_of(title: str) -> tuple[Figure, Axes]:
 
 
 @style()
-def panels_of(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
+def panels_of(title: str, heights: Sequence[float], width: float = COLUMN) -> tuple[Figure, list[Axes]]:
     """An empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
-    figure = Figure(figsize=(COLUMN, sum(heights)), layout="constrained")
+    figure = Figure(figsize=(width, sum(heights)), layout="constrained")
     grid = {"height_ratios": heights}
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
-    figure.suptitle(wrapped(title, COLUMN - 0.1))
+    figure.suptitle(wrapped(title, width - 0.1))
     return figure, list(axes)
+
+
+@style()
+def grid_of(
+    title: str, count: int, across: int, height: float, width: float = PAGE, share_y: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """An empty figure of so many panels, `across` of them side by side, each row as high (inches)."""
+    rows = -(-count // across)
+    figure = Figure(figsize=(width, rows * height), layout="constrained")
+    panels = list(figure.subplots(rows, across, squeeze=False, sharey=share_y).flat)
+    for axes in panels[count:]:
+        axes.remove()
+    figure.suptitle(wrapped(title, width - 0.1))
+    return figure, panels[:count]
+
+
+def name(axes: Axes, x: str = "", y: str = "", log: str = "") -> None:
+    """Name the axes, with units; those in `log` ("x", "y", "xy") are logarithmic.
+
+    It comes last: ticks of logarithmic axes depend on their limits.
+    """
+    if x:
+        axes.set_xlabel(x)
+    if y:
+        axes.set_ylabel(y)
+    if "x" in log:
+        axes.set_xscale("log")
+        logarithmic(axes.xaxis)
+    if "y" in log:
+        axes.set_yscale("log")
+        logarithmic(axes.yaxis)
+
+
+Errors = Sequence[Any]
+"""Places, values and errors; an error is one number, or a length below and one above (2, n), or None."""
+
+
+def points(
+    axes: Axes, data: Errors, look: Look = MEASURED, label: str = "", hollow: bool = False, joined: bool = False
+) -> Any:
+    """Draw symbols with bars of their errors, none where an error is NaN; `joined` by the look's line."""
+    at, value, error = data
+    return axes.errorbar(
+        at,
+        value,
+        None if error is None else np.nan_to_num(np.asarray(error, dtype=float)),
+        fmt=look.marker,
+        linestyle=look.line if joined else "none",
+        color=look.colour,
+        markersize=4.0 if len(at) <= FEW else 3.0,
+        markerfacecolor="white" if hollow else look.colour,
+        linewidth=0.9,
+        elinewidth=0.8,
+        label=label or None,
+        zorder=3 if hollow else 2.2,
+    )
+
+
+def curve(axes: Axes, data: Errors, look: Look = FITTED, label: str = "", shade: float = BAND) -> None:
+    """Draw a line, and a band of its errors."""
+    at, value, error = (np.asarray(part, dtype=float) for part in data)
+    axes.plot(at, value, color=look.colour, linestyle=look.line, label=label or None)
+    axes.fill_between(at, value - error, value + error, color=look.colour, alpha=shade, linewidth=0)
+
+
+def level(axes: Axes, value: float = 0.0, upright: bool = False) -> None:
+    """Draw a thin line at a value to compare with, behind everything."""
+    draw = axes.axvline if upright else axes.axhline
+    draw(value, color=FAINT, linewidth=0.7, zorder=0)
+
+
+def legend_below(figure: Figure, columns: int = 2) -> None:
+    """One legend for all panels, below them, of what the first of them names."""
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
 def shown(figure: Figure) -> Figure:
