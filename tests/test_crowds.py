@@ -254,11 +254,11 @@ def test_walkers_that_are_not_seen_are_left_out():
 def test_what_is_not_known_is_refused_with_its_reason():
     places = gas("periodic:100", 30, 10, 1, None)
     found = crowds.measure([places, places])
-    assert found.numbers["packing"] == (None, None, "no outlines known", np.inf, None, False)
-    assert found.numbers["wall_speed"].reason == "a periodic dish has no wall"
+    assert found.numbers["packing"].refused == "no outlines known"
+    assert found.numbers["wall_speed"].refused == "a periodic dish has no wall"
     blind = places._replace(theta=np.full(places.x.shape, np.nan))
     found = crowds.measure([blind])
-    assert found.numbers["polar_order"].reason == "no headings known"
+    assert found.numbers["polar_order"].refused == "no headings known"
     assert found.numbers["speed"].value > 0
 
 

@@ -72,7 +72,7 @@ def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, picture
         title=path.name,
         tables=crowd_tables.tables(statistics),
         facts=crowd_tables.facts(statistics),
-        lines=crowd_tables.lines(statistics),
+        lines=[crowd_tables.line(statistics)],
         figures=crowd_figures.figures(statistics, path.name),
         folder=folder,
     )

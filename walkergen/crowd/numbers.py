@@ -53,5 +53,5 @@ def _status(simulated: Simulated) -> str:
         return f"{Outcome.ENERGY.value}: {share} % unaccounted for; take a smaller run.step_us"
     for name, estimate in simulated.statistics.numbers.items():
         if name not in TIMELESS and estimate.value is not None and estimate.se is None:
-            return f"error unknown: {estimate.reason}; take more runs"
+            return f"error unknown: {estimate.refused}; take more runs"
     return OK

@@ -2,20 +2,17 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.estimates import Estimate
-from walkergen.analysis.motion import Curve
 from walkergen.crowd.statistics.measuring import NO_WALL, UNITS, CrowdStatistics
 from walkergen.files import words
 from walkergen.files.report import Column, Table
+from walkergen.numerics.quantity import Quantity
 
-KEYS = {name: f"{name}_{unit}" if unit else name for name, unit in UNITS.items()}
-"""Keys of the numbers, with their units."""
-
-READ_UNITS = {"mm_s": " (mm/s)", "": ""}
+NUMBER = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
+"""Columns of crowd.csv: a quantity, its bounds, and its value of as many walkers placed and turned at random."""
 
 CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "crowd_pairs": (
@@ -34,103 +31,85 @@ CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
 """Tables of curves: the key of their places, and the keys of the curves in them by their names."""
 
 
-class CrowdNumber(NamedTuple):
-    """Number of a crowd; the field names are the columns of crowd.csv."""
-
-    quantity: str
-    """Name with its unit."""
-    value: float | None
-    se: float | None
-    low_95: float | None
-    high_95: float | None
-    by_chance: float | None
-    """Value of as many walkers placed and turned at random, where it is known."""
-    refused: str
-    """Reason why the value, or its error, is not known."""
-
-
-class _Course(NamedTuple):
-    quantity: str
-    t_s: float
-    value: float | None
-    se: float | None
-
-
 def tables(statistics: CrowdStatistics) -> list[Table]:
     """Numbers with their errors, which people read; their course in time, each run, and curves."""
-    rows = [_number(statistics, name) for name in UNITS]
-    shown = [row for row in rows if row.refused != NO_WALL]
+    numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
+    rows = [_row(statistics, number) for number in numbers.values()]
+    shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
     title = f"Crowd of {statistics.walkers} walkers in {statistics.dish.words}"
-    made = [Table("crowd", rows, CrowdNumber._fields, NUMBERS, title, statistics.notes, shown)]
-    course = [_Course(KEYS[name], *point) for name, curve in statistics.series.items() for point in _points(curve)]
-    made.append(Table("crowd_series", course, _Course._fields))
-    by_run = [_known(np.array(row)) for row in zip(*statistics.by_run.values(), strict=True)]
-    numbered = [(run, *row) for run, row in enumerate(by_run)]
-    made.append(Table("crowd_runs", numbered, ("run", *(KEYS[n] for n in statistics.by_run))))
-    return [*made, *_curves(statistics)]
+    course = [(numbers[name].column, *_known(point)) for name in series for point in zip(*series[name], strict=True)]
+    runs = [(run, *_known(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
+    return [
+        Table("crowd", rows, NUMBER, _columns(statistics), title, statistics.notes, shown),
+        Table("crowd_series", course, ("quantity", "t_s", "value", "se")),
+        Table("crowd_runs", runs, ("run", *(numbers[name].column for name in by_run))),
+        *_curves(statistics),
+    ]
 
 
 def facts(statistics: CrowdStatistics) -> dict[str, Any]:
     """Numbers for JSON."""
+    rows = [_row(statistics, number) for number in statistics.numbers.values()]
     return {
         "dish": statistics.dish.words,
         "walkers": statistics.walkers,
         "runs": statistics.runs,
         "frames": statistics.frames,
         "seconds": statistics.seconds,
-        "numbers": {
-            row.quantity: {key: value for key, value in row._asdict().items() if key != "quantity"}
-            for row in (_number(statistics, name) for name in UNITS)
-        },
+        "numbers": {name: dict(zip(NUMBER[1:], row, strict=True)) for name, *row in rows},
         "notes": list(statistics.notes),
     }
 
 
-def _number(statistics: CrowdStatistics, name: str) -> CrowdNumber:
-    estimate = statistics.numbers[name]
-    low, high = _bounds(estimate)
-    chance = statistics.by_chance.get(name)
-    return CrowdNumber(KEYS[name], estimate.value, estimate.se, low, high, chance, estimate.reason)
-
-
-def _bounds(estimate: Estimate) -> tuple[float | None, float | None]:
-    return estimate.interval(0.95) or (None, None)
-
-
-def _value(row: CrowdNumber) -> str:
-    if row.value is None:
-        return row.refused
-    if row.se is None:
-        return f"{words.number(row.value)} ± ?: {row.refused}"
-    return words.with_error(row.value, row.se)
-
-
-def _span(row: CrowdNumber) -> str:
-    """Bounds of 95 % to two digits of the error; '' without any."""
-    if row.low_95 is None or row.high_95 is None or not row.se:
-        return ""
-    return " to ".join(words.to_digits_of(row.se, (row.low_95, row.high_95)))
-
-
-def _chance(row: CrowdNumber) -> str:
-    return "" if row.by_chance is None or row.value is None else words.number(row.by_chance)
-
-
-def _name(row: CrowdNumber) -> str:
-    return in_words(next(name for name, key in KEYS.items() if key == row.quantity))
+def line(statistics: CrowdStatistics) -> str:
+    """What was measured, in a sentence."""
+    runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
+    return (
+        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of "
+        f"{statistics.walkers} walkers in {statistics.dish.words}."
+    )
 
 
 def in_words(name: str) -> str:
     """Name of a number in words, with its unit."""
-    return name.replace("_", " ") + READ_UNITS[UNITS[name]]
+    return name.replace("_", " ") + (" (mm/s)" if UNITS[name] else "")
 
 
-NUMBERS = (
-    Column("", _name),
-    Column("value ± standard error", _value),
-    Column("95 %", _span),
-    Column("at random", _chance, right=True),
-)
+def stated(number: Quantity) -> str:
+    """Number with its error, for people; or why it, or its error, is not known."""
+    if number.value is None:
+        return number.refused
+    if number.se is None:
+        return f"{words.number(number.value)} ± ?: {number.refused}"
+    return words.with_error(number.value, number.se)
+
+
+def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
+    """Row of crowd.csv."""
+    bounds = number.interval() or (None, None)
+    chance = statistics.by_chance.get(number.key)
+    return number.column, number.value, number.se, *bounds, chance, number.refused
+
+
+def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
+    """What people read of a row: by the quantity of its first cell."""
+    numbers = {number.column: number for number in statistics.numbers.values()}
+
+    def bounds(row: Sequence[Any]) -> str:
+        number = numbers[row[0]]
+        return " to ".join(words.to_digits_of(number.se, number.interval() or ())) if number.se else ""
+
+    def chance(row: Sequence[Any]) -> str:
+        number = numbers[row[0]]
+        value = statistics.by_chance.get(number.key)
+        return "" if value is None or number.value is None else words.number(value)
+
+    return (
+        Column("", lambda row: in_words(numbers[row[0]].key)),
+        Column("value ± standard error", lambda row: stated(numbers[row[0]])),
+        Column("95 %", bounds),
+        Column("at random", chance, right=True),
+    )
 
 
 def _curves(statistics: CrowdStatistics) -> Iterator[Table]:
@@ -139,12 +118,9 @@ def _curves(statistics: CrowdStatistics) -> Iterator[Table]:
         curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
         if not curves:
             continue
-        columns = [next(iter(curves.values())).at]
-        header = [at]
-        for key, curve in curves.items():
-            columns += [curve.value, curve.se]
-            header += [key, _error_key(key)]
-        yield Table(name, [_known(np.array(row)) for row in zip(*columns, strict=True)], header)
+        columns = [next(iter(curves.values())).at, *(part for curve in curves.values() for part in curve[1:])]
+        header = [at, *(key for curve in curves for key in (curve, _error_key(curve)))]
+        yield Table(name, [tuple(_known(row)) for row in zip(*columns, strict=True)], header)
 
 
 def _error_key(key: str) -> str:
@@ -155,20 +131,6 @@ def _error_key(key: str) -> str:
     return f"{key}_se"
 
 
-def _points(curve: Curve) -> Iterator[tuple[float, float | None, float | None]]:
-    for at, value, se in zip(*curve, strict=True):
-        yield (float(at), *_known(np.array([value, se])))  # type: ignore[misc]
-
-
-def _known(values: Any) -> tuple[float | None, ...]:
+def _known(values: Sequence[np.float64]) -> list[float | None]:
     """Numbers of a row; None where one is not known."""
-    return tuple(None if math.isnan(value) else float(value) for value in values)
-
-
-def lines(statistics: CrowdStatistics) -> Sequence[str]:
-    """What was measured, in a sentence."""
-    runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
-    return [
-        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of "
-        f"{statistics.walkers} walkers in {statistics.dish.words}."
-    ]
+    return [None if math.isnan(value) else float(value) for value in values]

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from walkergen.shapes import outlines as polygons
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
 
 Outlines = Mapping[str, Sequence[Array]]
 """Outer contours by the name of a kind, seen from above: heading along +x, the place that is
@@ -107,3 +108,15 @@ def _continuous(heading: Array) -> Array:
     heading = heading.copy()
     heading[seen] = np.unwrap(heading[seen])
     return heading
+
+
+def mean_over_walkers(values: npt.NDArray[Any], chosen: Mask | None = None) -> npt.NDArray[Any]:
+    """Mean of values (F, N) over the walkers whose value is known, of those that are `chosen`, at each time.
+
+    NaN where there are none.
+    """
+    known = ~np.isnan(values)
+    if chosen is not None:
+        known &= chosen
+    count = known.sum(axis=1)
+    return np.where(count > 0, np.where(known, values, 0).sum(axis=1) / np.maximum(count, 1), np.nan)

@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.motion import Curve
 from walkergen.crowd.statistics import clusters, fluctuations, order, packing, pairs, spreading, walls
-from walkergen.crowd.statistics.film import CrowdFilm
+from walkergen.crowd.statistics.film import CrowdFilm, mean_over_walkers
 from walkergen.dish import Dish
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -69,8 +69,8 @@ ONE_NUMBER = "no error of one run"
 class CrowdStatistics(NamedTuple):
     """What a crowd did, over all runs."""
 
-    numbers: dict[str, Estimate]
-    """Numbers by the names of `UNITS`; where only the error is None `reason` says why."""
+    numbers: dict[str, Quantity]
+    """Numbers by their keys, those of `UNITS`."""
     by_chance: dict[str, float]
     """What the same numbers would be for walkers placed and turned at random."""
     by_run: dict[str, Array]
@@ -117,7 +117,7 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
     by_run = {name: _each(runs, name) for name in UNITS}
     film = films[0]
     return CrowdStatistics(
-        {name: _estimate(name, by_run[name], runs, film) for name in UNITS},
+        {name: _quantity(name, by_run[name], runs, film) for name in UNITS},
         _by_chance(film),
         by_run,
         {name: _joined([run.series[name] for run in runs]) for name in runs[0].series},
@@ -172,9 +172,9 @@ def _of(film: CrowdFilm) -> _Run:
 def _add_motion(run: _Run, film: CrowdFilm) -> None:
     between = 0.5 * (film.times[1:] + film.times[:-1])
     speed, ahead = spreading.speeds(film)
-    run.series["speed"] = between, _row_means(speed)
+    run.series["speed"] = between, mean_over_walkers(speed)
     if film.headed:
-        run.series["speed_along_heading"] = between, _row_means(ahead)
+        run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
     run.curves["msd"] = spreading.squared(film)
     run.whole["spread_exponent"] = spreading.growth(*run.curves["msd"])
 
@@ -226,30 +226,32 @@ def _each(runs: Sequence[_Run], name: str) -> Array:
     )
 
 
-def _estimate(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Estimate:
+def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
+    """Number from its values of each run, or why it or its error is not known."""
+    unit = UNITS[name]
     if np.isnan(values).any():
-        return Estimate(None, None, _refusal(name, film))
-    if np.ptp(values) <= SAME * abs(values[0]) and len(values) > 1:
-        return Estimate(float(values[0]), 0.0)
+        return Quantity(name, unit, None, refused=_refusal(name, film))
+    first = float(values[0])
     if len(values) > 1:
-        return Estimate(*statistics.mean_of(values)[:2], "", len(values) - 1.0)
+        if np.ptp(values) <= SAME * abs(first):
+            return Quantity(name, unit, first, 0.0)
+        return Quantity(name, unit, *statistics.mean_of(values)[:2], freedom=len(values) - 1.0)
     if name in TIMELESS:
-        return Estimate(float(values[0]), None, ONE_NUMBER)
-    return _of_one_run(float(values[0]), *runs[0].series[name])
+        return Quantity(name, unit, first, refused=ONE_NUMBER)
+    return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
 
 
-def _of_one_run(value: float, times: Array, course: Array) -> Estimate:
-    """Mean over a run with its error, from the time over which its course is correlated."""
+def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float, str]:
+    """Error of a mean over a run, by the time over which its course is correlated; its freedom; why there is none."""
     known = np.isfinite(course)
     if np.ptp(course[known]) == 0.0:
-        return Estimate(value, 0.0)
+        return 0.0, math.inf, ""
     interval = float(times[1] - times[0])
-    if not known.all() or (time := statistics.correlation_time([course], interval)) is None:
-        return Estimate(value, None, ONE_RUN)
-    se = statistics.error_of_mean([course], interval, time)
-    if se is None:
-        return Estimate(value, None, ONE_RUN)
-    return Estimate(value, se, "", len(course) * interval / (2.0 * time) - 1.0)
+    if known.all() and (time := statistics.correlation_time([course], interval)) is not None:
+        se = statistics.error_of_mean([course], interval, time)
+        if se is not None:
+            return se, len(course) * interval / (2.0 * time) - 1.0, ""
+    return None, math.inf, ONE_RUN
 
 
 def _refusal(name: str, film: CrowdFilm) -> str:
@@ -312,13 +314,6 @@ def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
     if not film.dish.period:
         lines.append(f"at the wall means within {walls.near(film):.3g} mm of it")
     return tuple(lines)
-
-
-def _row_means(values: Array) -> Array:
-    """Mean over the walkers that are known at each time; NaN where there are none."""
-    known = np.isfinite(values)
-    count = known.sum(axis=1)
-    return np.where(count > 0, np.where(known, values, 0.0).sum(axis=1) / np.maximum(count, 1), math.nan)
 
 
 def _mean(values: Array) -> float:

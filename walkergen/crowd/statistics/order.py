@@ -9,19 +9,19 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.statistics.film import CrowdFilm
+from walkergen.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 Array = npt.NDArray[np.float64]
 
 
 def polar(film: CrowdFilm) -> Array:
     """|mean of e^(i theta)| over walkers, shape (F,): 1 where all head one way."""
-    return np.asarray(np.abs(_mean(np.exp(1j * film.theta))))
+    return np.asarray(np.abs(mean_over_walkers(np.exp(1j * film.theta))))
 
 
 def nematic(film: CrowdFilm) -> Array:
     """|mean of e^(2 i theta)| over walkers, shape (F,): 1 where all lie along one line."""
-    return np.asarray(np.abs(_mean(np.exp(2j * film.theta))))
+    return np.asarray(np.abs(mean_over_walkers(np.exp(2j * film.theta))))
 
 
 def circulation(film: CrowdFilm) -> Array:
@@ -30,7 +30,7 @@ def circulation(film: CrowdFilm) -> Array:
     1 where all circle counter-clockwise, -1 clockwise, 0 where neither wins.
     """
     about = np.sin(film.theta - np.arctan2(film.y, film.x))
-    return np.asarray(_mean(about))
+    return np.asarray(mean_over_walkers(about))
 
 
 def by_chance(walkers: float) -> float:
@@ -44,11 +44,3 @@ def by_chance(walkers: float) -> float:
 def circulation_by_chance(walkers: float) -> float:
     """Mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
     return 1.0 / math.sqrt(math.pi * walkers)
-
-
-def _mean(values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
-    """Mean over walkers whose value is known; NaN where there are none."""
-    known = ~np.isnan(values)
-    count = known.sum(axis=1)
-    mean = np.where(known, values, 0).sum(axis=1) / np.maximum(count, 1)
-    return np.where(count > 0, mean, np.nan)

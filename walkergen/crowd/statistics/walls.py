@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.crowd.statistics import ground, pairs, spreading
-from walkergen.crowd.statistics.film import CrowdFilm
+from walkergen.crowd.statistics.film import CrowdFilm, mean_over_walkers
 
 Array = npt.NDArray[np.float64]
 
@@ -57,8 +57,8 @@ def measure(film: CrowdFilm) -> Walls:
         _binned(between, speed, edges),
         _binned(distance, along, edges),
         near_share / at_wall_area,
-        _mean(speed, between < at_wall),
-        _mean(along, distance < at_wall),
+        mean_over_walkers(speed, between < at_wall),
+        mean_over_walkers(along, distance < at_wall),
     )
 
 
@@ -68,10 +68,3 @@ def _binned(distance: Array, values: Array, edges: Array) -> Array:
     counts = np.histogram(distance[known], edges)[0]
     sums = np.histogram(distance[known], edges, weights=values[known])[0]
     return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
-
-
-def _mean(values: Array, chosen: npt.NDArray[np.bool_]) -> Array:
-    """Mean over the chosen walkers at each time; NaN where there are none."""
-    chosen = chosen & np.isfinite(values)
-    count = chosen.sum(axis=1)
-    return np.where(count > 0, np.where(chosen, values, 0.0).sum(axis=1) / np.maximum(count, 1), np.nan)
