@@ -1,12 +1,14 @@
 """walkergen from Python, as a notebook uses it: the same numbers as the commands, and types."""
 
 import ast
+import importlib
 import json
 import math
 import os
 import pkgutil
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +59,9 @@ def test_names_are_sorted_lazy_and_typed():
     assert ast.literal_eval(listed) == wg.__all__
     assert set(wg.__all__) <= set(dir(wg))
     submodules = {found.name for found in pkgutil.iter_modules(wg.__path__)}
-    assert not submodules & set(wg.__all__)  # importing one would take the name's place
+    for name in submodules & set(wg.__all__):  # a room of that name does not take the function's place
+        importlib.import_module(f"walkergen.{name}")
+        assert not isinstance(getattr(wg, name), types.ModuleType)
     assert (ROOT / "walkergen" / "py.typed").exists()
     with pytest.raises(AttributeError, match="no attribute 'nope'"):
         _ = wg.nope

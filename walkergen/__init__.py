@@ -4,6 +4,9 @@ Units inside are mm, g, s and radians. From Python, start with `import walkergen
 `wg.load("koumakis2016")`; what wg offers is in `walkergen.api`, loaded when it is first used.
 """
 
+import sys
+from types import ModuleType
+
 __version__ = "0.1.0"
 
 _HOMES = {
@@ -29,6 +32,16 @@ _HOMES = {
 """Modules of the names that are offered here; __init__.pyi has their types."""
 
 __all__ = sorted(["__version__", *_HOMES])
+
+
+class _Package(ModuleType):
+    def __setattr__(self, name: str, value: object) -> None:
+        """Keep `wg.crowd` and `wg.track` the functions when the rooms of these names are imported."""
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> object:
