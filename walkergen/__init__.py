@@ -5,7 +5,6 @@ Units inside are mm, g, s and radians. From Python, start with `import walkergen
 """
 
 import sys
-from types import ModuleType
 
 __version__ = "0.1.0"
 
@@ -34,10 +33,10 @@ _HOMES = {
 __all__ = sorted(["__version__", *_HOMES])
 
 
-class _Package(ModuleType):
+class _Package(type(sys)):
     def __setattr__(self, name: str, value: object) -> None:
         """Keep `wg.crowd` and `wg.track` the functions when the rooms of these names are imported."""
-        if not (name in _HOMES and isinstance(value, ModuleType)):
+        if not (name in _HOMES and isinstance(value, type(sys))):
             super().__setattr__(name, value)
 
 
