@@ -39,7 +39,7 @@ def test_stated_errors_cover_the_truth_as_they_should(particles, seconds, headed
         found = motion.analyse(film(seed, particles, seconds, noisy, 0.02, headed))
         for name, expected in known.items():
             one = found.estimates[name]
-            assert one.value is not None, (name, one.reason)
+            assert one.value is not None, (name, one.refused)
             scores[name].append((one.value - expected) / one.se)
     for name, values in scores.items():
         within = np.abs(values) < 1
@@ -122,15 +122,15 @@ def test_persistence_beyond_the_film_is_refused_with_a_bound():
     assert found["speed"].value == pytest.approx(30.0, abs=4 * found["speed"].se)
     for name in ("persistence_time", "diffusivity", "crossover_time"):
         assert found[name].value is None
-    assert "more than" in found["persistence_time"].reason
-    assert "ballistic" in found["diffusivity"].reason
+    assert "more than" in found["persistence_time"].refused
+    assert "ballistic" in found["diffusivity"].refused
 
 
 def test_few_data_are_refused_with_the_reason():
     found = motion.analyse(film(5, 1, 0.2), lag_s=0.04).estimates
     assert all(one.value is None or one.se is not None for one in found.values())
     assert found["speed"].value is None
-    assert "film for longer" in found["speed"].reason
+    assert "film for longer" in found["speed"].refused
 
 
 def test_stubs_of_tracks_do_not_pass_for_walkers():
@@ -176,12 +176,12 @@ def test_a_lane_film_of_few_correlation_times_is_refused():
     # Memory of 1 s in 10 s of film: five independent speeds.
     found = motion.analyse(lane(3, [60.0], 1000, memory=100.0)).estimates
     assert found["speed"].value is None
-    assert "film for longer" in found["speed"].reason
+    assert "film for longer" in found["speed"].refused
 
 
 def test_a_lane_has_no_turning_and_says_so():
     found = motion.analyse(lane(1, [60.0] * 10, 400))
-    assert found.estimates["turning_bias"].reason
+    assert found.estimates["turning_bias"].refused
     assert found.estimates["parallel_mean"].value == pytest.approx(60 * 0.04, rel=0.1)
     assert not len(found.orthogonal.at)
 
@@ -208,7 +208,7 @@ def test_speed_over_plate_speed_is_a_line_through_the_origin():
     assert found.line.slope == pytest.approx(2.0, abs=4 * found.line.slope_se)
     assert found.line.p_value > 1e-3
     assert found.estimates["speed"].value is None
-    assert "plate speeds" in found.estimates["speed"].reason
+    assert "plate speeds" in found.estimates["speed"].refused
 
 
 def test_a_lag_outside_the_film_is_refused():

@@ -5,8 +5,8 @@ import pytest
 from inertial_tracks import Inertial, tracks
 
 from walkergen.analysis import delay, motion, relaxation
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.numerics.quantity import exact
 
 CASES = {
     "as a printed walker": (Inertial(), {}, True),
@@ -36,7 +36,7 @@ def test_known_numbers_come_back(case):
     own = tracks(7, one, **made)
     for name, estimate in found(own, exact).items():
         truth = getattr(one, name)
-        assert estimate.value is not None, (name, estimate.reason)
+        assert estimate.value is not None, (name, estimate.refused)
         assert abs(estimate.value - truth) < 3.0 * estimate.se, (name, truth, estimate)
         assert estimate.se < 0.4 * truth, (name, estimate)
     late = delay.measure(own).mean
@@ -44,7 +44,7 @@ def test_known_numbers_come_back(case):
         assert abs(late.value - one.relaxation) < 3.0 * late.se, late
     else:
         assert late.value is None
-        assert "no speed" in late.reason
+        assert "no speed" in late.refused
 
 
 def test_noise_of_places_is_told_from_fluctuations():
@@ -104,8 +104,8 @@ def test_too_few_data_are_refused_with_the_reason():
     own = tracks(1, Inertial(), walkers=2, seconds=0.2)
     velocity, diffusion = relaxation.velocity(own, exact=True)
     assert velocity.time.value is diffusion.value is None
-    assert "at least" in velocity.time.reason
-    assert "at least" in delay.measure(own).mean.reason
+    assert "at least" in velocity.time.refused
+    assert "at least" in delay.measure(own).mean.refused
     unseen = Tracks((Track(0, np.full((50, 2), np.nan), np.full(50, np.nan)),), 0.01, 0, "")
     assert relaxation.velocity(unseen, exact=True)[0].time.value is None
 
@@ -114,7 +114,7 @@ def test_walkers_that_stand_have_no_fluctuations():
     stand = Tracks(tuple(Track(n, np.ones((400, 2)), np.full(400, 0.5)) for n in range(10)), 0.01, 0, "")
     velocity, diffusion = relaxation.velocity(stand, exact=True)
     assert diffusion.value == velocity.time.value == velocity.deviation == 0.0
-    turning = relaxation.turning(stand, True, Estimate(0.0, 0.0))
+    turning = relaxation.turning(stand, True, exact("diffusion", "rad2_s", 0.0))
     assert turning.time.value == 0.0
     assert delay.measure(stand).mean.value is None
 

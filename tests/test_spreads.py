@@ -52,9 +52,9 @@ def test_diffusion_alone_is_not_ballistic(headed):
         assert not found.msd_fit.run
         assert not found.doubts
         for name in ("ballistic_speed", "crossover_time"):
-            assert "diffusive" in known[name].reason
+            assert "diffusive" in known[name].refused
         # A run of 1 m/s that turns within a microsecond looks alike: another film tells.
-        assert "film more frames" in known["translational_diffusion"].reason
+        assert "film more frames" in known["translational_diffusion"].refused
         at_rest = known["speed"]
         assert at_rest.value is None if not headed else abs(at_rest.value) < 6 * at_rest.se
     assert np.mean(inside) >= 0.75  # 95 % less 3 sigma of 15
@@ -62,13 +62,13 @@ def test_diffusion_alone_is_not_ballistic(headed):
 
 def test_a_straight_run_is_ballistic_and_a_resting_walker_is_neither():
     for found in analysed(STRAIGHT, 3, seconds=10.0):
-        assert "ballistic" in found.estimates["diffusivity"].reason
+        assert "ballistic" in found.estimates["diffusivity"].refused
         assert found.estimates["ballistic_speed"].value == pytest.approx(30.0, rel=1e-3)
     for found in analysed(RESTING, 3, headed=False):
         known = found.estimates
         for name in ("speed", "ballistic_speed", "diffusivity", "turning_bias"):
             assert known[name].value is None, name
-            assert "ballistic" not in known[name].reason
+            assert "ballistic" not in known[name].refused
         assert known["localisation_noise"].value == pytest.approx(0.2, rel=0.05)
 
 
@@ -76,7 +76,7 @@ def test_noise_that_diffusion_could_be_is_refused_with_a_way_to_tell():
     # 0.04 mm of noise, squared 0.006 mm^2, in 0.36 mm^2 of run a sample.
     films = (film(seed, 8, 10.0, Walker(noise=0.04, lost=0.0), 0.02) for seed in range(4))
     reasons = [
-        found.estimates[name].reason
+        found.estimates[name].refused
         for found in map(motion.analyse, films)
         for name in ("localisation_noise", "translational_diffusion")
         if found.estimates[name].value is None

@@ -5,13 +5,15 @@ import pytest
 from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, turning, walks
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.walks import Spread
+from walkergen.numerics.quantity import exact
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""
 
 INTERVAL = 0.02
+
+NOISELESS = exact("noise", "rad2", 0.0)
 
 EXACT = Walker(speed=SPEED, drift=DRIFT, turn=TURN, turn_sd=SCATTER, rate=D_R, noise=0.0, heading_noise=0.0, lost=0.0)
 
@@ -25,7 +27,7 @@ def scatter_of(tracks):
     return turning.scatter(turning.walkers(tracks.tracks, tracks.interval))
 
 
-def diffusion_of(tracks, noise2=Estimate(0.0, 0.0)):  # noqa: B008
+def diffusion_of(tracks, noise2=NOISELESS):
     return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise2)
 
 
@@ -39,7 +41,7 @@ def test_drift_turning_and_scatter_are_those_put_in():
         ("rotational_diffusion", D_R),
     ):
         one = found.estimates[name]
-        assert one.value is not None, (name, one.reason)
+        assert one.value is not None, (name, one.refused)
         assert abs(one.value - expected) < 3.5 * one.se, (name, one)
         assert 0 < one.se < 0.5 * expected, name
     assert any("rates of their own" in doubt for doubt in found.doubts)
@@ -69,8 +71,8 @@ def test_diffusion_alone_is_no_scatter():
     told = [scatter_of(wanderers(seed, scatter=0.0)) for seed in range(40)]
     # One in a hundred is resolved by chance: more than 3 of 40 in one of 1600 test suites.
     assert sum(one.value is not None for one in told) <= 3
-    assert all("not resolved: below" in one.reason for one in told if one.value is None)
-    bounds = [float(one.reason.split()[3]) for one in told if one.value is None]
+    assert all("not resolved: below" in one.refused for one in told if one.value is None)
+    bounds = [float(one.refused.split()[3]) for one in told if one.value is None]
     assert max(bounds) < 0.5  # rad/s; chance alone gives sqrt(2 D_r / 8 s) = 0.16
 
 
@@ -90,7 +92,7 @@ def test_errors_of_scatter_and_diffusion_cover_the_truth():
 def test_noise_of_headings_is_no_diffusion(lost):
     noisy = EXACT._replace(heading_noise=0.1, lost=lost)
     tracks = film(3, 60, 8.0, noisy, INTERVAL)
-    one = diffusion_of(tracks, Estimate(0.1**2, 0.0))
+    one = diffusion_of(tracks, exact("noise", "rad2", 0.1**2))
     assert abs(one.value - D_R) < 3.5 * one.se
     if not lost:
         # n pieces of t s that share their ends raise it by noise^2 (n + 1) / (n t): n = 8, t = 1 s.
@@ -142,8 +144,8 @@ def test_few_walkers_have_a_scatter_and_a_lone_one_the_reason_for_none():
     assert len(scores) >= 36
     assert np.mean(scores) > 0.85
     lone = motion.analyse(wanderers(4, walkers=1)).estimates
-    assert "1 walkers" in lone["turning_scatter"].reason
-    assert "at least 8" in lone["rotational_diffusion"].reason
+    assert "1 walkers" in lone["turning_scatter"].refused
+    assert "at least 8" in lone["rotational_diffusion"].refused
 
 
 def test_the_local_exponent_of_a_power_law_is_its_power():
@@ -194,9 +196,9 @@ def test_persistence_holds_where_a_film_does_not_tell_that_turning_lasts():
 
 def test_a_memory_that_a_film_leaves_open_has_a_bound():
     found = motion.analyse(film(1, 1, 40.0, Walker(), 0.04)).estimates
-    assert "not resolved: below 0." in found["turning_memory"].reason
+    assert "not resolved: below 0." in found["turning_memory"].refused
     assert found["persistence_rate"].se < 0.3
     # Of many frames the memory is known to be none, and an exponential has the smaller error.
     found = motion.analyse(film(1, 16, 60.0, Walker(), 0.04)).estimates
-    assert "from the first on" in found["turning_memory"].reason
+    assert "from the first on" in found["turning_memory"].refused
     assert found["persistence_rate"].se < 0.05

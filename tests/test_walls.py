@@ -82,6 +82,6 @@ def test_walkers_far_from_walls_tell_nothing_of_them():
     found = walls.measure(rows, INTERVAL, OUTLINE, dish.parse("disc:120"))
     assert found.share.value == 0.0
     assert found.alignment.value is None
-    assert "smaller dish" in found.alignment.reason
+    assert "smaller dish" in found.alignment.refused
     few = walls.measure(rows[:2], INTERVAL, OUTLINE, dish.parse("disc:120"))
-    assert "at least" in few.turning.reason
+    assert "at least" in few.turning.refused

@@ -7,13 +7,13 @@ import numpy as np
 from evidence.crowd_checks import runs, setting
 from evidence.crowd_checks.setting import RATE_HZ, Size
 from walkergen.analysis import tracks
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.values import Value
 from walkergen.crowd.card import Card
 from walkergen.crowd.cards import walker_card, walker_motion
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.dish import Dish
 from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -72,7 +72,7 @@ def numbers(measured: Measured) -> dict[str, Value]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _value(estimate: Estimate) -> Value | None:
+def _value(estimate: Quantity) -> Value | None:
     if estimate.value is None or estimate.se is None:
         return None
     return Value(float(estimate.value), float(estimate.se))

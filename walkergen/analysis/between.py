@@ -13,9 +13,10 @@ import numpy.typing as npt
 from scipy import special
 
 from walkergen.analysis import moments
-from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, Estimate, Frame
+from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, UNITS, WRITTEN, Frame, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -41,25 +42,21 @@ class Alone(NamedTuple):
     particle: int
     seconds: float
     """Time from the first to the last frame in which it was seen."""
-    values: dict[str, float]
-    """Means by the names of `estimates.UNITS`, also those of which no error is known."""
-    estimates: Mapping[str, Estimate]
-    """The same with their errors within this walker's track."""
+    means: Mapping[str, Quantity]
+    """Means by the names of `estimates.UNITS`, with their errors within this walker's track."""
 
-    def of(self, name: str) -> Estimate:
-        """Estimate of a number by its name; where only its error is refused it has the value."""
-        estimate = self.estimates.get(name, Estimate(None, None))
-        value = self.values.get(name, math.nan)
-        return estimate._replace(value=value) if math.isfinite(value) else estimate
+    def of(self, name: str) -> Quantity:
+        """Mean by its name."""
+        return self.means.get(name, refusal(name, ""))
 
 
 class Together(NamedTuple):
     """At least two walkers beside one another, each counted once."""
 
     walkers: int
-    means: Mapping[str, Estimate]
+    means: Mapping[str, Quantity]
     """Means over walkers by the names of `estimates.UNITS`, by Student's t with n - 1."""
-    scatter: Estimate
+    scatter: Quantity
     """Standard deviation of the speeds of walkers, mm/s."""
     limit: str
     """Statement of which error limits the mean speed: between walkers, or within their tracks."""
@@ -85,7 +82,7 @@ class _Series(NamedTuple):
         return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
 
 
-def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
+def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
     """Standard deviation between walkers, less what the errors of their values make of it.
 
     `values`, shape (n,) with n >= 2, have errors within walkers of the mean variance `noise`, known
@@ -98,9 +95,10 @@ def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
     if special.fdtrc(free, inside, ratio) > CHANCE:
         least = special.chdtri(free, 0.95)  # chi^2 lies above it with 95 %
         most = math.sqrt(max(total * free / least - noise, 0.0))
-        return Estimate(None, None, f"not resolved: below {most:.2g} {unit} (95 %)")
+        return refusal(name, f"not resolved: below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)")
     value = math.sqrt(total - noise)
-    return Estimate(value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise, root=True)
+    se = total * math.sqrt(2.0 / free) / (2.0 * value)
+    return quantity(name, value, se, free)._replace(noise=noise, root=True)
 
 
 def of_walkers(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
@@ -113,10 +111,9 @@ def of_walkers(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[in
     for track in tracks.tracks:
         seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
         seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
-        values, estimates = {}, {}
-        for name, series in _series(track, frame, shortened, turns[track.particle]).items():
-            values[name], estimates[name] = _mean(series, frame)
-        alone.append(Alone(track.particle, seconds, values, estimates))
+        series = _series(track, frame, shortened, turns[track.particle])
+        means = {name: _mean(name, own, frame) for name, own in series.items()}
+        alone.append(Alone(track.particle, seconds, means))
     return alone
 
 
@@ -160,29 +157,29 @@ def _mean_known(values: moments.Complex) -> moments.Complex:
     return np.where(present.any(axis=0), mean, np.nan)
 
 
-def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
-    """Mean of a series, and its estimate with an error, by pieces or by its correlation time."""
+def _mean(name: str, series: _Series, frame: Frame) -> Quantity:
+    """Mean of a series with its error, by pieces or by its correlation time; that may be refused."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
     sums = np.add.reduceat(values, np.unique(edges), axis=1).T if present.any() else np.zeros((0, 2))
     if not math.isfinite(series.unit):
-        return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
+        return refusal(name, "no speed of all walkers is known: film for longer")
     if not len(sums):
-        return math.nan, Estimate(None, None, "too short a track: film for longer")
+        return refusal(name, "too short a track: film for longer")
     if series.squared and (reason := _unresolved(sums, series.unit)):
-        return math.nan, Estimate(None, None, reason)
-    mean = float(series.mean(sums.sum(axis=0)))
+        return refusal(name, reason)
+    mean = Quantity(name, UNITS[name], float(series.mean(sums.sum(axis=0))))
     if len(sums) < PIECES:
-        return mean, Estimate(None, None, "too short a track for an error: film for longer")
+        return mean._replace(refused="too short a track for an error: film for longer")
     lasting = float(sums[:, 1].real.mean()) * frame.interval
     correlated = _error_if_correlated(series.blocks, frame.grid.step * frame.interval, lasting)
     if correlated is not None:
         error, reason = correlated
-        return mean, Estimate(None, None, reason) if reason else Estimate(mean, error)
+        return mean._replace(refused=reason) if reason else mean._replace(se=error)
     left_out = series.mean(sums.sum(axis=0) - sums)
     error = float(statistics.jackknife_error(left_out[:, None])[0])
-    return mean, Estimate(mean, error, "", PIECES - 1.0)
+    return mean._replace(se=error, freedom=PIECES - 1.0)
 
 
 def _unresolved(sums: npt.NDArray[Any], unit: float) -> str:
@@ -231,25 +228,25 @@ def compare(alone: Sequence[Alone]) -> Together | None:
     """
     longest = max(walker.seconds for walker in alone)
     walkers = [walker for walker in alone if walker.seconds >= COUNTED * longest]
-    if len(walkers) < 2 or not all(math.isfinite(walker.values["speed"]) for walker in walkers):
+    if len(walkers) < 2 or any(walker.of("speed").value is None for walker in walkers):
         return None
-    means = {
-        name: _over_walkers(np.array([walker.values[name] for walker in walkers]))
-        for name in walkers[0].values
-        if all(math.isfinite(walker.values.get(name, math.nan)) for walker in walkers)
-    }
-    speeds = [walker.estimates["speed"] for walker in walkers]
+    means = {}
+    for name in walkers[0].means:
+        values = [value for walker in walkers if (value := walker.of(name).value) is not None]
+        if len(values) == len(walkers):
+            means[name] = quantity(name, *statistics.mean_of(np.array(values)))
+    speeds = [walker.of("speed") for walker in walkers]
     errors = [speed.se for speed in speeds if speed.se is not None]
     if len(errors) < len(speeds):
-        reason = next(speed.reason for speed in speeds if speed.reason)
-        return Together(len(walkers), means, Estimate(None, None, reason), "no error within a track is known")
+        reason = next(speed.refused for speed in speeds if speed.refused)
+        return Together(len(walkers), means, refusal("speed_scatter", reason), "no error within a track is known")
     noise = float(np.mean(np.square(errors)))
     inside = sum(min(speed.freedom, statistics.FEWEST_SAMPLES) for speed in speeds)
-    scatter = spread(np.array([walker.values["speed"] for walker in walkers]), noise, inside, "mm/s")
+    scatter = spread("speed_scatter", np.array([speed.value for speed in speeds]), noise, inside)
     return Together(len(walkers), means, scatter, _limit(scatter, noise))
 
 
-def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, Estimate]:
+def corrected(means: Mapping[str, Quantity], shortened: Quantity) -> dict[str, Quantity]:
     """Means with the error of `shortened`, which those of all walkers share."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
@@ -260,12 +257,7 @@ def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, E
     }
 
 
-def _over_walkers(values: Array) -> Estimate:
-    mean = statistics.mean_of(values)
-    return Estimate(mean.value, mean.se, "", mean.freedom)
-
-
-def _limit(scatter: Estimate, noise: float) -> str:
+def _limit(scatter: Quantity, noise: float) -> str:
     """Statement of which of the two errors limits a mean."""
     if scatter.value is None:
         return "walkers are alike within the errors of their tracks, which limit: film for longer"

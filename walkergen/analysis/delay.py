@@ -14,10 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import lagged, moments
-from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
+from walkergen.analysis.estimates import FEWEST_SAMPLES
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -34,7 +35,7 @@ MOST_LAGS = 4000
 class Delay(NamedTuple):
     """Delay of the velocity behind the heading."""
 
-    mean: Estimate
+    mean: Quantity
     """Mean delay, s; refused where headings do not turn or data are too few."""
     until: float
     """Lag up to which the delay function was integrated, s."""
@@ -56,7 +57,7 @@ def measure(tracks: Tracks) -> Delay:
     none = np.zeros(0)
     if len(series) < FEWEST_SAMPLES or longest < 4:
         reason = f"{len(series)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
-        return Delay(Estimate(None, None, reason), math.nan, Curve(none, none, none))
+        return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
     lags = np.arange(min(longest, MOST_LAGS), dtype=np.int64)
     sums = np.array([_sums(velocity, unit, lags) for velocity, unit in series])
     whole = sums.sum(axis=0)
@@ -86,14 +87,15 @@ def expected(lag: Array, speed: float, rate: float, turn: float, relaxation: flo
     return np.asarray(speed * (after - before).real)
 
 
-def _mean(areas: Array, lost: Array) -> Estimate:
+def _mean(areas: Array, lost: Array) -> Quantity:
     """Half of the areas over what was lost of the correlation, first of all samples."""
     error = float(statistics.jackknife_error(lost[1:, None])[0])
     if not lost[0] > 3.0 * error:
-        return Estimate(None, None, "headings hardly turn, or no speed along them is known: film for longer")
+        reason = "headings hardly turn, or no speed along them is known: film for longer"
+        return Quantity("delay", "s", None, refused=reason)
     delays = 0.5 * areas / lost
     se = float(statistics.jackknife_error(delays[1:, None])[0])
-    return Estimate(float(delays[0]), se, "", len(delays) - 2.0)
+    return Quantity("delay", "s", float(delays[0]), se, len(delays) - 2.0)
 
 
 def _turns(track: Track) -> bool:

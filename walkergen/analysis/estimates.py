@@ -13,6 +13,7 @@ from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.walks import Spread
 from walkergen.files import words
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -63,6 +64,9 @@ decay of the correlation of headings about the same mean turning; without headin
 displacements, which also lose direction where walkers turn apart. Its error, and that of the
 time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
 """
+
+WRITTEN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
+"""Units as people read them, where these are not as keys write them."""
 
 FITS = ("amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first", "shortened")
 """Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
@@ -138,6 +142,16 @@ class Frame(NamedTuple):
     def first_lag(self) -> int:
         """Least lag between the starts of displacements that share no position, samples."""
         return self.grid.step + 1
+
+
+def quantity(name: str, value: float, se: float, freedom: float = math.inf) -> Quantity:
+    """Number of UNITS, or of FITS, with its error."""
+    return Quantity(name, UNITS.get(name, ""), value, se, freedom)
+
+
+def refusal(name: str, reason: str) -> Quantity:
+    """Number of UNITS, or of FITS, that is not known."""
+    return Quantity(name, UNITS.get(name, ""), None, refused=reason)
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
@@ -325,8 +339,8 @@ def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     numbers["crossover_time"] = float(slope) / speed**2 if speed else math.nan
 
 
-def with_error(estimate: Estimate) -> str:
+def with_error(number: Quantity) -> str:
     """Format a value with its error to two digits of the error, or the reason of its refusal."""
-    if estimate.value is None or estimate.se is None:
-        return estimate.reason
-    return words.with_error(estimate.value, estimate.se)
+    if number.value is None or number.se is None:
+        return number.refused
+    return words.with_error(number.value, number.se)

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.estimates import UNITS, Estimate
+from walkergen.analysis.estimates import UNITS
 from walkergen.analysis.motion import Array, Motion
+from walkergen.numerics.quantity import Quantity
 
 OF_WALKERS = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""
@@ -19,17 +20,17 @@ def of(motion: Motion) -> dict[str, Any]:
     for name, unit in UNITS.items():
         estimate = motion.estimates[name]
         facts |= _keyed(name, estimate)
-        facts[f"{name}_scale_se_{unit}"] = scale_se(estimate.value, unit, motion)
+        facts[f"{name}_scale_se_{unit}"] = scale_se(estimate, motion)
     facts |= {
         "refused": {
-            f"{name}_{unit}": motion.estimates[name].reason
-            for name, unit in UNITS.items()
-            if motion.estimates[name].reason
+            estimate.column: estimate.refused
+            for estimate in map(motion.estimates.__getitem__, UNITS)
+            if estimate.refused
         },
         "walkers": [
             {"particle": walker.particle, "seen_s": walker.seconds}
             | {key: value for name in OF_WALKERS for key, value in _keyed(name, walker.of(name)).items()}
-            | ({"refused": walker.estimates["speed"].reason} if walker.estimates["speed"].reason else {})
+            | ({"refused": walker.of("speed").refused} if walker.of("speed").refused else {})
             for walker in motion.walkers
         ],
         "particles": motion.particles,
@@ -58,16 +59,16 @@ def of(motion: Motion) -> dict[str, Any]:
                 "plate_speed_mm_s": plate,
                 "speed_mm_s": speed.value,
                 "speed_se_mm_s": speed.se,
-                "speed_scale_se_mm_s": scale_se(speed.value, "mm_s", motion),
+                "speed_scale_se_mm_s": scale_se(speed, motion),
             }
-            | ({"refused": speed.reason} if speed.reason else {})
+            | ({"refused": speed.refused} if speed.refused else {})
             for plate, speed in motion.by_plate_speed
         ]
         facts["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
     return facts
 
 
-def _keyed(name: str, estimate: Estimate) -> dict[str, float | None]:
+def _keyed(name: str, estimate: Quantity) -> dict[str, float | None]:
     """An estimate by keys that carry its unit."""
     low, high = ends(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
@@ -93,16 +94,16 @@ def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]
     ]
 
 
-def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:
-    """Error of a value by the scale of the film, which all lengths share; 0 without a length.
+def scale_se(number: Quantity, motion: Motion) -> float | None:
+    """Error of a number by the scale of the film, which all lengths share; 0 without a length.
 
     To first order: a length to a power is off by so many times the scale's share. None when value
     or scale's error is not known.
     """
-    power = 2 if unit.startswith("mm2") else 1 if unit.startswith("mm") else 0
-    if value is None or (power and motion.scale_se is None):
+    power = 2 if number.unit.startswith("mm2") else 1 if number.unit.startswith("mm") else 0
+    if number.value is None or (power and motion.scale_se is None):
         return None
-    return abs(value) * power * (motion.scale_se or 0.0)
+    return abs(number.value) * power * (motion.scale_se or 0.0)
 
 
 def scale_errors(motion: Motion) -> Array:
@@ -111,6 +112,6 @@ def scale_errors(motion: Motion) -> Array:
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 
 
-def ends(estimate: Estimate) -> tuple[float | None, float | None]:
+def ends(estimate: Quantity) -> tuple[float | None, float | None]:
     """Bounds of 95 %; None for each that is not known."""
     return estimate.interval(0.95) or (None, None)

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, tracks
-from walkergen.analysis.estimates import Estimate
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Columns
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -34,9 +34,9 @@ class _Film(NamedTuple):
     """Walkers of a file of tracks."""
 
     path: Path
-    speeds: dict[int, Estimate]
+    speeds: dict[int, Quantity]
     """Speed of each walker by itself, mm/s, by its number."""
-    mean: Estimate
+    mean: Quantity
     """Mean speed of all, mm/s."""
     plates: dict[int, float]
     """Peak speed of the plate by walker, mm/s; NaN where the file does not say."""
@@ -58,7 +58,7 @@ class _Walker(NamedTuple):
     """Place of that row among the usable ones."""
     film: _Film
     particles: tuple[int, ...]
-    estimate: Estimate
+    estimate: Quantity
     """Speed, mm/s."""
 
     @property
@@ -69,11 +69,11 @@ class _Walker(NamedTuple):
     @property
     def reason(self) -> str:
         """Reason why it has no speed, or no error of it."""
-        return self.estimate.reason
+        return self.estimate.refused
 
     def error(self, crowd: int) -> float:
         """Standard error of the speed, mm/s, with that of the scale that `crowd` rows share."""
-        value, se, *_ = self.estimate
+        value, se = self.estimate.value, self.estimate.se
         assert value is not None
         assert se is not None
         return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
@@ -196,7 +196,7 @@ def _notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
     refused = [walker for walker in own if walker.speed is None]
     means = [walker for walker in own if len(walker.particles) > 1]
     if means:
-        reason = next(iter(film.speeds.values())).reason
+        reason = next(iter(film.speeds.values())).refused
         yield (
             f"{film.name}: the mean speed of {len(film.speeds)} walkers, one row: no walker's own "
             f"has an error: {reason}"

@@ -18,11 +18,13 @@ from walkergen.analysis.estimates import (
     SIGNIFICANT,
     TURNING,
     UNITS,
-    Estimate,
     Frame,
+    quantity,
+    refusal,
 )
 from walkergen.analysis.spreads import Fitted
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 TOO_FEW = "too few data for its fit: film for longer"
 
@@ -33,15 +35,15 @@ CHANCE = 5e-3
 """Probability of a number that counts as larger than 0 though it is not (Student's t)."""
 
 
-def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Estimate:
-    """Estimate of a number, refused or not; `numbers`: of all samples, then without each one."""
+def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
+    """Number with its error, refused or not; `numbers`: of all samples, then without each one."""
     value, error = numbers[0][name], _error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
-        return Estimate(None, None, TOO_FEW)
-    return Estimate(value, error, "", len(numbers) - 2.0)
+        return refusal(name, TOO_FEW)
+    return quantity(name, value, error, len(numbers) - 2.0)
 
 
-def resolved(number: Estimate) -> bool:
+def resolved(number: Quantity) -> bool:
     """Whether a number is larger than 0 beyond what chance makes of it."""
     if number.value is None or number.se is None:
         return False
@@ -63,7 +65,7 @@ def judge(
     fitted: Fitted | None,
     without_one: Sequence[Mapping[str, float]],
     longest_s: float,
-) -> dict[str, Estimate]:
+) -> dict[str, Quantity]:
     """Attach jackknife errors to the values, or refuse them.
 
     `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
@@ -81,15 +83,15 @@ def judge(
         if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
             reason = TOO_FEW
         if reason:
-            estimates[name] = Estimate(None, None, reason)
+            estimates[name] = refusal(name, reason)
             continue
-        within = Estimate(values[name], errors[name], "", len(replicates) - 1.0)
+        within = quantity(name, values[name], errors[name], len(replicates) - 1.0)
         estimates[name] = _over_walkers(within, [others[name] for others in without_one])
     return estimates
 
 
-def _over_walkers(within: Estimate, without_one: Sequence[float]) -> Estimate:
-    """Estimate with its error over walkers where these differ; `without_one` leave out one each."""
+def _over_walkers(within: Quantity, without_one: Sequence[float]) -> Quantity:
+    """Number with its error over walkers where these differ; `without_one` leave out one each."""
     few, values = len(without_one) - 1, np.array(without_one)[:, None]
     if few < 1 or not within.se or not np.isfinite(values).all():
         return within
@@ -118,7 +120,7 @@ class _Numbers(NamedTuple):
 
     def positive(self, *names: str) -> bool:
         """Whether all are larger than 0, beyond what chance makes of it."""
-        return all(resolved(Estimate(self.values[name], self.errors[name], "", self.freedom)) for name in names)
+        return all(resolved(quantity(name, self.values[name], self.errors[name], self.freedom)) for name in names)
 
     def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
         """Reason that names a bound, in `unit`, on scale x the number, or on its root."""

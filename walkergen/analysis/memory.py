@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from scipy import special
 
 from walkergen.analysis import estimates, judgement
-from walkergen.analysis.estimates import Estimate, Frame
+from walkergen.analysis.estimates import Frame
 from walkergen.analysis.moments import Moments
+from walkergen.numerics.quantity import Quantity
 
 EXCLUDED = 0.025
 """Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
@@ -45,7 +46,7 @@ def numbers(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
     return _joined(values, [estimates.evaluate(sample, late) for sample in sums])
 
 
-def _shorter(memory: Estimate, seconds: float) -> bool:
+def _shorter(memory: Quantity, seconds: float) -> bool:
     """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
     if memory.value is None or memory.se is None:
         return False

@@ -16,13 +16,14 @@ import numpy.typing as npt
 
 from walkergen.analysis import between, doubts, estimates, judgement, lagged, memory, moments, spreads, turning
 from walkergen.analysis.between import Alone, Together
-from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
+from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 from walkergen.numerics.statistics import Line, line_through_origin
 
 Array = npt.NDArray[np.float64]
@@ -45,7 +46,7 @@ class Curve(NamedTuple):
 class Motion(NamedTuple):
     """Statistics of motion that a file of tracks gives."""
 
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Quantity]
     """Estimates by the names of UNITS."""
     particles: int
     samples: int
@@ -74,7 +75,7 @@ class Motion(NamedTuple):
     orthogonal: Curve
     walkers: Sequence[Alone]
     """Every walker by itself."""
-    by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
+    by_plate_speed: tuple[tuple[float, Quantity], ...] = ()
     """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
@@ -113,7 +114,7 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
-    refused = {name: Estimate(None, None, reason) for name in UNITS}
+    refused = {name: refusal(name, reason) for name in UNITS}
     return whole._replace(
         estimates=refused, method=analyses[0].method, msd_fit=None, by_plate_speed=tuple(speeds), line=line
     )
@@ -167,7 +168,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     together = between.compare(alone)
     if headed:
         shortened = judgement.measured(numbers, "shortened")
-        alone = [walker._replace(estimates=between.corrected(walker.estimates, shortened)) for walker in alone]
+        alone = [walker._replace(means=between.corrected(walker.means, shortened)) for walker in alone]
         if together is not None:
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
@@ -185,7 +186,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         judged |= _means(alone, together, frame)
     elif together is not None and not (headed or tracks.lane):
         judged |= _mean_of_roots(judged, together.scatter)
-    lone = Estimate(None, None, "fewer than 2 walkers with speeds of their own")
+    lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
     judged["speed_scatter"] = together.scatter if together else lone
     if on_plane:
         judged["turning_scatter"] = turning.scatter(turnings)
@@ -306,16 +307,17 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Estimate]:
+def _means(alone: Sequence[Alone], together: Together | None, frame: Frame) -> Mapping[str, Quantity]:
     """Means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
-    longest = max(alone, key=lambda walker: walker.seconds).estimates
+    means = max(alone, key=lambda walker: walker.seconds).means
+    longest = {name: mean if mean.known else mean._replace(value=None) for name, mean in means.items()}
     # Without headings the fit of all products is sharper than the first one.
     return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
 
 
-def _mean_of_roots(judged: Mapping[str, Estimate], scatter: Estimate) -> Mapping[str, Estimate]:
+def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping[str, Quantity]:
     """Mean speed of many walkers from its root mean square, which is larger where they differ."""
     speed = judged["speed"]
     if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
@@ -324,7 +326,7 @@ def _mean_of_roots(judged: Mapping[str, Estimate], scatter: Estimate) -> Mapping
     return {"speed": speed, "motion_speed": speed}
 
 
-def _unlike(judged: Mapping[str, Estimate]) -> list[str]:
+def _unlike(judged: Mapping[str, Quantity]) -> list[str]:
     if judged["turning_scatter"].value is None:
         return []
     return [

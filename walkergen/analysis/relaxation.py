@@ -17,11 +17,12 @@ import numpy.typing as npt
 from scipy import optimize, signal
 
 from walkergen.analysis import lagged, moments, walks
-from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
+from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import PIECES
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -42,11 +43,14 @@ relaxation with which headings are followed (of five walkers all agreed to 1e-4 
 
 MOST_LAGS = 1000
 
+VELOCITY, DIFFUSION = "velocity_relaxation", "translational_diffusion"
+"""Names of what a velocity tells."""
+
 
 class Relaxation(NamedTuple):
     """Fluctuations of a velocity or of a rate of turning about what is expected."""
 
-    time: Estimate
+    time: Quantity
     """Time in which a push is forgotten, s; refused where data are too few."""
     resolved: bool
     """Whether it is longer than a sample. If not, it is the one with which spread and diffusion
@@ -60,13 +64,13 @@ class Relaxation(NamedTuple):
     """Their correlation by lag, of each axis, in the square of their unit."""
 
 
-def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Estimate]:
+def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     """Relaxation of the velocity (mm/s), and translational diffusion (mm^2/s) of each axis.
 
     Tracks have headings; `exact` says that places have no noise, as of a simulation.
     """
     seconds, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
-    relaxed, diffusion = _unknown("no walker has a heading"), Estimate(None, None, "")
+    relaxed, diffusion = _unknown(VELOCITY, "no walker has a heading"), refusal(DIFFUSION, "")
     for _ in range(ROUNDS):
         followed = [_followed(track, seconds / tracks.interval) for track in tracks.tracks]
         skip = math.ceil(SETTLED * seconds / tracks.interval)
@@ -75,7 +79,7 @@ def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Estimate]:
             for track, unit in zip(tracks.tracks, followed, strict=True)
         ]
         diffusion = _diffusion(tracks, followed, skip, size, seconds)
-        relaxed = fluctuations(rest, tracks.interval, exact, diffusion)
+        relaxed = fluctuations(VELOCITY, rest, tracks.interval, exact, diffusion)
         found = relaxed.time.value
         if found is None or abs(found - seconds) < 1e-3 * seconds:
             break
@@ -83,26 +87,26 @@ def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Estimate]:
     piece = size * tracks.interval
     if (relaxed.time.value or 0.0) > piece:
         reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
-        relaxed = _unknown(f"{reason}: longer runs, or film for longer")
+        relaxed = _unknown(VELOCITY, f"{reason}: longer runs, or film for longer")
     if relaxed.time.value is None:
-        diffusion = Estimate(None, None, relaxed.time.reason)
+        diffusion = refusal(DIFFUSION, relaxed.time.refused)
     if relaxed.noise and diffusion.value is not None:
         raised = relaxed.noise**2 / piece
         diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
     return relaxed, diffusion
 
 
-def turning(tracks: Tracks, exact: bool, diffusion: Estimate) -> Relaxation:
+def turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
     """Relaxation of the rate of turning (rad/s) with this diffusion of the heading, rad^2/s."""
     rates = []
     for track in tracks.tracks:
         unit = np.exp(1j * _headings(track))
         turned = np.angle(unit[1:] * np.conj(unit[:-1])) / tracks.interval
         rates.append((turned - np.nanmean(turned)).astype(complex))
-    return fluctuations(rates, tracks.interval, exact, diffusion, axes=1)
+    return fluctuations("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
 
 
-def leaning(tracks: Tracks, relaxed: float) -> Estimate:
+def leaning(tracks: Tracks, relaxed: float) -> Quantity:
     """Velocity to the left that goes with a rate of turning to the left, mm/s by rad/s.
 
     Of what the heading does not explain, with velocities that relax within `relaxed` s. A walker
@@ -121,16 +125,17 @@ def leaning(tracks: Tracks, relaxed: float) -> Estimate:
         rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
     sums = np.array(rows, dtype=float).reshape(-1, 2)
     if len(sums) < FEWEST_SAMPLES or not (sums[:, 1] > 0).any():
-        return Estimate(None, None, f"{len(sums)} walkers that turn; at least {FEWEST_SAMPLES}")
+        reason = f"{len(sums)} walkers that turn; at least {FEWEST_SAMPLES}"
+        return Quantity("leaning", "mm", None, refused=reason)
     whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
     se = float(statistics.jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
-    return Estimate(float(whole[0] / whole[1]), se, "", len(sums) - 1.0)
+    return Quantity("leaning", "mm", float(whole[0] / whole[1]), se, len(sums) - 1.0)
 
 
 def fluctuations(
-    rest: Sequence[Complex], interval: float, exact: bool, diffusion: Estimate, axes: int = 2
+    key: str, rest: Sequence[Complex], interval: float, exact: bool, diffusion: Quantity, axes: int = 2
 ) -> Relaxation:
-    """Relaxation of series about their means, each over `interval` s, of one axis or of two.
+    """Relaxation, called `key`, of series about their means, each over `interval` s, of one axis or two.
 
     Where a place has noise, neighbours share it: their correlation starts at the second lag.
     """
@@ -144,7 +149,7 @@ def fluctuations(
             f"{len(pieces)} independent samples of {length} intervals; at least "
             f"{FEWEST_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
         )
-        return _unknown(diffusion.reason or few)
+        return _unknown(key, diffusion.refused or few)
     sums = [lagged.products(piece, lags) for piece in pieces]
     # Each track's own mean was taken off: what that removed of every product.
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
@@ -164,12 +169,14 @@ def fluctuations(
         at_once = variance * 2.0 * (x - 1.0 + math.exp(-x)) / x**2
         noise = 0.0 if exact else interval * math.sqrt(max(whole[0] - at_once, 0.0) / 2.0)
         se = float(statistics.jackknife_error(times[1:, None])[0])
-        estimate = Estimate(float(time), se, "", len(pieces) - 1.0)
-        return Relaxation(estimate, True, math.sqrt(max(variance, 0.0)), noise, curve)
-    return _unresolved(whole[0], np.array(without)[:, 0], diffusion, interval, curve)
+        relaxed = Quantity(key, "s", float(time), se, len(pieces) - 1.0)
+        return Relaxation(relaxed, True, math.sqrt(max(variance, 0.0)), noise, curve)
+    return _unresolved(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
 
 
-def _unresolved(square: float, squares: Array, diffusion: Estimate, interval: float, curve: Curve) -> Relaxation:
+def _unresolved(
+    key: str, square: float, squares: Array, diffusion: Quantity, interval: float, curve: Curve
+) -> Relaxation:
     """Relaxation within a sample: the time with which spread and diffusion of an
     Ornstein-Uhlenbeck process agree.
     """
@@ -181,7 +188,8 @@ def _unresolved(square: float, squares: Array, diffusion: Estimate, interval: fl
         more = _time_of(square, diffusion.value + diffusion.se, interval)
         se = math.hypot(se, more - whole)
     deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(square, 0.0))
-    return Relaxation(Estimate(whole, se, "", len(squares) - 1.0), False, deviation, 0.0, curve)
+    relaxed = Quantity(key, "s", whole, se, len(squares) - 1.0)
+    return Relaxation(relaxed, False, deviation, 0.0, curve)
 
 
 def _time_of(square: float, diffusion: float, interval: float) -> float:
@@ -270,7 +278,7 @@ def _unexplained(track: Track, followed: Complex, skip: int, interval: float) ->
     return np.asarray(np.where(known, moved - share * unit, np.nan))
 
 
-def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Estimate:
+def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
     """Diffusion (mm^2/s) of each axis, from what headings leave unexplained in pieces of tracks.
 
     In each piece of t s that is 4 D t on average, once a share of the way along the headings is
@@ -288,9 +296,10 @@ def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int
     count = sum(len(own) - 1 for own in shares)
     if count < FEWEST_SAMPLES:
         reason = f"{count} independent pieces of tracks; at least {FEWEST_SAMPLES}: more runs, "
-        return Estimate(None, None, f"{reason}or film for longer")
+        return refusal(DIFFUSION, f"{reason}or film for longer")
     values = np.concatenate(shares)
-    return Estimate(float(values.mean()), float(values.std(ddof=1)) / math.sqrt(count), "", float(count))
+    se = float(values.std(ddof=1)) / math.sqrt(count)
+    return quantity(DIFFUSION, float(values.mean()), se, float(count))
 
 
 def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: float) -> tuple[Complex, Complex, Array]:
@@ -309,6 +318,6 @@ def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: flo
     return ways, paths, seconds.real
 
 
-def _unknown(reason: str) -> Relaxation:
+def _unknown(key: str, reason: str) -> Relaxation:
     none = np.zeros(0)
-    return Relaxation(Estimate(None, None, reason), False, math.nan, 0.0, Curve(none, none, none))
+    return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis import between, lagged, moments
-from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
+from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
 from walkergen.analysis.tracks import Track
+from walkergen.numerics.quantity import Quantity
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
@@ -95,7 +96,7 @@ def _turning(particle: int, unit: moments.Complex, size: int, longest: int, inte
     return Turning(particle, rate, squares, len(turned), whole, noise)
 
 
-def scatter(turnings: Sequence[Turning]) -> Estimate:
+def scatter(turnings: Sequence[Turning]) -> Quantity:
     """Standard deviation of the mean turning rates of at least two walkers, rad/s.
 
     It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
@@ -103,14 +104,14 @@ def scatter(turnings: Sequence[Turning]) -> Estimate:
     """
     if len(turnings) < 2:
         reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"
-        return Estimate(None, None, reason)
+        return refusal("turning_scatter", reason)
     rates, seconds = np.array([(turning.rate, turning.seconds) for turning in turnings]).T
     inside = _free(turnings)
     noise = _squares(turnings) / inside * float((1.0 / seconds).mean())
-    return between.spread(rates, noise, inside, "rad/s")
+    return between.spread("turning_scatter", rates, noise, inside)
 
 
-def diffusion(turnings: Sequence[Turning], noise2: Estimate) -> Estimate:
+def diffusion(turnings: Sequence[Turning], noise2: Quantity) -> Quantity:
     """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
     Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise2`, with the variance of a
@@ -120,16 +121,16 @@ def diffusion(turnings: Sequence[Turning], noise2: Estimate) -> Estimate:
     free = _free(turnings)
     if free < FEWEST_SAMPLES:
         reason = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
-        return Estimate(None, None, reason)
+        return refusal("rotational_diffusion", reason)
     if noise2.value is None or noise2.se is None:
-        return Estimate(None, None, "the noise of the headings is unknown: film for longer")
+        return refusal("rotational_diffusion", "the noise of the headings is unknown: film for longer")
     raised = sum(turning.noise for turning in turnings) / (2.0 * free)
     variance = _squares(turnings) / (2.0 * free)
     error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
     # The noise's error makes the variance as uncertain as one of fewer pieces.
     freedom = 2.0 * (variance / error) ** 2 if error else free
     noise = raised * noise2.value
-    return Estimate(variance - noise, error, "", freedom, noise)
+    return quantity("rotational_diffusion", variance - noise, error, freedom)._replace(noise=noise)
 
 
 def _free(turnings: Sequence[Turning]) -> int:

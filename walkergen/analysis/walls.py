@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
+from walkergen.analysis.estimates import FEWEST_SAMPLES
 from walkergen.dish import Dish
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -29,14 +30,18 @@ BINS = 36
 """Number of angles between heading and way out, from -pi to pi."""
 
 
+UNITS = {"wall_share": "", "wall_alignment": "", "wall_turning": "rad_s"}
+"""Names and units of the numbers of `ByWall`."""
+
+
 class ByWall(NamedTuple):
     """How walkers stand by a wall and turn there, each number over independent runs."""
 
-    share: Estimate
+    share: Quantity
     """Share of the second half of the runs by a wall."""
-    alignment: Estimate
+    alignment: Quantity
     """Mean of -cos(2 angle) there: 1 along the wall, 0 for any direction alike, -1 head on."""
-    turning: Estimate
+    turning: Quantity
     """Mean rate (rad/s) at which a wall turns walkers along itself that run against it askew; below
     0 where it turns them head on."""
     angles: Array
@@ -57,11 +62,13 @@ def measure(runs: Sequence[Array], interval: float, outline: Array, dish: Dish) 
     edges = np.linspace(-math.pi, math.pi, BINS + 1)
     angles, width = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
     if len(runs) < FEWEST_SAMPLES:
-        none = Estimate(None, None, f"{len(runs)} runs in a dish; at least {FEWEST_SAMPLES}")
+        few = f"{len(runs)} runs in a dish; at least {FEWEST_SAMPLES}"
         empty = np.full(BINS, np.nan)
-        return ByWall(none, none, none, angles, empty, empty, empty)
+        share, alignment, turning = (Quantity(key, unit, None, refused=few) for key, unit in UNITS.items())
+        return ByWall(share, alignment, turning, angles, empty, empty, empty)
     sums = np.array([_sums(rows, interval, outline, dish, edges) for rows in runs])
-    share, alignment, turning = (_ratio(sums[:, over], sums[:, under]) for over, under in ((1, 0), (2, 1), (3, 4)))
+    of = zip(UNITS, (1, 2, 3), (0, 1, 4), strict=True)
+    share, alignment, turning = (_ratio(key, sums[:, over], sums[:, under]) for key, over, under in of)
     counts, turned, samples = np.split(sums[:, 5:], 3, axis=1)
     density = counts.sum(axis=0) / max(counts.sum(), 1.0) / width
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -117,11 +124,11 @@ def _sums(rows: Array, interval: float, outline: Array, dish: Dish, edges: Array
     return np.array([*first, *counts, *turned, *samples], dtype=float)
 
 
-def _ratio(over: Array, under: Array) -> Estimate:
+def _ratio(key: str, over: Array, under: Array) -> Quantity:
     """Ratio of sums over runs, with the error of a jackknife."""
     left = under.sum() - under
     if not (left > 0.0).all():
-        return Estimate(None, None, "hardly a run meets a wall: a smaller dish, or longer runs")
+        return Quantity(key, UNITS[key], None, refused="hardly a run meets a wall: a smaller dish, or longer runs")
     value = float(over.sum() / under.sum())
     se = float(statistics.jackknife_error(((over.sum() - over) / left)[:, None])[0])
-    return Estimate(value, se, "", len(over) - 1.0)
+    return Quantity(key, UNITS[key], value, se, len(over) - 1.0)

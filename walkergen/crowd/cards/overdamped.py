@@ -8,10 +8,10 @@ places, and walkers that meet stop as if they had no mass.
 import math
 from typing import NamedTuple
 
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.relaxation import Relaxation
 from walkergen.crowd.card import Known, Overdamped
 from walkergen.files import words
+from walkergen.numerics.quantity import Quantity
 
 LIMIT = 0.1
 """Share of a direction or a length below which it is neglected: our choice, about the error of the
@@ -80,6 +80,6 @@ def in_words(verdict: Overdamped) -> str:
     return f"a model without inertia {answer}: {verdict.reason}"
 
 
-def _value(estimate: Estimate) -> float:
+def _value(estimate: Quantity) -> float:
     assert estimate.value is not None
     return estimate.value

@@ -128,10 +128,10 @@ def _reason(key: str, measured: Measured | None) -> str:
         return ""
     found, shortest = measured.motion.estimates, f"{words.number(measured.interval)} s"
     reasons = {
-        "delay_s": measured.delay.mean.reason,
-        "turning_sd_rad_s": found["turning_scatter"].reason,
-        "sideways_mm_s": found["sideways_speed"].reason,
-        "turning_relaxation_s": measured.turning.time.reason,
+        "delay_s": measured.delay.mean.refused,
+        "turning_sd_rad_s": found["turning_scatter"].refused,
+        "sideways_mm_s": found["sideways_speed"].refused,
+        "turning_relaxation_s": measured.turning.time.refused,
     }
     for own, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from walkergen.analysis.estimates import Estimate
 from walkergen.crowd.card import Card, Known
 from walkergen.crowd.cards import overdamped, walker_motion
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.errors import InputError
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.walker import seen_above
 from walkergen.walker.design import Design
@@ -48,14 +48,14 @@ def of(scene: Scene, design: Design, mass: MassProperties, numbers: Measured) ->
     )
 
 
-def _needed(what: str, estimate: Estimate, runs: int) -> Known:
+def _needed(what: str, estimate: Quantity, runs: int) -> Known:
     """Number of a card. Raises InputError where it is not known, with the reason."""
     if (number := known(estimate, runs)) is None:
-        raise InputError(f"the {what} is not known: {estimate.reason}; --runs 16, or more tracks")
+        raise InputError(f"the {what} is not known: {estimate.refused}; --runs 16, or more tracks")
     return number
 
 
-def known(estimate: Estimate, runs: int) -> Known | None:
+def known(estimate: Quantity, runs: int) -> Known | None:
     """Number of a card; None where it is not known."""
     if estimate.value is None:
         return None

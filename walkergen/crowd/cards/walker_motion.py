@@ -7,13 +7,13 @@ import numpy as np
 
 from walkergen.analysis import delay, motion, relaxation, tracks
 from walkergen.analysis.delay import Delay
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.relaxation import Relaxation
 from walkergen.analysis.tracks import Tracks, Units
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, experiments, trajectory
 from walkergen.simulation.effects.resolve import resolve
@@ -36,11 +36,11 @@ class Measured(NamedTuple):
 
     motion: Motion
     velocity: Relaxation
-    translation: Estimate
+    translation: Quantity
     """Translational diffusion of each axis, mm^2/s."""
     turning: Relaxation
     delay: Delay
-    leaning: Estimate
+    leaning: Quantity
     """Velocity to the left that goes with a rate of turning to the left, mm."""
     interval: float
     """Time between samples, s."""

@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis import walls
-from walkergen.analysis.estimates import Estimate
 from walkergen.analysis.walls import ByWall
 from walkergen.crowd.card import Known
 from walkergen.crowd.space import run as crowd
 from walkergen.dish import Dish
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.run import ENDED_WELL
@@ -73,10 +73,10 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Known, 
     return Walled(walls.measure(runs, interval, outline, dish), dish, len(runs))
 
 
-def torque(turning: Estimate, relaxed: Estimate, inertia_g_mm2: float) -> Estimate:
+def torque(turning: Quantity, relaxed: Quantity, inertia_g_mm2: float) -> Quantity:
     """Torque (g mm^2/s^2) that turns a walker at a rate, in friction that forgets it so fast."""
     if turning.value is None or turning.se is None or not relaxed.value or relaxed.se is None:
-        return Estimate(None, None, turning.reason or relaxed.reason)
+        return Quantity("wall_torque", "g_mm2_s2", None, refused=turning.refused or relaxed.refused)
     value = inertia_g_mm2 * turning.value / relaxed.value
     shares = turning.se / turning.value if turning.value else 0.0, relaxed.se / relaxed.value
-    return Estimate(value, abs(value) * math.hypot(*shares), "")
+    return Quantity("wall_torque", "g_mm2_s2", value, abs(value) * math.hypot(*shares))

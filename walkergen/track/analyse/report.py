@@ -5,26 +5,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from walkergen.analysis import facts
 from walkergen.analysis.between import Alone
 from walkergen.analysis.doubts import of_scale
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, Estimate, with_error
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, WRITTEN, with_error
 from walkergen.analysis.facts import OF_WALKERS
 from walkergen.analysis.motion import Array, Motion
 from walkergen.analysis.tracks import Tracks
-from walkergen.files import report, words
+from walkergen.files import words
 from walkergen.files.report import Column, Report, Table
+from walkergen.numerics.quantity import Quantity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
-"""Units as they are printed where they are not part of a key."""
-
-NAMES = {f"{name}_{unit}": (name.replace("_", " "), SHOWN.get(unit, unit)) for name, unit in UNITS.items()}
-"""Names and units that people read, by the quantities of analysis.csv."""
 
 MOST_WALKERS = 24
 """Largest number of walkers in a table that is printed."""
@@ -43,53 +38,35 @@ class AnalysisReport(Report):
     """Method and doubts, and rows that were left out."""
 
     @property
-    def estimates(self) -> dict[str, Estimate]:
+    def estimates(self) -> dict[str, Quantity]:
         """Estimates by name: value, standard error, and the reason where both are None."""
         return self.motion.estimates
 
     @property
-    def speed(self) -> Estimate:
+    def speed(self) -> Quantity:
         """Mean speed, mm/s, with its standard error; the reason where both are None."""
         return self.estimates["speed"]
 
 
-class Measured(NamedTuple):
-    """Estimate; the field names are the columns of analysis.csv."""
+ESTIMATES = ("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused")
+"""Columns of analysis.csv: a number with its unit, its error, and that by the scale of the film, which
+all lengths share; refused is the reason why it is not known."""
 
-    quantity: str
-    """Name with its unit."""
-    value: float | None
-    se: float | None
-    scale_se: float | None
-    """Error by the scale of the film, which all lengths share."""
-    low_95: float | None
-    high_95: float | None
-    refused: str
-    """Reason why it is not known."""
+SPEED = ("speed_mm_s", "speed_se_mm_s")
+ALONE = (
+    "particle",
+    "seen_s",
+    *SPEED,
+    "speed_low_95_mm_s",
+    "speed_high_95_mm_s",
+    "turning_rad_s",
+    "turning_se_rad_s",
+    "refused",
+)
+"""Columns of walkers.csv, a walker by itself a row."""
 
-
-class Walker(NamedTuple):
-    """Walker by itself; the field names are the columns of walkers.csv."""
-
-    particle: int
-    seen_s: float
-    speed_mm_s: float | None
-    speed_se_mm_s: float | None
-    speed_low_95_mm_s: float | None
-    speed_high_95_mm_s: float | None
-    turning_rad_s: float | None
-    turning_se_rad_s: float | None
-    refused: str
-
-
-class AtPlate(NamedTuple):
-    """Speed at a plate speed; the field names are the columns of plate_speed.csv."""
-
-    plate_speed_mm_s: float
-    speed_mm_s: float | None
-    speed_se_mm_s: float | None
-    speed_scale_se_mm_s: float | None
-    refused: str
+AT_PLATES = ("plate_speed_mm_s", *SPEED, "speed_scale_se_mm_s", "refused")
+"""Columns of plate_speed.csv."""
 
 
 def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
@@ -116,58 +93,51 @@ def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -
 
 
 def _tables(motion: Motion) -> Iterator[Table]:
-    estimates = [_estimate(motion, name, unit) for name, unit in UNITS.items()]
+    estimates = {number.column: number for number in map(motion.estimates.__getitem__, UNITS)}
+    rows = [
+        (key, number.value, number.se, facts.scale_se(number, motion), *facts.ends(number), number.refused)
+        for key, number in estimates.items()
+    ]
     if motion.by_plate_speed:
-        rows = [
-            AtPlate(plate, *speed[:2], facts.scale_se(speed.value, "mm_s", motion), speed.reason)
-            for plate, speed in motion.by_plate_speed
-        ]
-        yield report.table("plate_speed", rows, AT_PLATES, "Speed by plate speed")
-        yield report.table("analysis", estimates)
+        yield _at_plates(motion)
+        yield Table("analysis", rows, ESTIMATES)
         yield _walkers(motion)
         return
-    readable = [row for row in estimates if row.refused not in (IN_A_LANE, HEADINGS_KNOWN)]
-    yield Table("analysis", estimates, Measured._fields, ESTIMATES, "Motion", read=readable)
+    columns = [
+        Column("", lambda row: estimates[row[0]].key.replace("_", " ")),
+        Column("", lambda row: WRITTEN.get(estimates[row[0]].unit, estimates[row[0]].unit)),
+        Column("value ± standard error", lambda row: _with_scale(estimates[row[0]], motion)),
+        Column("95 %", lambda row: _bounds(estimates[row[0]])),
+    ]
+    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN)]
+    yield Table("analysis", rows, ESTIMATES, columns, "Motion", read=readable)
     yield _walkers(motion)
     yield from _curves(motion)
 
 
-def _estimate(motion: Motion, name: str, unit: str) -> Measured:
-    value, se, reason, *_ = motion.estimates[name]
-    by_scale, ends = facts.scale_se(value, unit, motion), facts.ends(motion.estimates[name])
-    return Measured(f"{name}_{unit}", value, se, by_scale, *ends, reason)
-
-
-def _value(row: Measured) -> str:
-    return _with_scale(row.value, row.se, row.scale_se, row.refused)
-
-
-def _with_scale(value: float | None, se: float | None, by_scale: float | None, refused: str) -> str:
+def _with_scale(number: Quantity, motion: Motion) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
-    if value is None or se is None:
-        return refused
-    scale = f" ± {words.number(by_scale, 2)} (scale)" if by_scale else ""
-    return words.with_error(value, se) + scale
+    by_scale = facts.scale_se(number, motion)
+    scale = f" ± {words.number(by_scale, 2)} (scale)" if by_scale and number.known else ""
+    return with_error(number) + scale
 
 
-def _bounds(row: Measured) -> str:
+def _bounds(number: Quantity) -> str:
     """Bounds of 95 % to two digits of the error; '' without any."""
-    if row.low_95 is None or row.high_95 is None or not row.se:
-        return ""
-    return " to ".join(words.to_digits_of(row.se, (row.low_95, row.high_95)))
+    ends = number.interval()
+    return " to ".join(words.to_digits_of(number.se, ends)) if ends and number.se else ""
 
 
-ESTIMATES = (
-    Column("", lambda row: NAMES[row.quantity][0]),
-    Column("", lambda row: NAMES[row.quantity][1]),
-    Column("value ± standard error", _value),
-    Column("95 %", _bounds),
-)
-
-AT_PLATES = (
-    Column("plate speed (mm/s)", lambda row: f"{row.plate_speed_mm_s:g}"),
-    Column("speed (mm/s)", lambda row: _with_scale(*row[1:])),
-)
+def _at_plates(motion: Motion) -> Table:
+    speeds = dict(motion.by_plate_speed)
+    rows = [
+        (plate, speed.value, speed.se, facts.scale_se(speed, motion), speed.refused) for plate, speed in speeds.items()
+    ]
+    columns = (
+        Column("plate speed (mm/s)", lambda row: f"{row[0]:g}"),
+        Column("speed (mm/s)", lambda row: _with_scale(speeds[row[0]], motion)),
+    )
+    return Table("plate_speed", rows, AT_PLATES, columns, "Speed by plate speed")
 
 
 def _walkers(motion: Motion) -> Table:
@@ -175,28 +145,28 @@ def _walkers(motion: Motion) -> Table:
     rows, alone = [], {walker.particle: walker for walker in motion.walkers}
     for walker in motion.walkers:
         speed, turning = (walker.of(name) for name in OF_WALKERS)
-        ends = facts.ends(speed)
-        rows.append(Walker(walker.particle, walker.seconds, *speed[:2], *ends, *turning[:2], speed.reason))
-    turns = any("turning_bias" in walker.estimates for walker in motion.walkers)
+        numbers = (speed.value, speed.se, *facts.ends(speed), turning.value, turning.se)
+        rows.append((walker.particle, walker.seconds, *numbers, speed.refused))
+    turns = any("turning_bias" in walker.means for walker in motion.walkers)
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
-        report.text("walker", "particle"),
-        report.number("seen (s)", "seen_s", 3),
+        Column("walker", lambda row: str(row[0])),
+        Column("seen (s)", lambda row: words.number(row[1], 3), right=True),
         *(_own(heading, name, alone) for heading, name in zip(headings, OF_WALKERS, strict=False)),
     ]
-    return Table("walkers", rows, Walker._fields, columns, "Walkers", read=rows[:MOST_WALKERS])
+    return Table("walkers", rows, ALONE, columns, "Walkers", read=rows[:MOST_WALKERS])
 
 
 def _own(heading: str, name: str, alone: Mapping[int, Alone]) -> Column:
-    """Column of an estimate of each walker by itself."""
-    return Column(heading, lambda row: _or_alone(alone[row.particle].of(name)))
+    """Column of a number of each walker by itself: with its error, or the reason why that is not known."""
 
+    def cell(row: tuple[int, ...]) -> str:
+        number = alone[row[0]].of(name)
+        if number.value is None or number.known:
+            return with_error(number)
+        return f"{words.number(number.value)} ± ?: {number.refused}"
 
-def _or_alone(estimate: Estimate) -> str:
-    """Value with its error, or by itself with the reason why that is not known."""
-    if estimate.value is None or estimate.se is not None:
-        return with_error(estimate)
-    return f"{words.number(estimate.value)} ± ?: {estimate.reason}"
+    return Column(heading, cell)
 
 
 def _line(motion: Motion) -> Iterator[str]:
@@ -204,7 +174,7 @@ def _line(motion: Motion) -> Iterator[str]:
     line = motion.line
     if line is None:
         return
-    scale = facts.scale_se(line.slope, "mm_s", motion)
+    scale = facts.scale_se(Quantity("slope", "mm_s", line.slope), motion)
     scale_error = f" ± {words.number(scale, 2)} by the scale" if scale else ""
     yield (
         f"speed = ({words.with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "

@@ -80,18 +80,18 @@ def motion_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     if simulated.motion is None:
         return
     before = ""
-    in_lane = simulated.motion.estimates["sideways_speed"].reason == IN_A_LANE
+    in_lane = simulated.motion.estimates["sideways_speed"].refused == IN_A_LANE
     for name, (title, unit) in MOVED.items():
         estimate = simulated.motion.estimates[name]
         if in_lane and name == "lane_speed":
             continue  # the summary's mean speed
-        if estimate.reason != IN_A_LANE and (estimate.value is not None or estimate.reason != before):
+        if estimate.refused != IN_A_LANE and (estimate.value is not None or estimate.refused != before):
             value = with_error(estimate)
             text = f"{value} {unit}"
             if name == "rotational_diffusion" and estimate.value:
                 text += f" (1/D_r = {words.number(1.0 / estimate.value)} s)"
             yield title, value if estimate.value is None else text
-        before = estimate.reason
+        before = estimate.refused
     yield "msd exponent", _exponents(simulated.motion)
     for note in (simulated.motion.method, *simulated.motion.doubts):
         yield "note", note
