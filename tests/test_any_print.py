@@ -294,7 +294,7 @@ def test_drawings_are_the_profile_or_the_outline(tmp_path):
     paths = exports.make([PROFILE], ["dxf", "svg"], tmp_path, lambda *_: None).files
     area = weigh(solids.build(PROFILE).walker, 1.0).volume / PROFILE.size.depth
     for path in paths:
-        (drawn,) = outlines.from_file(path)
+        (drawn,) = outlines.from_file(path).polygons
         assert outlines.area(drawn) == pytest.approx(area, rel=1e-9)
 
 

@@ -1,5 +1,6 @@
 """Outlines of bodies: areas beside closed forms, holes, orientation, and what is refused."""
 
+import itertools
 import math
 
 import ezdxf
@@ -9,12 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from walkergen.errors import GeometryError, InputError
+from walkergen.shapes import outlines
 from walkergen.shapes.contours import FLATNESS, MOST_POINTS
 from walkergen.shapes.lettering import letters
-from walkergen.shapes.outlines import SEGMENTS, area, disc, ellipse, from_file, polygon
+from walkergen.shapes.outlines import SEGMENTS, area, disc, ellipse, polygon
 
 PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
+
+
+def from_file(*source):
+    return outlines.from_file(*source).polygons
 
 
 def svg(folder, body, page=PAGE, before=""):
@@ -210,7 +216,7 @@ USES = "".join(f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n
         ('<use xlink:href="http://example.com/a.svg#b"/>', ("example.com",)),
         ("<style>@import url(http://example.com/a.css);</style>", ("imports",)),
         ("<text>hi</text>", ("text", "paths")),
-        (f'<defs><rect id="u0" width="1" height="1"/>{USES}</defs>', ("20000 elements",)),
+        (f'<defs><rect id="u0" width="1" height="1"/>{USES}</defs><use href="#u11"/>', ("20000 elements",)),
         ('<g id="a"><use href="#a"/></g>', ("without end",)),
         ("<g>" * 3000 + '<rect width="1" height="1"/>' + "</g>" * 3000, ("nested",)),
         ('<path d="M0 0 L10 0 10 10"/>', ("open", "(10, 10)")),
@@ -305,6 +311,70 @@ def test_dxf_shapes(tmp_path, draw, expected, parts):
     assert len(outline) == parts
 
 
+def closed_spline(space, _):
+    space.add_spline(degree=2).control_points = [(0, 0), (28, 0), (28, 8), (0, 8)]
+    space[0].closed = True
+
+
+def fitted_spline(space, _):
+    angles = np.linspace(0, 2 * math.pi, 24, endpoint=False)
+    space.add_spline(fit_points=[(14 * math.cos(angle), 4 * math.sin(angle)) for angle in angles])
+    space[0].closed = True
+
+
+def twice(space, _):
+    corners = [*SQUARE, SQUARE[0]]
+    for start, end in itertools.pairwise(corners):
+        space.add_line(start, end)
+    space.add_line(SQUARE[1], SQUARE[0])
+    space.add_circle((5, 5), 2)
+    space.add_circle((5, 5), 2)
+
+
+def gap(space, _):
+    for start, end in (((0, 0), (28, 0)), ((28.002, 0), (28, 8)), ((28, 8), (0, 8)), ((0, 8), (0, 0.001))):
+        space.add_line(start, end)
+
+
+def frame(space, _):
+    space.add_lwpolyline([(0, 0), (28, 0), (28, 8), (0, 8)], close=True)
+    space.add_lwpolyline([(-20, -20), (277, -20), (277, 190), (-20, 190)], close=True)
+
+
+def unplotted(space, document):
+    document.layers.add("frame").dxf.plot = 0
+    space.add_circle((0, 0), 5)
+    space.add_circle((0, 0), 50, dxfattribs={"layer": "frame"})
+    space.add_circle((0, 0), 50, dxfattribs={"layer": "Defpoints"})
+
+
+@pytest.mark.parametrize(
+    ("draw", "expected", "note"),
+    [
+        # a quadratic B-spline cuts 1/24 of its control polygon's corner off: 4 corners of a rectangle
+        (closed_spline, 224.0 * (1.0 - 4.0 / 24.0), None),
+        (fitted_spline, 56.0 * math.pi, None),
+        (lambda space, _: space.add_ellipse((0, 0), (14, 0), 4 / 14, 0.0, 0.0), 56.0 * math.pi, None),
+        (unplotted, 25.0 * math.pi, None),
+        (twice, 100.0 - 4.0 * math.pi, "left out 2 lines that are drawn twice"),
+        (gap, 224.0, "closed a gap of 0.002 at (28, 0) of the drawing"),
+        (frame, 224.0, "left out a frame of 297 x 210 mm, a sheet of paper"),
+    ],
+)
+def test_dxf_as_programs_write_it(tmp_path, draw, expected, note):
+    outline = outlines.from_file(dxf(tmp_path, draw))
+    assert total(outline.polygons) == pytest.approx(expected, rel=3e-4)  # the fitted spline's own error: 2e-4
+    assert note in (outline.notes or (None,))
+
+
+@pytest.mark.parametrize(("units", "mm"), [(8, 25.4e-6), (9, 0.0254), (21, 1200e3 / 3937), (22, 1e5 / 3937)])
+def test_units_of_dxf_that_the_library_does_not_know(tmp_path, units, mm):
+    side = 28.0 / mm
+    square = [(side * x / 10, side * y / 10) for x, y in SQUARE]
+    path = dxf(tmp_path, lambda space, _: space.add_lwpolyline(square, close=True), units)
+    assert np.ptp(from_file(path)[0][:, 0]) == pytest.approx(28.0, rel=1e-12)
+
+
 def test_units_of_dxf(tmp_path):
     def square(space, _):
         space.add_lwpolyline(SQUARE, close=True)
@@ -343,7 +413,7 @@ def endless(space, document):
     ("draw", "words"),
     [
         (open_lines, ("open", "(10, 5)")),
-        (star, ("meet in a point",)),
+        (star, ("meet in (0, 0)",)),
         (endless, ("20000 entities", "16 deep")),
         (lambda space, _: space.add_circle((0, 0), math.nan), ("size",)),
         (lambda space, _: [space.add_circle((0, 0), r) for r in (0, 5)], ("draws nothing",)),

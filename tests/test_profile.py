@@ -29,7 +29,7 @@ def test_what_is_written_is_read_again(tmp_path, ending):
     profile = profile_of(Design().variant(kind="braced", tilt_deg=30.0))
     path = tmp_path / f"walker.{ending}"
     WRITERS[ending](path, profile)
-    again = from_file(path)
+    again = from_file(path).polygons
     middle = 0.5 * (profile[0].min(axis=0) + profile[0].max(axis=0))
     assert len(again) == len(profile)
     for one, other in zip(again, profile, strict=True):

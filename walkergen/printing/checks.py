@@ -357,7 +357,7 @@ def _repairs(design: Design) -> Iterator[Finding]:
     if changes := design.body.shape.changes:
         yield new(
             "warning",
-            f"the body's mesh was repaired ({'; '.join(changes)})",
+            f"the body's file was not taken as it is ({'; '.join(changes)})",
             len(changes),
             0,
             "changes",

@@ -36,6 +36,14 @@ class Shape(NamedTuple):
     nonzero); False when every second contour from outside is one (even-odd)."""
 
 
+class Drawing(NamedTuple):
+    """Contents of a file of drawings."""
+
+    shapes: Sequence[Shape]
+    notes: tuple[str, ...] = ()
+    """What was left out or mended, a few words each."""
+
+
 def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
     """Points on a curve, from its start to its end, such that no chord leaves it by `tolerance`.
 

@@ -6,10 +6,12 @@ by cubic curves, 3e-4 of the radius beside them.
 
 import io
 import itertools
+import math
 import tempfile
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +20,10 @@ import numpy as np
 from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, Shape, flatten, meet
 
 if TYPE_CHECKING:
-    from ezdxf.document import Drawing
+    from ezdxf import document as documents
 
 VERSION = "R2000"
 """Format of what is written: the oldest that states its unit, which every laser cutter reads."""
@@ -41,6 +43,21 @@ ANNOTATIONS = {
     "VIEWPORT",
 }
 """Entities that explain or colour a drawing and are no outline."""
+
+UNPLOTTED = "defpoints"
+"""Layer that no program plots, whatever it says."""
+
+UNITS_MM = {8: 25.4e-6, 9: 25.4e-3, 21: 1200e3 / 3937.0, 22: 100e3 / 3937.0}
+"""Millimetres of units that ezdxf has no size of: microinches, mils, feet and inches of the US survey."""
+
+SHEETS = ((148, 210), (210, 297), (297, 420), (420, 594), (594, 841), (841, 1189), (215.9, 279.4), (279.4, 431.8))
+"""Sides of sheets of paper, mm: A5 to A0, letter, tabloid."""
+
+PAPER_MM = 0.5
+"""Sum of the differences up to which a rectangle is such a sheet, mm."""
+
+MENDED = 1e-4
+"""Gap over the drawing's longer side up to which ends are joined with a note: 3 um on 28 mm."""
 
 COMPOSITE = {"INSERT", "LWPOLYLINE", "POLYLINE"}
 """Entities that are taken apart into others."""
@@ -82,32 +99,62 @@ def _without_dates() -> Iterator[None]:
         options.write_fixed_meta_data_for_testing = before
 
 
-def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
+def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
-    Lines and curves that meet within GAP are joined; hidden layers and ANNOTATIONS are left out.
-    `scale_mm` (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS.
-    Raises InputError, which begins with `source`, for a file that is no DXF, states no unit while
-    `scale_mm` is None, or holds open or branching lines, or anything else than plane curves.
+    Lines and curves that meet within GAP are joined; layers that are hidden or do not plot, and
+    ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a sheet. `scale_mm`
+    (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
+    InputError, which begins with `source`, for a file that is no DXF, states no unit while `scale_mm`
+    is None, or holds open or branching lines, or anything else than plane curves.
     """
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, "DXF"):
-        return _shapes(data, scale_mm, source)
+        return _drawing(data, scale_mm, source)
 
 
-def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
+def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     """Shape in the bytes of a file; its library raises whatever it likes."""
     document = _document(data)
     scale = _scale(document, data, source) if scale_mm is None else scale_mm
     entities = list(_entities(document, source))
     if not entities:
-        return []
+        return Drawing([])
     size = _size(entities, source)
-    curves = [_points(entity, FLATNESS * size, source) for entity in entities]
-    return [Shape([scale * polygon for polygon in _joined(curves, GAP * size, source)], nonzero=False)]
+    curves, doubles = _once([_points(entity, FLATNESS * size, source) for entity in entities], GAP * size)
+    contours, notes = _joined(curves, size, source)
+    contours, frames = _without_frame([scale * contour for contour in contours])
+    if doubles:
+        notes.insert(0, f"left out {doubles} lines that are drawn twice")
+    return Drawing([Shape(contours, nonzero=False)], (*notes, *frames))
 
 
-def _document(data: bytes) -> "Drawing":
+def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
+    """Curves without those that lie on an earlier one, drawn either way, and how many these were."""
+    kept: dict[tuple[tuple[float, ...], ...], Array] = {}
+    for curve in curves:
+        loop = meet(curve[0], curve[-1], gap)
+        places = [curve.min(axis=0), curve.max(axis=0)] if loop else sorted([curve[0], curve[-1]], key=tuple)
+        middle = curve[:-1].mean(axis=0) if loop else curve.mean(axis=0)
+        key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*places, middle))
+        kept.setdefault(key, curve)
+    return list(kept.values()), len(curves) - len(kept)
+
+
+def _without_frame(contours: list[Array]) -> tuple[list[Array], list[str]]:
+    """Contours without the frame of a sheet of paper that holds all of them."""
+    for number, contour in enumerate(contours):
+        low, high = contour.min(axis=0), contour.max(axis=0)
+        others = [other for place, other in enumerate(contours) if place != number]
+        sides = sorted((high - low).tolist())
+        corners = len(contour) == 4 and np.isin(contour, [low, high]).all()
+        paper = any(abs(short - sides[0]) + abs(long - sides[1]) < PAPER_MM for short, long in SHEETS)
+        if others and corners and paper and all((low < own).all() and (own < high).all() for own in others):
+            return others, [f"left out a frame of {high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} mm, a sheet of paper"]
+    return contours, []
+
+
+def _document(data: bytes) -> "documents.Drawing":
     """Drawing of the bytes that were read, and no others: ezdxf opens files by their names.
 
     Raises InputError where ezdxf is not installed.
@@ -124,12 +171,14 @@ def _document(data: bytes) -> "Drawing":
             raise ValueError("it breaks off") from None
 
 
-def _scale(document: "Drawing", data: bytes, source: str) -> float:
+def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
     """Millimetres per unit of the drawing, as $INSUNITS of the file states it."""
     from ezdxf import units
 
     # Where a file has no header, ezdxf puts in its own, in metres: ask the file itself.
     unit = document.units if b"$INSUNITS" in data else 0
+    if unit in UNITS_MM:
+        return UNITS_MM[unit]
     factor = units.METER_FACTOR[unit] if 0 <= unit < len(units.METER_FACTOR) else None
     if factor is None:
         raise InputError(
@@ -139,9 +188,13 @@ def _scale(document: "Drawing", data: bytes, source: str) -> float:
     return 25.4 if unit == units.IN else units.METER_FACTOR[units.MM] / factor
 
 
-def _entities(document: "Drawing", source: str) -> Iterator[Any]:
+def _entities(document: "documents.Drawing", source: str) -> Iterator[Any]:
     """Lines and curves of the model space that are seen, blocks and polylines taken apart."""
-    hidden = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
+    hidden = {
+        layer.dxf.name.lower()
+        for layer in document.layers
+        if layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)
+    } | {UNPLOTTED}
     waiting = deque((entity, 0) for entity in document.modelspace())
     seen = 0
     while waiting:
@@ -159,6 +212,8 @@ def _entities(document: "Drawing", source: str) -> Iterator[Any]:
         elif kind in COMPOSITE and not _straight(entity):
             waiting += [(part, depth + 1) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
+            if kind == "ELLIPSE" and entity.dxf.start_param == entity.dxf.end_param:
+                entity.dxf.end_param = entity.dxf.start_param + 2.0 * np.pi  # whole, as some programs write it
             yield entity
 
 
@@ -187,7 +242,9 @@ def _points(entity: Any, tolerance: float, source: str) -> Array:
     elif kind == "LWPOLYLINE":
         points = list(entity.vertices_in_wcs())
         points += points[:1] if entity.closed else []
-    elif kind in ("ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
+    elif kind == "SPLINE":
+        points = _spline(entity, tolerance)
+    elif kind in ("ARC", "CIRCLE", "ELLIPSE"):
         points = list(entity.flattening(tolerance))
     else:
         raise InputError(f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines")
@@ -199,30 +256,76 @@ def _points(entity: Any, tolerance: float, source: str) -> Array:
     return placed[:, :2]
 
 
-def _joined(curves: Sequence[Array], gap: float, source: str) -> Iterator[Array]:
-    """Closed contours out of closed curves, and of open ones joined end to end."""
-    from ezdxf import edgeminer
+def _spline(entity: Any, tolerance: float) -> list[Any]:
+    """Points of a spline; one that is closed and ends elsewhere goes on round its points."""
+    from scipy.interpolate import BSpline, CubicSpline
 
-    edges = []
+    points = list(entity.flattening(tolerance))
+    if not entity.closed or not points or points[0].distance(points[-1]) <= tolerance:
+        return points
+    if len(entity.fit_points):
+        held = np.array([tuple(point) for point in (*entity.fit_points, entity.fit_points[0])], dtype=float)
+        lengths = np.linalg.norm(np.diff(held, axis=0), axis=1)
+        knots = np.concatenate([[0.0], np.cumsum(lengths)])
+        curve = CubicSpline(knots, held, bc_type="periodic")
+    else:
+        held, degree = np.array([tuple(point) for point in entity.control_points], dtype=float), entity.dxf.degree
+        around = held[np.arange(len(held) + degree) % len(held)]
+        curve = BSpline(np.arange(-degree, len(around) + 1, dtype=float), around, degree)
+        knots = np.arange(len(held) + 1, dtype=float)
+    spans = [flatten(partial(_between, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
+    return [*(point for span in spans for point in span[:-1]), spans[0][0]]
+
+
+def _between(curve: Any, low: float, high: float, at: Array) -> Array:
+    return np.asarray(curve(low + at * (high - low)))
+
+
+def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
+    """Closed contours out of closed curves and of open ones joined end to end; gaps that were closed."""
+    gap, contours, lines = GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():
             raise InputError(f"{source}: a coordinate is not finite; draw the outline anew")
         if meet(curve[0], curve[-1], gap):
-            yield curve[:-1]
+            contours.append(curve[:-1])
         else:
-            edges.append(edgeminer.make_edge(tuple(curve[0]), tuple(curve[-1]), payload=curve))
-    if not edges:
-        return
+            lines.append(curve)
+    chains, _ = _chains(lines, gap, source)
+    if all(meet(chain[0], chain[-1], gap) for chain in chains):
+        return [*contours, *(chain[:-1] for chain in chains)], []
+    chains, gaps = _chains(chains, MENDED * size, source)
+    for chain in chains:
+        wide = math.dist(chain[0], chain[-1])
+        if wide > MENDED * size:
+            raise InputError(
+                f"{source}: a line is open: it begins at {_shown(chain[0])} and ends at {_shown(chain[-1])}, "
+                f"{wide:.3g} apart; close it"
+            )
+        gaps.append((chain[-1], wide))
+    notes = [f"closed a gap of {wide:.2g} at {_shown(place)} of the drawing" for place, wide in gaps if wide > gap]
+    return [*contours, *(chain[:-1] for chain in chains)], notes
+
+
+def _chains(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
+    """Open curves joined end to end where ends lie within a gap; where they were joined, and how wide apart."""
+    from ezdxf import edgeminer
+
+    if not curves:
+        return [], []
+    edges = [edgeminer.make_edge(tuple(curve[0]), tuple(curve[-1]), payload=curve) for curve in curves]
     deposit = edgeminer.Deposit(edges, gap_tol=gap)
-    if deposit.max_degree > 2:
-        raise InputError(f"{source}: three lines or more meet in a point; leave the outline alone")
+    for end in (end for edge in edges for end in (edge.start, edge.end)):
+        if deposit.max_degree > 2 and len(deposit.edges_linked_to(end)) > 2:
+            raise InputError(f"{source}: three lines or more meet in {_shown(end)}; leave the outline alone")
+    chains, joints = [], []
     for chain in edgeminer.find_all_simple_chains(deposit):
         # An edge that was turned around in its chain still bears its points as they were drawn.
         parts = [edge.payload[::-1] if edge.is_reverse else edge.payload for edge in chain]
-        points = np.vstack([parts[0], *(part[1:] for part in parts[1:])])
-        if not meet(points[0], points[-1], gap):
-            raise InputError(
-                f"{source}: a line is open: it begins at ({points[0][0]:.6g}, {points[0][1]:.6g}) "
-                f"and ends at ({points[-1][0]:.6g}, {points[-1][1]:.6g}); close it"
-            )
-        yield points[:-1]
+        joints += [(one[-1], math.dist(one[-1], other[0])) for one, other in itertools.pairwise(parts)]
+        chains.append(np.vstack([parts[0], *(part[1:] for part in parts[1:])]))
+    return chains, joints
+
+
+def _shown(point: Sequence[float] | Array) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"

@@ -9,6 +9,7 @@ touches itself or another.
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -78,7 +79,15 @@ def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.poi
     return sound([Shape([corners], False)], where)
 
 
-def from_file(path: Path, scale_mm: float | None = None, source: str = "body.outline") -> list[Polygon]:
+class Outline(NamedTuple):
+    """Outline from a file."""
+
+    polygons: list[Polygon]
+    notes: tuple[str, ...]
+    """What was left out of the file or mended, a few words each."""
+
+
+def from_file(path: Path, scale_mm: float | None = None, source: str = "body.outline") -> Outline:
     """Outline of the closed paths of an .svg or .dxf file, as people see it (SVG has y down).
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing.
@@ -93,7 +102,8 @@ def from_file(path: Path, scale_mm: float | None = None, source: str = "body.out
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(f"{where}: must be a drawing, .svg or .dxf")
-    return sound(reader(path, scale_mm, where), where)
+    drawing = reader(path, scale_mm, where)
+    return Outline(sound(drawing.shapes, where), drawing.notes)
 
 
 def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:

@@ -1,17 +1,14 @@
 """SVG drawings: closed contours in mm out of people's files, and polygons in mm into ours.
 
-A file is read in two steps. The first takes XML apart with the standard library and refuses
-whatever would make the shape other than what is read here: scripts, pictures, references to other
-files, entities (so that nothing is fetched and nothing expands). The second leaves paths, basic
-shapes, transforms and styles to svgelements. Not left to it: the page's size, whose inches it takes
-with six digits, and curves, which it does not flatten.
+A file is read in three steps. XML is taken apart with the standard library, and nothing of it is
+fetched. Style sheets become attributes (`svg_styles`). What somebody sees is found by one walk of the
+tree (`svg_elements`), and flattened here.
 """
 
-import io
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -21,45 +18,24 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, flatten, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, Shape, flatten, meet
 
 if TYPE_CHECKING:
-    import svgelements
+    from shapely.geometry.base import BaseGeometry
+
+    from walkergen.shapes.svg_elements import Clip, Drawn
 
 MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
 
-UNREADABLE = {
-    "script": "a script",
-    "animate": "an animation",
-    "animateTransform": "an animation",
-    "animateMotion": "an animation",
-    "set": "an animation",
-    "image": "a picture",
-    "text": "text",
-    "foreignObject": "a foreign object",
-    "clipPath": "a clip path",
-    "mask": "a mask",
-    "symbol": "a symbol",
-    "marker": "a marker",
-}
-"""Elements that make what people see other than the closed paths of the file."""
+LONGEST_ENTITY = 200
+"""Characters of an entity at most: drawing programs keep the names of namespaces in them."""
 
-NUMBER = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
-NUMBERS = {
-    **dict.fromkeys(
-        ("cx", "cy", "height", "r", "rx", "ry", "width", "x", "x1", "x2", "y", "y1", "y2"),
-        re.compile(rf"\s*({NUMBER}\s*([a-zA-Z]{{1,2}}|%)?|auto)\s*"),
-    ),
-    "d": re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*"),
-    "points": re.compile(r"[0-9eE.,+\-\s]*"),
-}
-"""What attributes of shapes look like; svgelements leaves out what it cannot read."""
+PAGE = 0.99
+"""Share of the page, along both sides, from which on a white rectangle is the paper."""
 
-SHAPES = {"circle", "ellipse", "line", "path", "polygon", "polyline", "rect"}
-
-MOST_ELEMENTS = 20_000
-"""Elements of a drawing at most, counted as often as <use> repeats them."""
+TOUCHED = 1e-6
+"""Share of a shape's area by which a clip path may cut it and leave it as it is: rounding."""
 
 
 def pack(polygons: Sequence[Array]) -> bytes:
@@ -82,135 +58,109 @@ def pack(polygons: Sequence[Array]) -> bytes:
     ).encode()
 
 
-def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
-    """Closed contours of an SVG file, in mm, y up, a shape for every element that draws.
+def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+    """Closed contours of an SVG file, in mm, y up, a shape for every element that somebody sees.
 
     `scale_mm` (mm per unit of the drawing, that of its viewBox) comes before the size that the file
-    states. Raises InputError, which begins with `source`, for a file that is no SVG, states no size
-    in mm, cm, in, pt or pc while `scale_mm` is None, holds what UNREADABLE lists or an open path.
+    states. Left out, and noted: elements without colour, and a white page. Raises InputError, which
+    begins with `source`, for a file that is no SVG, states no size in mm, cm, in, pt or pc while
+    `scale_mm` is None, shows a picture or text, or an open path.
     """
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, "SVG"):
-        return _shapes(data, scale_mm, source)
+        return _drawing(data, scale_mm, source)
 
 
-def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
-    """Shapes in the bytes of a file; its library raises whatever it likes."""
-    import svgelements
+def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
+    """Shapes in the bytes of a file; its libraries raise whatever they like."""
+    from walkergen.shapes import svg_elements, svg_styles
 
     root = _tree(data, source)
-    _refuse_unreadable(root, source)
+    svg_elements.refuse_active(root, source)
     scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
-    if "viewBox" in root.attrib:  # units of the drawing, then: the page's size is in `scale`
-        for key in ("width", "height", "preserveAspectRatio"):
-            root.attrib.pop(key, None)
+    tree = svg_elements.Tree(root, source)
     try:
-        parsed = svgelements.SVG.parse(io.BytesIO(ET.tostring(root)), reify=False, on_error="raise")
-        drawn = [svgelements.Path(element) for element in parsed.elements(_visible)]
-        size = _size(drawn)
-        if not math.isfinite(size):
+        svg_styles.as_attributes(root, source)
+        page = _page(root, source)
+        drawn = tree.drawn(page[2:])
+        box = _box(drawn)
+        if not np.isfinite(box).all():
             raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
-        return [_shape(path, size, scale, source) for path in drawn]
+        size = float((box[1] - box[0]).max()) if drawn else 0.0
+        shapes = [_shape(one, size, source) for one in drawn]
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
+    paper = [one.white and _covers(shape, page) for one, shape in zip(drawn, shapes, strict=True)]
+    notes = [f"left out {tree.unseen} shapes that nobody sees"] if tree.unseen else []
+    if any(paper) and not all(paper):
+        shapes = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
+        notes.append("left out a white rectangle as large as the page")
+    turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
+    return Drawing([Shape([own * turned for own in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
 
 
 def _tree(data: bytes, source: str) -> ET.Element:
-    """Root of the XML; entities and style sheets from elsewhere are refused before they act."""
+    """Root of the XML; entities from elsewhere, or that could grow, are refused before they act."""
 
     def refuse(what: str) -> NoReturn:
         raise InputError(f"{source}: holds {what}; save it as a plain SVG")
 
+    def entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
+        if parameter or value is None or "&" in value or len(value) > LONGEST_ENTITY:
+            refuse(f"an entity ({name[:40]}) that is more than a few plain letters")
+
+    def instruction(target: str, _: str) -> None:
+        if target == "xml-stylesheet":
+            refuse("a style sheet from elsewhere")
+
     parser = expat.ParserCreate()
-    parser.EntityDeclHandler = lambda *_: refuse("an entity")
-    parser.ProcessingInstructionHandler = lambda *_: refuse("a processing instruction")
+    parser.EntityDeclHandler, parser.ProcessingInstructionHandler = entity, instruction
     try:
         parser.Parse(data, True)
         root = ET.fromstring(data)
     except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:
         raise InputError(f"{source}: is no SVG file: {error}") from None
-    if _name(root) != "svg":
-        raise InputError(f"{source}: is no SVG file: its root is <{_name(root)[:40]}>")
+    name = str(root.tag).rpartition("}")[2]
+    if name != "svg":
+        raise InputError(f"{source}: is no SVG file: its root is <{name[:40]}>")
     return root
 
 
-def _refuse_unreadable(root: ET.Element, source: str) -> None:
-    for element in root.iter():
-        if (name := _name(element)) in UNREADABLE:
-            hint = "convert it to paths" if name == "text" else "leave it out and save a plain SVG"
-            raise InputError(f"{source}: holds {UNREADABLE[name]} (<{name}>); {hint}")
-        if handler := next((key for key in element.attrib if key.lower().startswith("on")), None):
-            raise InputError(f"{source}: holds a script ({handler}); save it as a plain SVG")
-        for key, pattern in NUMBERS.items() if name in SHAPES else ():
-            if not pattern.fullmatch(value := element.attrib.get(key, "0")):
-                raise InputError(f"{source}: <{name}> has {key} = {value[:40]!r}; give numbers")
-        if name == "style" and "@import" in (element.text or ""):
-            raise InputError(f"{source}: its <style> imports another file; save it as a plain SVG")
-    targets = {element.attrib["id"]: element for element in root.iter() if "id" in element.attrib}
-    if _repeated(root, targets, {}, source) > MOST_ELEMENTS:
-        raise InputError(f"{source}: draws more than {MOST_ELEMENTS} elements; simplify it")
+def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
+    """Left, top, width and height of the page in the drawing's units; infinite without any."""
+    from walkergen.shapes.svg_elements import PIXELS, view_box
 
-
-def _repeated(
-    element: ET.Element, targets: dict[str, ET.Element], counts: dict[ET.Element, float], source: str
-) -> float:
-    """Number of elements that are drawn, those that <use> repeats counted every time.
-
-    Counted from the leaves, so that uses of uses cost no more than the file is long.
-    """
-    stack = [element]
-    while stack:
-        top = stack[-1]
-        below = [*top, *_used(top, targets, source)]
-        if top not in counts:
-            counts[top] = math.nan  # being counted: met again, it uses itself
-            stack += below
-            continue
-        stack.pop()
-        if math.isnan(counts[top]):
-            counts[top] = 1.0 + sum(counts[child] for child in below)
-            if math.isnan(counts[top]):
-                raise InputError(f"{source}: a <use> repeats itself without end")
-    return counts[element]
-
-
-def _used(element: ET.Element, targets: dict[str, ET.Element], source: str) -> Iterator[ET.Element]:
-    """Element that a <use> repeats. Raises InputError when it is not in the file."""
-    if _name(element) != "use":
-        return
-    for key, link in element.attrib.items():
-        if key.rsplit("}", 1)[-1] == "href":
-            if link[:1] != "#" or link[1:] not in targets:
-                raise InputError(f"{source}: <use> refers to {link[:60]!r}, which the file does not hold")
-            yield targets[link[1:]]
+    if "viewBox" in root.attrib:
+        return view_box(root.attrib["viewBox"], source)
+    sides = []
+    for key in ("width", "height"):
+        match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]*)\s*", root.attrib.get(key, ""))
+        unit = PIXELS.get(match[2].lower()) if match else None
+        sides.append(float(match[1]) * unit if match and unit else math.inf)
+    return 0.0, 0.0, sides[0], sides[1]
 
 
 def _scale(root: ET.Element, source: str) -> tuple[float, float]:
     """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
+    from walkergen.shapes.svg_elements import view_box
+
     page = _length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))
     if page[0] is None or page[1] is None:
         seen = " and ".join(
             f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
         )
         raise InputError(
-            f"{source}: states no size in mm ({seen}): set scale_mm, the mm per unit of the "
-            "drawing (0.264583 for pixels of 96 to the inch)"
+            f"{source}: states no size in mm ({seen}): set scale_mm, the mm per unit of the drawing "
+            "(0.264583 for pixels of 96 to the inch, 0.352778 for those of Illustrator, 72 to the inch)"
         )
     if "viewBox" not in root.attrib:
         return 25.4 / 96.0, 25.4 / 96.0  # CSS: 96 units to the inch
-    numbers = re.split(r"[\s,]+", root.attrib["viewBox"].strip())
-    try:
-        _, _, width, height = (float(number) for number in numbers)
-        x, y = page[0] / width, page[1] / height
-    except (ValueError, ZeroDivisionError):
-        width = height = x = y = 0.0
+    _, _, width, height = view_box(root.attrib["viewBox"], source)
+    x, y = page[0] / width, page[1] / height
     if not (x > 0.0 and y > 0.0):
-        raise InputError(
-            f"{source}: viewBox = {root.attrib['viewBox'][:60]!r}: must be four numbers, of which "
-            "width and height are > 0, as those of the page must be"
-        )
+        raise InputError(f"{source}: a page of {page[0]:g} x {page[1]:g} mm; its width and height must be > 0")
     fit = root.attrib.get("preserveAspectRatio", "")
     if "none" in fit:
         return x, y
@@ -226,33 +176,38 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _visible(element: Any) -> bool:
-    import svgelements
-
-    hidden = getattr(element, "values", {}).get("visibility") in ("hidden", "collapse")
-    return isinstance(element, svgelements.Shape) and not hidden
-
-
-def _size(paths: Sequence["svgelements.Path"]) -> float:
-    """Longer side of what is drawn, in units of the drawing; 0 when nothing is."""
-    boxes = np.array([box for path in paths if (box := path.bbox()) is not None], dtype=float)
-    if not boxes.size:
-        return 0.0
-    return float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
+def _box(drawn: "Sequence[Drawn]") -> Array:
+    """Lower and upper corner of what is drawn, in the drawing's units, shape (2, 2)."""
+    corners = [np.zeros((0, 2))]
+    for one in drawn:
+        if (own := one.path.bbox()) is not None:
+            x0, y0, x1, y1 = own
+            around = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
+            corners.append(around @ one.matrix[:, :2].T + one.matrix[:, 2])
+    every = np.vstack(corners)
+    return np.array([every.min(axis=0), every.max(axis=0)]) if len(every) else np.zeros((2, 2))
 
 
-def _shape(path: "svgelements.Path", size: float, scale: tuple[float, float], source: str) -> Shape:
-    matrix = path.transform
-    linear = np.array([[matrix.a, matrix.c], [matrix.b, matrix.d]])
-    offset, stretch = np.array([matrix.e, matrix.f]), float(np.linalg.norm(linear, 2))
-    contours = []
-    for subpath in path.as_subpaths():
+def _shape(drawn: "Drawn", size: float, source: str) -> Shape:
+    """Contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
+    contours = list(_contours(drawn, size, source))
+    for clip in drawn.clips:
+        if contours:
+            contours, nonzero = _cut(contours, drawn.nonzero, clip, size, source)
+            drawn = drawn._replace(nonzero=nonzero)
+    return Shape(contours, drawn.nonzero)
+
+
+def _contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
+    """Contours of a shape that nothing cuts. Raises InputError for an open path."""
+    linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
+    stretch, contours = float(np.linalg.norm(linear, 2)), []
+    for subpath in drawn.path.as_subpaths():
         own = _points(subpath, FLATNESS * size / max(stretch, 1e-300))
         if len(own) < 2:
             continue  # a pen that is moved and draws nothing
-        # People see y down; the shape has it up.
-        points = (own @ linear.T + offset) * np.array([scale[0], -scale[1]])
-        if meet(points[0], points[-1], GAP * size * max(scale)):
+        points = own @ linear.T + offset
+        if meet(points[0], points[-1], GAP * size):
             points = points[:-1]
         elif type(list(subpath)[-1]).__name__ != "Close":
             raise InputError(
@@ -260,7 +215,44 @@ def _shape(path: "svgelements.Path", size: float, scale: tuple[float, float], so
                 f"{_shown(own[-1])} of the drawing; close it (Z) or leave it out"
             )
         contours.append(points)
-    return Shape(contours, str(path.values.get("fill-rule", "nonzero")) != "evenodd")
+    return contours
+
+
+def _cut(contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str) -> tuple[list[Array], bool]:
+    """What a window leaves of contours, and their fill rule; untouched where it cuts nothing."""
+    from shapely import union_all
+
+    window = union_all([_area(_contours(one, size, source), one.nonzero) for one in clip.shapes])
+    area = _area(contours, nonzero)
+    left = area.intersection(window)
+    if left.area >= (1.0 - TOUCHED) * area.area:
+        return list(contours), nonzero
+    pieces = [piece for piece in getattr(left, "geoms", [left]) if piece.geom_type == "Polygon" and piece.area > 0.0]
+    rings = [ring for piece in pieces for ring in (piece.exterior, *piece.interiors)]
+    return [np.array(ring.coords)[:-1] for ring in rings], False
+
+
+def _area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
+    """Area that contours fill by a rule."""
+    from shapely import Polygon, union_all
+
+    rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
+    if nonzero:
+        return union_all(rings)
+    whole: BaseGeometry = Polygon()
+    for ring in rings:
+        whole = whole.symmetric_difference(ring)
+    return whole
+
+
+def _covers(shape: Shape, page: Sequence[float]) -> bool:
+    """Whether a shape is a rectangle as large as the page, at its place."""
+    if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
+        return False
+    low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
+    corners = np.isin(shape.contours[0], [low, high]).all()
+    inside = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
+    return bool(corners and (inside >= PAGE * np.array(page[2:])).all())
 
 
 def _points(subpath: Any, tolerance: float) -> Array:
@@ -287,8 +279,3 @@ def _array(points: Any) -> Array:
 
 def _shown(point: Array) -> str:
     return f"({point[0]:.6g}, {point[1]:.6g})"
-
-
-def _name(element: ET.Element) -> str:
-    """Name of an element without its namespace."""
-    return str(element.tag).rsplit("}", 1)[-1]

@@ -21,7 +21,7 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.walker.limbs import Length
 
 if TYPE_CHECKING:
-    from walkergen.shapes.outlines import Polygon
+    from walkergen.shapes.outlines import Outline, Polygon
     from walkergen.walker.whole_mesh import CutWalker
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
@@ -157,7 +157,7 @@ class Shape(NamedTuple):
     sha256: str = ""
     """Hash of the bytes of the file, if there is one."""
     changes: tuple[str, ...] = ()
-    """Changes that repair made to the mesh."""
+    """What was left out of the file, or mended, a few words each."""
     whole: "CutWalker | None" = None
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
@@ -203,7 +203,7 @@ def _shape(keys: str) -> Shape:
         (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
         length, thickness = np.ptp(side, axis=0)
         return Shape(Size(float(length), float(thickness), body.depth_mm), side)
-    plan = _plan(body)
+    plan, notes = _plan(body)
     length, depth = np.ptp(plan[0], axis=0)
     size = Size(float(length), body.thickness_mm, float(depth))
     sha256 = ""
@@ -211,7 +211,7 @@ def _shape(keys: str) -> Shape:
         from walkergen.shapes.contours import MOST_BYTES
 
         sha256 = hashlib.sha256(reading.content(Path(body.outline), MOST_BYTES)).hexdigest()
-    return Shape(size, None, tuple(plan), sha256=sha256)
+    return Shape(size, None, tuple(plan), sha256=sha256, changes=notes)
 
 
 def _size_of(mesh: Mesh) -> Size:
@@ -219,19 +219,21 @@ def _size_of(mesh: Mesh) -> Size:
     return Size(float(length), float(thickness), float(depth))
 
 
-def _plan(body: Body) -> "list[Polygon]":
+def _plan(body: Body) -> "Outline":
+    """Outline in plan view, and what was left out of the file that it is from."""
+    from walkergen.shapes import outlines
+    from walkergen.shapes.outlines import Outline
+
     if body.text is not None:
         from walkergen.shapes.lettering import letters
 
-        return letters(body.text, body.depth_mm, rails=body.rails_mm)
-    from walkergen.shapes import outlines
-
+        return Outline(letters(body.text, body.depth_mm, rails=body.rails_mm), ())
     if body.outline == "disc":
-        return outlines.disc(body.length_mm, "body.length_mm")
+        return Outline(outlines.disc(body.length_mm, "body.length_mm"), ())
     if body.outline == "ellipse":
-        return outlines.ellipse(body.length_mm, body.depth_mm)
+        return Outline(outlines.ellipse(body.length_mm, body.depth_mm), ())
     if body.points_mm is not None:
-        return outlines.polygon(body.points_mm)
+        return Outline(outlines.polygon(body.points_mm), ())
     assert body.outline is not None
     if Path(body.outline).suffix.lower() not in outlines.READERS:
         raise GeometryError(

@@ -1,0 +1,94 @@
+"""Styles of an SVG drawing: what its style sheets say, as attributes of its elements.
+
+Sheets are read as a browser on a screen reads them: rules of other media do not count, selectors of
+any kind do (cssselect2), later and more special rules come before others, and style="" before all.
+"""
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import cssselect2
+import tinycss2
+
+from walkergen.errors import InputError
+
+INHERITED = (
+    "clip-rule",
+    "color",
+    "fill",
+    "fill-opacity",
+    "fill-rule",
+    "font-size",
+    "stroke",
+    "stroke-opacity",
+    "stroke-width",
+    "visibility",
+)
+"""Properties that an element has of the one around it."""
+
+OWN = ("clip-path", "display", "mask", "opacity", "overflow", "transform", "transform-box", "transform-origin")
+GEOMETRY = ("cx", "cy", "d", "height", "r", "rx", "ry", "width", "x", "y")
+READ = frozenset((*INHERITED, *OWN, *GEOMETRY))
+"""Properties that decide on what is drawn and where; colours of text and the like do not."""
+
+UNREAD = ("rotate", "scale", "translate", "offset-path")
+"""Properties that would move an element and that are not read here."""
+
+SCREENS = re.compile(r"(only\s+)?(all|screen)?\s*", re.IGNORECASE)
+"""Media whose rules count: those without a condition."""
+
+
+def as_attributes(root: ET.Element, source: str) -> None:
+    """Write what sheets and style="" say onto the elements, in place. Raises InputError for what is not read."""
+    matcher = cssselect2.Matcher()
+    for element in root.iter():
+        if _name(element) == "style" and SCREENS.fullmatch(element.attrib.get("media", "")):
+            _add(matcher, tinycss2.parse_stylesheet(element.text or "", True, True), source)
+    for node in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
+        element = node.etree_element
+        matches = sorted(matcher.match(node), key=lambda match: match[:2])
+        wanted = [pair for *_, pairs in matches for pair in pairs]
+        wanted += _declared(tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source)
+        said: dict[str, str] = {}
+        for key, value, important in sorted(wanted, key=lambda pair: pair[2]):
+            said[key] = value
+            del important
+        element.attrib.update(said)
+
+
+def _add(matcher: Any, rules: Sequence[Any], source: str) -> None:
+    """Take in the rules of a sheet that count on a screen."""
+    for rule in rules:
+        if rule.type == "at-rule" and rule.lower_at_keyword == "import":
+            raise InputError(f"{source}: its <style> imports another file; save it as a plain SVG")
+        if rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
+            media = tinycss2.serialize(rule.prelude).split(",")
+            if any(SCREENS.fullmatch(medium.strip()) for medium in media):
+                _add(matcher, tinycss2.parse_rule_list(rule.content, True, True), source)
+        if rule.type != "qualified-rule":
+            continue
+        pairs = list(_declared(tinycss2.parse_declaration_list(rule.content, True, True), source))
+        try:
+            selectors = cssselect2.compile_selector_list(rule.prelude)
+        except cssselect2.SelectorError:
+            continue  # as browsers do: a rule that cannot be read does not count
+        for selector in selectors:
+            if selector.pseudo_element is None:
+                matcher.add_selector(selector, pairs)
+
+
+def _declared(declarations: Sequence[Any], source: str) -> Iterator[tuple[str, str, bool]]:
+    """Properties of a list that are read here: key, value, and whether it is important."""
+    for each in declarations:
+        if each.type != "declaration":
+            continue
+        if each.lower_name in UNREAD:
+            raise InputError(f"{source}: a style moves elements by {each.lower_name}; write it as a transform")
+        if each.lower_name in READ:
+            yield each.lower_name, tinycss2.serialize(each.value).strip(), each.important
+
+
+def _name(element: ET.Element) -> str:
+    return str(element.tag).rpartition("}")[2]
