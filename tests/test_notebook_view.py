@@ -152,7 +152,7 @@ def test_a_folder_that_does_not_say_how_its_members_lie_is_refused(bristles, tmp
 
 def test_the_stl_of_a_family_is_what_its_name_says(bristles):
     data = (bristles.folder / "stl" / f"{bristles.members[0].name}.stl").read_bytes()
-    corners = stl.unpack(data, "x").reshape(-1, 3)
+    corners = stl.unpack(data, "x")[0].reshape(-1, 3)
     top = corners[corners[:, 2] > corners[:, 2].max() - 0.01]
     assert np.ptp(top[:, 0]) > 15.0  # feet, in the air
 

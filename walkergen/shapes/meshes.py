@@ -1,13 +1,17 @@
 """Reading of mesh files of any kind: STL, OBJ, PLY, OFF, 3MF, GLB; bodies as they stand there.
 
 Binary STL is read here, 3MF by lib3mf, everything else by trimesh, from the bytes alone: no other
-file and no address that a file may name is opened. Vertices that coincide to the last bit become
-one, because STL has no other way to say what is joined; nothing else is changed.
+file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
+or, on open edges, within ROUNDING. What slicers note as cut away is cut away, and what is not printed
+is left out. All of that is noted.
 """
 
+import codecs
 import hashlib
 import io
+import re
 import zipfile
+from collections import Counter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,8 +20,9 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.shapes import stl, threemf
-from walkergen.shapes.threemf import Part
+from walkergen.shapes import faults, modeller, obj, repairs, stl, threemf
+from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.threemf import MOST_TRIANGLES, Part
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
 
@@ -27,9 +32,9 @@ MOST_BYTES = 2**30
 FARTHEST = 1e12
 """Largest coordinate, in the file's unit."""
 
-MOST_TRIANGLES = 2_000_000
-"""Largest number of triangles of a file: a million took 10 s and 0.7 GB to read and check, on two
-busy cores (benchmarks/own_mesh.py)."""
+ROUNDING = 1e-6
+"""Distance over the size of a part up to which corners on open edges are one: some last bits of the
+32-bit floats of STL and 3MF."""
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -42,6 +47,8 @@ class Loaded(NamedTuple):
     """Objects as they are placed; a file without objects, such as STL, is one."""
     sha256: str
     """Hash of the file's bytes."""
+    notes: tuple[str, ...]
+    """What was left out, cut away or merged, a few words each."""
 
 
 def load(path: Path, source: str) -> Loaded:
@@ -50,26 +57,94 @@ def load(path: Path, source: str) -> Loaded:
     if kind not in FORMATS:
         raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
     data = reading.content(path, MOST_BYTES)
+    if (count := _promised(data, kind)) > MOST_TRIANGLES:
+        raise _too_many(count, source)
     with reading.by_library(source, kind.upper()):
-        parts = [_part(source, *raw) for raw in _raw(data, kind, source)]
+        raw, notes = _raw(data, kind, source)
+        welded = [_welded(_part(source, part)) for part in raw]
+    parts = _printed([part for part, _ in welded], source)
+    notes += _left_out([part for part, _ in welded])
+    if merged_corners := sum(count for _, count in welded):
+        notes.append(f"merged {merged_corners} corners that differ by rounding alone")
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
     if count > MOST_TRIANGLES:
-        raise InputError(
-            f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
-        )
-    return Loaded(tuple(parts), hashlib.sha256(data).hexdigest())
+        raise _too_many(count, source)
+    return Loaded(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
 
 
-def _raw(data: bytes, kind: str, source: str) -> list[Part]:
-    """Parts of a file as they stand there; the libraries that read it raise whatever they like."""
+def _too_many(count: int, source: str) -> InputError:
+    return InputError(
+        f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
+    )
+
+
+def _promised(data: bytes, kind: str) -> int:
+    """Triangles that a file seems to hold, at a glance at its bytes; 0 where only a reader can tell."""
+    if kind == "stl":
+        return data.count(b"endfacet") or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
+    if kind == "obj":
+        return data.count(b"\nf ")
+    if kind == "ply":
+        header = re.search(rb"element\s+face\s+(\d{1,12})", data[:10_000])
+        return int(header[1]) if header else 0
+    if kind == "off":
+        counts = re.match(rb"OFF\s+\d+\s+(\d{1,12})", data[:1000])
+        return int(counts[1]) if counts else 0
+    return 0
+
+
+def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
+    """Parts of a file as they stand there, and notes; the libraries that read it raise whatever they like."""
     if kind == "3mf":
         _refuse_bombs(data, source)
-        return threemf.read(data, source)
-    if _is_binary_stl(kind, data):
-        return [Part("mesh", *_binary_stl(data, source))]
-    return _by_trimesh(data, kind, source)
+        return threemf.read(data, source), []
+    if kind != "glb":
+        data = data.removeprefix(codecs.BOM_UTF8)
+    if kind == "stl" and _is_binary_stl(data):
+        corners, note = stl.unpack(data, source)
+        vertices = corners.astype(np.float64).reshape(-1, 3)
+        return [Part("mesh", vertices, np.arange(len(vertices)).reshape(-1, 3))], [note] if note else []
+    parts = _by_trimesh(obj.triangulated(data, source) if kind == "obj" else data, kind, source)
+    if kind == "glb":  # metres, by its standard
+        return [part._replace(vertices=1000.0 * part.vertices) for part in parts], []
+    return parts, []
+
+
+def _printed(parts: list[Part], source: str) -> list[Part]:
+    """Parts that are printed, less what is cut away from those of their item."""
+    printed = [part for part in parts if part.role == "model"]
+    for number in {part.item for part in parts if part.role == "negative"}:
+        own = [part for part in printed if part.item == number]
+        away = [part for part in parts if part.role == "negative" and part.item == number]
+        for part in own:
+            faults.refuse(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
+        if not own:
+            continue
+        whole = modeller.solid(Mesh(*joined(tuple(own))[1:3]))
+        for part in away:
+            whole = modeller.evaluated(whole - modeller.solid(Mesh(part.vertices, part.triangles)))
+        mesh = modeller.mesh_of(whole)
+        left = own[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
+        printed = [part for part in printed if part.item != number] + [left]
+    return sorted(printed, key=lambda part: part.item)
+
+
+def _left_out(parts: list[Part]) -> list[str]:
+    """What was cut away and what was left out of a file, in words."""
+    roles = Counter(part.role for part in parts)
+    notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
+    return [*notes, *([f"left out {roles['other']} modifiers or supports"] if roles["other"] else [])]
+
+
+def _welded(part: Part) -> tuple[Part, int]:
+    """Part whose corners along open edges are one within ROUNDING, and the number of those merged."""
+    if not len(part.triangles) or not len(faults.edges(part.triangles).open):
+        return part, 0
+    mesh = Mesh(part.vertices, part.triangles)
+    closer, count = repairs.rims_merged(mesh, ROUNDING * float(np.ptp(part.vertices, axis=0).max()))
+    return part._replace(triangles=closer.triangles), count
 
 
 def joined(parts: tuple[Part, ...]) -> Part:
@@ -94,23 +169,18 @@ def merged(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
     return ordered[fresh], index[triangles]
 
 
-def _is_binary_stl(kind: str, data: bytes) -> bool:
-    """True for STL of the length that its count of triangles makes, or not led by "solid"."""
-    if kind != "stl":
-        return False
+def _is_binary_stl(data: bytes) -> bool:
+    """True for STL of the length that its count of triangles makes, or without the words of the text format."""
     start = stl.HEADER_BYTES + stl.COUNT_BYTES
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
     whole = len(data) == start + count * stl.TRIANGLE.itemsize
-    return whole or not data.lstrip().lower().startswith(b"solid")
+    words = data[:2000].lstrip().lower()
+    return whole or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
 
 
-def _binary_stl(data: bytes, source: str) -> tuple[Array, Indices]:
-    corners = stl.unpack(data, source).astype(np.float64).reshape(-1, 3)
-    return corners, np.arange(len(corners)).reshape(-1, 3)
-
-
-def _part(source: str, name: str, vertices: Array, triangles: Indices) -> Part:
+def _part(source: str, part: Part) -> Part:
     """Part with coinciding vertices merged. Raises InputError for indices and numbers of no use."""
+    vertices, triangles = part.vertices, part.triangles
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
         raise InputError(f"{source}: a triangle has a corner that does not exist; export it anew")
     bad = int((~np.isfinite(vertices).all(axis=1)).sum())
@@ -118,7 +188,8 @@ def _part(source: str, name: str, vertices: Array, triangles: Indices) -> Part:
         raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew")
     if len(vertices) and (far := float(np.abs(vertices).max())) > FARTHEST:
         raise InputError(f"{source}: a coordinate of {far:.3g}, at most {FARTHEST:g}: export in mm")
-    return Part(name, *merged(vertices, triangles))
+    vertices, triangles = merged(vertices, triangles)
+    return part._replace(vertices=vertices, triangles=triangles)
 
 
 def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:

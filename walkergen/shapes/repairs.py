@@ -47,25 +47,28 @@ def _volume(mesh: Mesh) -> str:
 
 def _merged(mesh: Mesh) -> tuple[Mesh, str]:
     """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
+    within = NEIGHBOURS * faults.tolerance(mesh)
+    closer, count = rims_merged(mesh, within)
+    return closer, f"merged {count} vertices with others less than {within:.2g} mm away" if count else ""
+
+
+def rims_merged(mesh: Mesh, within: float) -> tuple[Mesh, int]:
+    """Mesh whose vertices along open edges are one where they lie so near, and how many were merged."""
     from scipy.sparse import coo_matrix, csgraph
     from scipy.spatial import KDTree
 
     rim = np.unique(faults.edges(mesh.triangles).open)
     if not len(rim):
-        return mesh, ""
-    within = NEIGHBOURS * faults.tolerance(mesh)
+        return mesh, 0
     pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
     links = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
     groups = coo_matrix(links, (len(rim), len(rim)))
     number, label = csgraph.connected_components(groups, directed=False)
-    if number == len(rim):
-        return mesh, ""
     first = np.full(number, len(mesh.vertices))
     np.minimum.at(first, label, rim)
     index = np.arange(len(mesh.vertices))
     index[rim] = first[label]
-    change = f"merged {len(rim) - number} vertices with others less than {within:.2g} mm away"
-    return Mesh(mesh.vertices, index[mesh.triangles]), change
+    return Mesh(mesh.vertices, index[mesh.triangles]), len(rim) - number
 
 
 def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:

@@ -27,20 +27,28 @@ def pack(corners: Array, header: str) -> bytes:
     return start.ljust(HEADER_BYTES) + count + records.tobytes()
 
 
-def unpack(data: bytes, source: str) -> Corners:
-    """Corners (triangles, 3, 3) of a binary STL, in its unit, exactly as they stand there.
+def unpack(data: bytes, source: str) -> tuple[Corners, str]:
+    """Corners (triangles, 3, 3) of a binary STL, in its unit, exactly as they stand there, and a note.
 
-    Raises InputError, which begins with `source`, when the length is not that of a binary STL with
-    triangles, or when a corner is not finite.
+    Programs that write while they compute leave the count at 0 or at its largest: the length then says
+    how many there are. What follows the counted triangles is left out, and noted. Raises InputError,
+    which begins with `source`, when the length is not that of a binary STL with triangles, or when a
+    corner is not finite.
     """
     start = HEADER_BYTES + COUNT_BYTES
     count = int.from_bytes(data[HEADER_BYTES:start], "little")
-    if len(data) != start + count * TRIANGLE.itemsize or count == 0:
+    held, rest = divmod(max(len(data) - start, 0), TRIANGLE.itemsize)
+    note = ""
+    if held and not rest and count in (0, 2**32 - 1):
+        count, note = held, f"its count of triangles is not filled in: {held} by its length"
+    elif 0 < count <= held and len(data) > start + count * TRIANGLE.itemsize:
+        note = f"left out {len(data) - start - count * TRIANGLE.itemsize} bytes after its triangles"
+    if count > held or count == 0:
         raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; write it anew")
-    corners: Corners = np.frombuffer(data, TRIANGLE, offset=start)["corners"]
+    corners: Corners = np.frombuffer(data, TRIANGLE, offset=start, count=count)["corners"]
     if not np.isfinite(corners).all():
         raise InputError(f"{source}: a corner is not finite; write the file anew")
-    return corners
+    return corners, note
 
 
 def _unit_normals(corners: Array) -> Array:

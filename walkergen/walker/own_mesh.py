@@ -30,7 +30,7 @@ class OwnMesh(NamedTuple):
     sha256: str
     """Hash of the file's bytes."""
     changes: tuple[str, ...]
-    """Changes that repair made, in words; none when the file was sound."""
+    """What was left out of the file or mended, in words; none when it was taken as it is."""
 
 
 def read(
@@ -49,12 +49,13 @@ def read(
     part = meshes.joined(loaded.parts)
     mesh = Mesh(part.vertices * scale_mm, part.triangles)
     _refuse_size(mesh, source, scale_mm)
-    changes: tuple[str, ...] = ()
+    changes = loaded.notes
     if repair:
-        mesh, changes = repairs.repair(mesh)
+        mesh, repaired = repairs.repair(mesh)
+        changes += repaired
         if len(mesh.triangles) == 0:
             raise InputError(f"{source}: repair leaves nothing: {'; '.join(changes)}")
-    faults.refuse(mesh, f"{source} (repaired: {'; '.join(changes)})" if changes else source)
+    faults.refuse(mesh, f"{source} ({'; '.join(changes)})" if changes else source)
     return OwnMesh(Mesh(_placed(mesh.vertices @ turn.T), mesh.triangles), loaded.sha256, changes)
 
 

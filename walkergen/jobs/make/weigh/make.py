@@ -39,6 +39,8 @@ class Weighing(NamedTuple):
     total: Weighed
     sha256: str
     """Hash of the file's bytes."""
+    notes: tuple[str, ...]
+    """What was left out of the file or mended, a few words each."""
 
 
 def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
@@ -64,7 +66,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     parts = tuple(
         _weighed(surface.name, count, solid) for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
-    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256)
+    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256, loaded.notes)
 
 
 def principal(tensor: Array) -> tuple[Array, Array]:

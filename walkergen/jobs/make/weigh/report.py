@@ -58,6 +58,7 @@ def of(weighing: Weighing, path: Path, density_g_cm3: float, scale_mm: float) ->
         caption=f"{path.name}: {caption}",
         tables=[report.table("objects", parts), *pages],
         facts=facts,
+        lines=weighing.notes,
         total=weighing.total,
     )
 

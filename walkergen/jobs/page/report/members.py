@@ -55,7 +55,7 @@ def of(contents: Contents) -> list[Member]:
     for name, row in zip(names, rows, strict=True):
         file = f"stl/{name}.stl"
         data = contents.files.get(file)
-        members.append(Member(name, row, None if data is None else stl.unpack(data, file)))
+        members.append(Member(name, row, None if data is None else stl.unpack(data, file)[0]))
     return members
 
 

@@ -1,0 +1,188 @@
+"""Mesh files as people's programs write them: the right volume, what was left out is said, bombs are refused."""
+
+import time
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+
+from walkergen.errors import InputError
+from walkergen.jobs.make.weigh.make import weigh
+from walkergen.shapes import meshes
+
+BOX = trimesh.creation.box((28.0, 8.0, 3.0))
+VOLUME = 672.0
+MODEL = (
+    '<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" '
+    'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}</resources>'
+    "<build>{}</build></model>"
+)
+TYPES = (
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" '
+    'ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" '
+    'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
+)
+RELATIONS = (
+    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
+    'Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
+    "</Relationships>"
+)
+
+
+def mesh_xml(*solids):
+    whole = trimesh.util.concatenate(solids)
+    corners = "".join(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>' for x, y, z in whole.vertices.tolist())
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in whole.faces.tolist())
+    return f"<mesh><vertices>{corners}</vertices><triangles>{faces}</triangles></mesh>"
+
+
+def archive(folder, objects, items, **notes):
+    path = folder / "part.3mf"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as written:
+        written.writestr("[Content_Types].xml", TYPES)
+        written.writestr("_rels/.rels", RELATIONS)
+        written.writestr("3D/3dmodel.model", MODEL.format(objects, items))
+        for name, text in notes.items():
+            written.writestr(f"Metadata/{name}.config", text)
+    return path
+
+
+def volume_note(kind, first, last):
+    return (
+        f'<volume firstid="{first}" lastid="{last}"><metadata type="volume" key="volume_type" value="{kind}"/></volume>'
+    )
+
+
+POST = trimesh.creation.box((4.0, 4.0, 3.0))
+THROUGH = trimesh.creation.box((4.0, 4.0, 40.0))
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected", "note"),
+    [
+        ("NegativeVolume", VOLUME - 48.0, "cut 1 negative volumes away"),
+        ("ParameterModifier", VOLUME, "left out 1 modifiers or supports"),
+        ("SupportEnforcer", VOLUME, "left out 1 modifiers or supports"),
+    ],
+)
+def test_volumes_that_slicers_note_are_not_printed(tmp_path, kind, expected, note):
+    config = f'<config><object id="1">{volume_note("ModelPart", 0, 11)}{volume_note(kind, 12, 23)}</object></config>'
+    shapes = f'<object id="1" type="model">{mesh_xml(BOX, THROUGH)}</object>'
+    path = archive(tmp_path, shapes, '<item objectid="1"/>', Slic3r_PE_model=config)
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(expected, rel=1e-6)  # 32-bit floats
+    assert weighed.notes == (note,)
+
+
+def test_parts_of_bambu_are_cut_away(tmp_path):
+    parts = [f'<object id="{at}" type="model">{mesh_xml(solid)}</object>' for at, solid in ((1, BOX), (2, THROUGH))]
+    both = '<component objectid="1"/><component objectid="2"/>'
+    whole = f'<object id="3" type="model"><components>{both}</components></object>'
+    kinds = '<part id="1" subtype="normal_part"/><part id="2" subtype="negative_part"/>'
+    config = f'<config><object id="3">{kinds}</object></config>'
+    path = archive(tmp_path, "".join(parts) + whole, '<item objectid="3"/>', model_settings=config)
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME - 48.0, rel=1e-6)
+
+
+def test_supports_are_not_weighed(tmp_path):
+    shapes = (
+        f'<object id="1" type="model">{mesh_xml(BOX)}</object><object id="2" type="support">{mesh_xml(POST)}</object>'
+    )
+    weighed = weigh(archive(tmp_path, shapes, '<item objectid="1"/><item objectid="2"/>'), 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert weighed.notes == ("left out 1 modifiers or supports",)
+
+
+@pytest.mark.parametrize("written", ["{}", "0{}", "+{}", " {}"])
+def test_bombs_are_refused_before_they_are_placed(tmp_path, written):
+    levels = [f'<object id="1" type="model">{mesh_xml(POST)}</object>']
+    for level in range(2, 9):
+        inner = f'<component objectid="{written.format(level - 1)}"/>' * 10
+        levels.append(f'<object id="{level}" type="model"><components>{inner}</components></object>')
+    path = archive(tmp_path, "".join(levels), f'<item objectid="{written.format(8)}"/>')
+    begun = time.process_time()
+    with pytest.raises(InputError, match="places more than 10000 meshes"):
+        meshes.load(path, "bomb")
+    assert time.process_time() - begun < 5.0  # the meshes themselves would take minutes
+
+
+def test_items_are_counted_and_must_exist(tmp_path):
+    shape = f'<object id="1" type="model">{mesh_xml(POST)}</object>'
+    with pytest.raises(InputError, match="places more than 10000 meshes"):
+        meshes.load(archive(tmp_path, shape, '<item objectid="1"/>' * 20_000), "items")
+    with pytest.raises(InputError, match="an object 7 that it does not hold"):
+        meshes.load(archive(tmp_path, shape, '<item objectid="7"/>'), "items")
+    path = archive(tmp_path, shape, '<item objectid="1"/>' * 2000)
+    with pytest.raises(InputError, match="places 24000 triangles, at most 20000"):
+        meshes.threemf.read(path.read_bytes(), "items", 20_000)
+
+
+BINARY, TEXT = BOX.export(file_type="stl"), trimesh.exchange.stl.export_stl_ascii(BOX).encode()
+
+
+def counted(count):
+    return BINARY[:80] + count.to_bytes(4, "little") + BINARY[84:]
+
+
+@pytest.mark.parametrize(
+    ("data", "note"),
+    [
+        (BINARY, ()),
+        (TEXT, ()),
+        (b"\xef\xbb\xbf" + TEXT, ()),
+        (BINARY + bytes(10), ("left out 10 bytes after its triangles",)),
+        (counted(0), ("its count of triangles is not filled in: 12 by its length",)),
+        (counted(2**32 - 1), ("its count of triangles is not filled in: 12 by its length",)),
+        (b"solid of a program" + BINARY[18:], ()),
+    ],
+)
+def test_stl_of_any_program(tmp_path, data, note):
+    path = tmp_path / "box.stl"
+    path.write_bytes(data)
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
+    assert weighed.notes == note
+
+
+def test_corners_that_differ_in_the_last_bit_are_one(tmp_path):
+    corners = np.asarray(BOX.triangles, np.float32)
+    random = np.random.default_rng(1)
+    corners = np.where(random.random(corners.shape) < 0.5, np.nextafter(corners, np.float32(99.0)), corners)
+    loose = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(36).reshape(-1, 3), process=False)
+    path = tmp_path / "box.stl"
+    path.write_bytes(loose.export(file_type="stl"))
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert "differ by rounding alone" in weighed.notes[0]
+
+
+@pytest.mark.parametrize("start", range(8))
+def test_concave_faces_are_cut_as_they_lie(tmp_path, start):
+    outline = [(0, 0), (28, 0), (28, 8), (24, 8), (24, 3), (4, 3), (4, 8), (0, 8)]
+    outline = outline[start:] + outline[:start]
+    lines = [f"v {x} {y} {z}" for z in (0, 3) for x, y in outline]
+    lines.append("f " + " ".join(str(at) for at in range(8, 0, -1)))
+    lines.append("f " + " ".join(f"{at}/1/1" for at in range(-8, 0)))
+    lines += [f"f {at + 1} {(at + 1) % 8 + 1} {(at + 1) % 8 + 9} {at + 9}" for at in range(8)]
+    path = tmp_path / "u.obj"
+    path.write_text("\n".join(lines))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(372.0, rel=1e-12)
+
+
+def test_glb_is_in_metres(tmp_path):
+    path = tmp_path / "box.glb"
+    scene = trimesh.Scene(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces, process=False))
+    path.write_bytes(scene.export(file_type="glb"))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+
+
+def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
+    monkeypatch.setattr(meshes, "MOST_TRIANGLES", 11)
+    for kind in ("stl", "obj", "ply", "off"):
+        path = tmp_path / f"box.{kind}"
+        written = BOX.export(file_type=kind)
+        path.write_bytes(written if isinstance(written, bytes) else written.encode())
+        monkeypatch.setattr(meshes, "_raw", lambda *_: pytest.fail("was read"))
+        with pytest.raises(InputError, match="12 triangles, at most 11"):
+            meshes.load(path, "box")
