@@ -9,12 +9,13 @@ from flat_cards import BOX, DISC, silent, with_lammps
 from typer.testing import CliRunner
 
 from evidence.__main__ import commands
-from evidence.crowd_checks import compared, make, meetings, pairs, setting, single
+from evidence.crowd_checks import checks, make, meetings, setting
 from evidence.crowd_checks.meetings import MEETINGS
+from evidence.crowd_checks.report import Row
 from evidence.crowd_checks.setting import RATE_HZ
-from walkergen.analysis.values import Value
 from walkergen.crowd.flat import engine
 from walkergen.errors import InputError
+from walkergen.numerics.quantity import Quantity, Verdict
 
 OUTLINE = np.array(BOX)
 
@@ -38,9 +39,9 @@ def filmed(meeting, restitution, frames=90):
 @pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
 def test_two_meet_in_every_way_and_keep_what_their_blow_leaves(meeting):
     found = meetings.seen(meeting, OUTLINE, filmed(meeting, 0.4))
-    assert found["velocity kept"] == pytest.approx(0.4, abs=0.25)
-    assert found["turn in 0.3 s"] == 0.0
-    assert found["time together"] < 0.6
+    assert found["velocity_kept"] == pytest.approx(0.4, abs=0.25)
+    assert found["turn_in_0.3_s"] == 0.0
+    assert found["time_together"] < 0.6
 
 
 @pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
@@ -63,21 +64,26 @@ def test_two_that_miss_each_other_are_no_meeting():
 
 def test_pairs_of_a_run_are_out_of_each_others_reach():
     one = silent()
-    places = pairs.places(setting.QUICK, one, 0)
+    places = checks.pair_places(setting.QUICK, one, 0)
     middles = places.reshape(-1, 2, 3)[:, :, :2].mean(axis=1)
     apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
     assert apart[~np.eye(len(middles), dtype=bool)].min() > 100.0
 
 
-def test_a_verdict_is_by_the_errors_of_the_difference():
-    agreeing = compared.row("collective", "", "speed", "mm/s", Value(10.0, 3.0), Value(20.0, 4.0))
-    assert (agreeing.errors_apart, agreeing.verdict, agreeing.why) == (2.0, "agrees", "")
-    apart = compared.row("collective", "", "speed", "mm/s", Value(10.0, 0.3), Value(20.0, 0.4))
-    assert apart.verdict == "disagrees"
-    assert apart.why
+def row(check, space, plane, unit="mm_s"):
+    return Row(check, "", Quantity("number", unit, *space), Quantity("number", unit, *plane))
+
+
+def test_a_verdict_is_by_the_bounds_of_the_difference_and_noise_makes_none_agree():
+    assert row("collective", (20.0, 0.3), (20.5, 0.3)).verdict == Verdict.AGREE
+    assert row("collective", (20.0, 3.0), (20.5, 3.0)).verdict == Verdict.UNDECIDED
+    assert row("collective", (10.0, 3.0), (20.0, 4.0)).verdict == Verdict.UNDECIDED
+    assert row("collective", (10.0, 0.3), (20.0, 0.4)).verdict == Verdict.DISAGREE
+    # An order near 0 need not be so to a tenth
+    assert row("collective", (0.02, 0.005), (0.04, 0.005), "").verdict == Verdict.AGREE
     # The plane's input is the number of space: its own error alone parts them
-    alone = compared.row("single", "alone", "speed", "mm/s", Value(10.0, 3.0), Value(11.0, 0.25))
-    assert alone.errors_apart == pytest.approx(4.0)
+    assert row("single", (10.0, 3.0), (10.1, 0.25)).verdict == Verdict.AGREE
+    assert row("binary", (10.0, 3.0), (10.1, 0.25)).verdict == Verdict.UNDECIDED
 
 
 def test_without_lammps_nothing_is_simulated(monkeypatch):
@@ -93,9 +99,9 @@ def test_without_lammps_nothing_is_simulated(monkeypatch):
 @pytest.mark.slow
 def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
     one = silent(turning_rad_s=0.5, velocity_relaxation_s=0.05)
-    found = single.numbers(single.in_plane(setting.QUICK._replace(alone_seconds=2.0), one))
-    assert found["speed"].mean == pytest.approx(56.0, rel=1e-3)
-    assert found["turning"].mean == pytest.approx(0.5, rel=1e-3)
+    found = checks.alone_in_plane(setting.QUICK._replace(alone_seconds=2.0), one)["alone"]
+    assert found["speed"].value == pytest.approx(56.0, rel=1e-3)
+    assert found["turning"].value == pytest.approx(0.5, rel=1e-3)
 
 
 @with_lammps
@@ -103,9 +109,9 @@ def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
 def test_without_drag_round_ones_that_meet_head_on_keep_the_restitution_of_the_card():
     """Closed form: masses that meet head on part with e times their approach."""
     one = silent(outline_mm=[DISC], velocity_relaxation_s=1e6, restitution=0.6, friction=0.0)
-    found = pairs.in_plane(setting.QUICK._replace(pair_runs=1), one)
+    found = checks.pairs_in_plane(setting.QUICK._replace(pair_runs=1), one)
     # Sixteen steps in a touch cost up to 0.035, always downwards
-    assert found["head on", "velocity kept"].mean == pytest.approx(0.58, abs=0.02)
+    assert found["head on"]["velocity_kept"].value == pytest.approx(0.58, abs=0.02)
 
 
 @with_lammps
@@ -120,4 +126,4 @@ def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
     rows = list(csv.DictReader(written[0].decode().splitlines()))
     assert {row["check"] for row in rows} == {"single", "binary", "collective"}
     assert all(math.isfinite(float(row["space"])) for row in rows)
-    assert "errors apart" in report.markdown()
+    assert "verdict" in report.markdown()

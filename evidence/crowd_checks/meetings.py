@@ -47,13 +47,13 @@ MEETINGS = (
     Meeting("corner on face", math.radians(30.0), math.radians(90.0), -10.0, (0.5, -0.5)),
 )
 
-QUANTITIES = {
-    "velocity kept": "",
-    "turn in 0.06 s": "deg",
-    "turn in 0.3 s": "deg",
-    "time together": "",
-    "way in 0.3 s": "mm",
-    "aside in 0.3 s": "mm",
+UNITS = {
+    "velocity_kept": "",
+    "turn_in_0.06_s": "deg",
+    "turn_in_0.3_s": "deg",
+    "time_together": "",
+    "way_in_0.3_s": "mm",
+    "aside_in_0.3_s": "mm",
 }
 """Units of what is seen of a meeting: velocity apart over that of the approach, along it; turns of
 both; share of 0.3 s in which they touch; way of each, and of it what is across the heading that it
@@ -96,7 +96,7 @@ def _bodies(outline: Array, poses: Array) -> npt.NDArray[np.object_]:
 
 
 def seen(meeting: Meeting, outline: Array, two: Array) -> dict[str, float] | None:
-    """Numbers of one meeting, by the keys of QUANTITIES, from poses of shape (F, 2, 3) at RATE_HZ;
+    """Numbers of one meeting, by the keys of UNITS, from poses of shape (F, 2, 3) at RATE_HZ;
     None for two that missed each other, or met before they were under way.
     """
     apart = gaps(outline, two[:, 0], two[:, 1])
@@ -124,7 +124,7 @@ def seen(meeting: Meeting, outline: Array, two: Array) -> dict[str, float] | Non
         float(np.hypot(*ways.T).mean()),
         float(np.abs((ways * across).sum(axis=1)).mean()),
     )
-    return dict(zip(QUANTITIES, numbers, strict=True))
+    return dict(zip(UNITS, numbers, strict=True))
 
 
 def _ahead(angle: float) -> Array:
