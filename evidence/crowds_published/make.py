@@ -3,22 +3,28 @@
 import os
 from pathlib import Path
 
-from evidence.crowds_published import alone as crowd_alone
-from evidence.crowds_published import report as crowd_report
-from evidence.crowds_published import runs as crowd_runs
+from evidence.crowds_published import numbers, report
 from evidence.crowds_published.cases import ALONE, Case, Size, alone, crowds
-from evidence.crowds_published.claims import Found, Numbers, compared
+from evidence.crowds_published.compared import Numbers, compared
+from walkergen.crowd import in_space
+from walkergen.crowd.runs import Simulated
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
+from walkergen.numerics.quantity import Quantity
 from walkergen.simulation import experiments
+from walkergen.simulation.experiments import Experiment
+from walkergen.walker import solids
 
 FEWEST_RUNS = 3
 """Fewest runs of a crowd, whose spread gives the errors."""
 
 SHORTEST_S = 0.5
 """Shortest runs of a crowd, s: some times of what its numbers are means over."""
+
+RATE_HZ = 20.0
+"""Frames a second of crowds: two in the time over which velocities are taken."""
 
 CPU_PER_S = 0.07
 """CPU time of a simulated second of a walker, s, in jams, where contacts take each tick."""
@@ -28,51 +34,53 @@ MEAN_WALKERS = 15
 
 
 def make(size: Size, folder: Path, progress: Progress) -> Report:
-    """Write reproduce.md and .csv, crowds.csv, crowds.png and .pdf.
+    """Write crowds_published.md and .csv, crowds.csv, crowds.png and .pdf.
 
     Equal sizes give equal bytes of every CSV. Ctrl-C leaves no file. Raises InputError for runs too
     few or too short to tell errors.
     """
     check(size)
-    singles, many = alone(size), crowds(size)
-    steps = len(singles) + len(many)
-    found: dict[tuple[str, float], Numbers] = {}
-    asked = crowd_alone.asked(singles)
-    titles = [f"alone, {case.series} {case.setting:g}" for case in singles]
-
-    def part(start: int) -> Progress:
-        return lambda what, done, of: progress(what, 100 * start + 100 * done // of, 100 * steps)
-
-    def first(what: str, done: int, of: int) -> None:
-        progress(what, 100 * len(singles) * done // of, 100 * steps)
-
-    for case, point in zip(singles, experiments.each(asked, titles, first, None), strict=True):
-        found[case.series, case.setting] = crowd_alone.numbers(case, point.results)
-    for number, case in enumerate(many, start=len(singles)):
-        found[case.series, case.setting] = _crowd(case, part(number))
-    return _written(found, size, folder)
-
-
-def _crowd(case: Case, progress: Progress) -> Numbers:
-    return crowd_runs.numbers(crowd_runs.simulated(case, progress), case.design.size.length)
-
-
-def _written(found: Found, size: Size, folder: Path) -> Report:
-    from walkergen.files import figures
-
-    rows = compared(found)
     note = (
         f"Each number: {size.runs} runs of {size.seconds:g} s after {size.discard_seconds:g} s, of "
         f"walkers alone {ALONE}; 90 Hz and 1.8 g where nothing else is said; seed {size.seed}"
     )
+    result = report.of(list(compared(simulated(size, progress))), folder, note)
     with Folder(folder, "") as target:
-        for table in (crowd_report.table(rows), crowd_report.points(rows)):
-            target.write(f"{table.name}.csv", table.csv().encode())
-        figure = crowd_report.draw(rows)
-        target.write("crowds.png", figures.png(figure))
-        target.write("crowds.pdf", figures.pdf(figure))
-        target.write("reproduce.md", crowd_report.to_markdown(rows, f"{note}.").encode())
-    return crowd_report.of(rows, folder, note)
+        result.write(target, pictures=True)
+    return result
+
+
+def simulated(size: Size, progress: Progress) -> Numbers:
+    """Quantities of every walker alone and of every crowd."""
+    singles, many = alone(size), crowds(size)
+    steps, found = 100 * (len(singles) + len(many)), dict[tuple[str, float], dict[str, Quantity]]()
+    lonely = [
+        Experiment(case.scene, case.design, solids.mass_of(case.design), sample_interval=numbers.INTERVAL)
+        for case in singles
+    ]
+    titles = [f"alone, {case.series} {case.setting:g}" for case in singles]
+
+    def first(what: str, done: int, of: int) -> None:
+        progress(what, 100 * len(singles) * done // of, steps)
+
+    for case, point in zip(singles, experiments.each(lonely, titles, first, None), strict=True):
+        found[case.series, case.setting] = dict(numbers.of_alone(case, point.results))
+    for number, case in enumerate(many, start=len(singles)):
+
+        def part(_: str, done: int, of: int, case: Case = case, number: int = number) -> None:
+            progress(f"{case.series} {case.setting:g}", 100 * number + 100 * done // of, steps)
+
+        found[case.series, case.setting] = dict(numbers.of_crowd(_crowd(case, part), case.design.size.length))
+    return found
+
+
+def _crowd(case: Case, progress: Progress) -> Simulated:
+    """All runs of a crowd; equal on any number of threads. Ctrl-C is raised again."""
+    job = in_space.asked(case.scene, [case.design], None, RATE_HZ)
+    crowd = in_space.simulate(job, None, progress)
+    if len(crowd.runs) < case.scene.run.runs:  # those that Ctrl-C left would be another sample
+        raise KeyboardInterrupt
+    return crowd
 
 
 def check(size: Size) -> None:

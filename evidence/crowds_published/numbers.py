@@ -1,22 +1,75 @@
-"""Numbers of one film of a crowd that published work speaks of, each 0 where chance alone rules.
+"""Numbers of crowds that published work speaks of, each 0 where chance alone rules; and of walkers alone.
 
 Means of |m| over few walkers are large by chance; those over pairs of different walkers are not,
 and are what stands here.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from evidence.crowds_published.cases import Case
+from walkergen.crowd.runs import Simulated
 from walkergen.crowd.statistics import CrowdFilm
 from walkergen.crowd.statistics import order as orders
+from walkergen.numerics.quantity import Quantity, mean
+from walkergen.simulation.run import ENDED_WELL, RunResult
+from walkergen.simulation.trajectory import sampled
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 LAG_S = 0.1
 """Time over which a walker's velocity is its displacement, s: some periods of the plate."""
+
+INTERVAL = 0.02
+"""Time between samples of a walker alone, s."""
+
+REACH = 1.25
+"""Distance up to which walkers are neighbours, in lengths of their bodies."""
+
+
+def of_crowd(crowd: Simulated, length: float) -> Mapping[str, Quantity]:
+    """Quantities of a crowd of bodies of this length (mm), means over its runs."""
+    films, by_run = crowd.films, crowd.statistics.by_run
+    own: dict[str, tuple[str, Sequence[float] | Array]] = {
+        "order": ("", [order(film) for film in films]),
+        "speed": ("mm_s", [speed(film) for film in films]),
+        "agreement": ("", [agreement(film, REACH * length) for film in films]),
+        "clustered": ("", 1.0 - by_run["alone"]),
+        "largest": ("", by_run["largest_cluster"]),
+        "near": ("", by_run["local_polar_order"]),
+    }
+    if not films[0].dish.period:
+        own["circulation"] = "", [circulation(film) for film in films]
+        own["at wall"] = "", by_run["wall_density"]
+    return {key: mean(key, unit, values) for key, (unit, values) in own.items() if np.isfinite(values).all()}
+
+
+def of_alone(case: Case, results: Sequence[RunResult]) -> Mapping[str, Quantity]:
+    """Speed and its spread between prints (mm/s), and the spin: turning x half length / speed."""
+    good = [result for result in results if result.outcome in ENDED_WELL]
+    if len(good) < 2:
+        return {}
+    lag, half = round(LAG_S / INTERVAL), 0.5 * case.design.size.length
+    paths, spins = [], []
+    for result in good:
+        rows = sampled(result)
+        place = rows[:, 1] + 1j * rows[:, 2]
+        seconds = float(rows[lag, 0] - rows[0, 0])
+        paths.append(float(np.abs(place[lag:] - place[:-lag]).mean() / seconds))
+        turn = abs(float(rows[-1, 3] - rows[0, 3])) / float(rows[-1, 0] - rows[0, 0])
+        spins.append(half * turn / paths[-1])
+    forward = [result.speed for result in good]
+    sd, freedom = float(np.std(forward, ddof=1)), len(good) - 1
+    return {
+        "forward": mean("forward", "mm_s", forward),
+        "between prints": Quantity("between prints", "mm_s", sd, sd / math.sqrt(2 * freedom), freedom),
+        "speed": mean("speed", "mm_s", paths),
+        "spin": mean("spin", "", spins),
+    }
 
 
 def order(film: CrowdFilm) -> float:

@@ -1,148 +1,120 @@
-"""Report of our crowds beside published ones: the table, its numbers, the page and the sources."""
+"""Report of our crowds beside published ones: the statements, our numbers, a panel each, and the sources."""
 
+from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from evidence.crowds_published.claims import Compared
+from evidence.crowds_published.compared import Compared
 from evidence.crowds_published.published import FINDINGS, Source
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
-from walkergen.files.tables import as_markdown
-from walkergen.jobs.trust.published import TIMES
+from walkergen.numerics.quantity import Verdict
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 TITLE = "Crowds beside published ones"
 
 LEGEND = (
-    f"± one standard error over independent runs; a sign is one beyond {TIMES:g} of them; what the "
-    "sources state are numbers of other grains, so that signs are compared, not sizes"
+    "± one standard error over independent runs; signs are compared, not sizes, for what the sources state are numbers "
+    "of other grains: they agree where all of the bounds of 95 % of the change have the stated sign"
 )
 
+KEYS = (
+    *("finding", "source", "address", "read", "quote", "stated", "sign"),
+    *("quantity", "setting", "ours", "verdict", "note"),
+)
+"""Columns of crowds_published.csv."""
 
-class Row(NamedTuple):
-    """A statement and our numbers; the field names are the keys of JSON and of reproduce.csv."""
+POINT = ("finding", "quantity", "setting", "at", "ours", "ours_se")
+"""Columns of crowds.csv: a number behind a statement."""
 
-    finding: str
-    source: str
-    address: str
-    read: str
-    quote: str
-    stated: str
-    sign: str
-    quantity: str
-    setting: str
-    ours: str
-    verdict: str
-    why: str
+ACROSS = 3
+"""Panels side by side."""
 
 
-class Point(NamedTuple):
-    """One number behind a statement; the field names are the columns of crowds.csv."""
-
-    finding: str
-    quantity: str
-    setting: str
-    at: float
-    ours: float
-    ours_se: float
-
-
-def row(compared: Compared) -> Row:
-    """Statement, source, numbers and verdict as words."""
-    finding, source = compared.finding, compared.finding.source
-    ours = "; ".join(f"{words.number(at)}: {words.with_error(*value)}" for at, value in compared.points)
-    return Row(
-        finding.key,
-        source.citation,
-        source.address,
-        source.read,
-        finding.quote,
-        finding.stated,
-        finding.sign,
-        compared.quantity,
-        compared.setting,
-        ours,
-        compared.word,
-        compared.why,
-    )
-
-
-def table(compared: Sequence[Compared]) -> Table:
-    """Table to read, a row a statement; its CSV holds every word."""
+def of(rows: Sequence[Compared], folder: Path, note: str) -> Report:
+    """Report of what was compared, which lies in a folder; `note` says how it was simulated."""
+    counts = Counter(row.verdict for row in rows)
+    cells = [_cells(row) for row in rows]
     columns = (
-        report.text("published", "finding"),
-        Column("stated", lambda row: f"{row.stated}: {row.sign}" if row.stated else row.sign),
+        Column("published", lambda row: row.finding.key),
+        Column("stated", lambda row: f"{row.finding.stated}: {row.finding.sign}"),
         report.text("ours", "quantity"),
         Column("along", lambda row: row.setting, wide=True),
-        Column("numbers", lambda row: row.ours),
+        Column("numbers", _numbers),
         report.text("sign", "verdict"),
-        Column("why", lambda row: row.why, wide=True),
+        Column("note", lambda row: row.note, wide=True),
     )
-    rows = [row(one) for one in compared]
-    return Table("reproduce", rows, Row._fields, columns, TITLE, (LEGEND,))
-
-
-def points(compared: Sequence[Compared]) -> Table:
-    """Every number of ours, a row each."""
-    rows = [
-        Point(one.finding.key, one.quantity, one.setting, at, *value) for one in compared for at, value in one.points
+    points = [
+        (row.finding.key, row.quantity, row.setting, at, value.value, value.se)
+        for row in rows
+        for at, value in row.points
     ]
-    return Table("crowds", rows, Point._fields)
-
-
-def of(compared: Sequence[Compared], folder: Path, note: str) -> Report:
-    """Report of what was compared, which lies in a folder; `note` says how it was simulated."""
-    counted = {
-        word: sum(one.word == word for one in compared) for word in ("agrees", "disagrees", "undecided", "not compared")
-    }
-    told = ", ".join(f"{count} {word}" for word, count in counted.items() if count)
-    reasons = [
-        f"{one.finding.key}, {one.quantity}: {one.word}, perhaps because {one.why}"
-        for one in compared
-        if one.word == "disagrees"
-    ]
+    sources = dict.fromkeys(finding.source for finding in FINDINGS)
     return Report(
-        name="reproduce",
+        name="crowds_published",
         title=TITLE,
-        tables=[table(compared), points(compared)],
-        facts={"rows": [row(one)._asdict() for one in compared]},
-        lines=[told, *reasons, note],
+        tables=[
+            Table("crowds_published", cells, KEYS),
+            Table("rows", rows, (), columns, notes=(LEGEND,)),
+            Table("crowds", points, POINT),
+        ],
+        facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
+        lines=[
+            ", ".join(f"{counts[verdict]} {verdict}" for verdict in Verdict if counts[verdict]),
+            note,
+            *map(_source, sources),
+        ],
         folder=folder,
-        figures={"crowds": partial(draw, compared)},
+        figures={"crowds": partial(draw, rows)},
     )
 
 
-def draw(compared: Sequence[Compared]) -> "Figure":
-    """Draw our numbers along what was varied."""
-    from evidence.crowds_published import figure as crowd_figure
+def draw(rows: Sequence[Compared]) -> "Figure":
+    """Draw a panel a statement whose numbers were made: means and one standard error."""
+    from walkergen.files import figures
 
-    return crowd_figure.draw(compared)
+    shown = [row for row in rows if len(row.points) > 1]
+    with figures.style():
+        figure, panels = figures.grid_of(f"{TITLE}: bars are one standard error", len(shown), ACROSS, 2.2)
+        for axes, row in zip(panels, shown, strict=True):
+            _panel(axes, row)
+    return figure
 
 
-def to_markdown(compared: Sequence[Compared], note: str) -> str:
-    """Format the page: how, the table, the statements with their sources."""
-    sources = dict.fromkeys(finding.source for finding in FINDINGS.values())
-    listed = "\n".join(_source(source) for source in sources)
-    return f"""# {TITLE}
+def _panel(axes: "Axes", row: Compared) -> None:
+    from walkergen.files import figures
 
-{note}
+    colour = {Verdict.AGREE: figures.BLUE, Verdict.DISAGREE: figures.ORANGE}.get(row.verdict, figures.GREY)
+    at = [place for place, _ in row.points]
+    values = [(value.value, value.se) for _, value in row.points]
+    figures.points(axes, (at, *zip(*values, strict=True)), figures.Look(colour), joined=True)
+    figures.level(axes)
+    for value in row.finding.values:
+        if at[0] <= value <= at[-1]:
+            figures.level(axes, value, upright=True)
+    width, small = figures.PAGE / ACROSS - 0.4, figures.SMALLEST
+    axes.set_title(figures.wrapped(f"{row.finding.key}: {row.verdict}", width, small), fontsize=small)
+    figures.name(axes, figures.wrapped(row.setting, width, small), figures.wrapped(row.quantity, 1.8, small))
 
-{as_markdown(table(compared).rich(markdown=True))}
 
-{LEGEND}.
+def _cells(row: Compared) -> tuple[Any, ...]:
+    """Row of the CSV, which holds every word."""
+    finding = row.finding
+    said = finding.key, *finding.source, finding.quote, finding.stated, finding.sign
+    return *said, row.quantity, row.setting, _numbers(row), row.verdict.value, row.note
 
-![Our numbers along what was varied](crowds.png)
 
-## Sources
-
-{listed}
-"""
+def _numbers(row: Compared) -> str:
+    return "; ".join(
+        f"{words.number(at)}: {words.with_error(value.value or 0.0, value.se or 0.0)}" for at, value in row.points
+    )
 
 
 def _source(source: Source) -> str:
-    quotes = "; ".join(f"{finding.key}: “{finding.quote}”" for finding in FINDINGS.values() if finding.source == source)
-    return f"- {source.citation}. <{source.address}>. Read: {source.read}. {quotes}."
+    quotes = "; ".join(f"{finding.key}: “{finding.quote}”" for finding in FINDINGS if finding.source == source)
+    return f"{source.citation}. <{source.address}>. Read: {source.read}. {quotes}."
