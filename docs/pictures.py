@@ -180,7 +180,7 @@ PICTURES = (
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
     Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30, "movie.gif"),
     Picture(
-        "choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190, "choice.png"
+        "choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190, "accuracy.png"
     ),
     Picture(
         "simulated.png",

@@ -7,7 +7,7 @@ from walkergen.analysis import landings
 from walkergen.errors import InputError
 from walkergen.jobs.run.movie import shot
 from walkergen.jobs.run.simulate import tables
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.lab import resting
 from walkergen.lab.bench import pluck
 from walkergen.scene import Scene

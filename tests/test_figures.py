@@ -17,10 +17,10 @@ from walkergen.analysis.tracks import Track
 from walkergen.files import figures
 from walkergen.jobs.make.family import chart_data
 from walkergen.jobs.make.family import figures as family
-from walkergen.jobs.trust.accuracy import figures as precision
-from walkergen.jobs.trust.accuracy.choice_figure import choice_figure, front
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.trust.accuracy.figures import choice_figure, front
+from walkergen.jobs.trust.accuracy.ladder import Rung
 from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
+from walkergen.numerics.quantity import Quantity
 from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
@@ -66,19 +66,6 @@ def speed_of_one():
     return speed_figure([ROWS[1]], chart_data.ChartData({}), SIMULATED[:1])
 
 
-def rungs(series, *points):
-    return [Rung(series, f"{series} {step}", error, 0.01, cpu, {"step_us": step}) for step, error, cpu in points]
-
-
-def ladder(along):
-    settings = [
-        *rungs("space, step", (1.2, 0.01, 4.2), (2.3, 0.03, 5.1), (4.6, 0.05, 2.7)),
-        *rungs("compliant, step", (1.2, 0.02, 3.2), (2.3, 0.06, 3.1)),
-    ]
-    title = "Bias of the long-run mean speed against the step"
-    return Ladder("x", title, "bias of the mean speed", "CPU time, s", "", settings, (), along)
-
-
 BIASES = {1.2: (0.0, 0.5), 2.3: (0.6, 1.1), 4.6: (-1.7, 0.7), 5.8: (-7.4, 1.8), 7.4: (-5.1, 1.4)}
 """Biases in space (mm/s) and their standard errors by step: all but the last three may be zero."""
 
@@ -95,7 +82,8 @@ def choices():
     )
     steps = [Setting("space", step) for step in BIASES]
     others = [Setting("rigid", None), Setting("compliant", None)]
-    found = [Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), None, "") for one in (*steps, *others)]
+    speed = {"speed_mm_s": Quantity("speed_mm_s", "", 100.0, 0.6)}
+    found = [Measured(one, speed, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), "") for one in (*steps, *others)]
     formulas = [Rung("paper's eq. 15", "", 0.39, None, 3.6e-4, {})]
     return choice_figure(survey, found, found[0], formulas, TITLE)
 
@@ -117,8 +105,6 @@ def drawn(tracks):
         "speed": speed_figure(),
         "speed of one": speed_of_one(),
         "named": speed_figure(ROWS[::2], chart_data.ChartData({}), SIMULATED[:2], named=True),
-        "steps": precision.ladder_figure(ladder("step_us")),
-        "models": precision.ladder_figure(ladder("")),
         "choice": choices(),
         **figures_of(tracks, "films/a_film_with_a_long_name_of_2026.csv"),
     }
@@ -163,14 +149,6 @@ def test_series_differ_in_line_and_marker_and_not_only_in_colour():
         assert one[1:] != other[1:]
     for colour, *_ in figures.SERIES:  # dark enough on white
         assert to_rgb(colour) @ np.array([0.299, 0.587, 0.114]) < 0.66
-
-
-def test_lines_against_the_step_never_loop_back(drawn):
-    for figure in (drawn["steps"], drawn["models"]):
-        for axes in figure.axes:
-            for line in axes.get_lines():
-                x = np.asarray(line.get_xdata(), float)
-                assert (np.diff(x) >= 0.0).all()
 
 
 def test_the_front_is_the_least_error_of_the_complete_model_for_a_time(drawn):

@@ -1,12 +1,10 @@
 """The ladder of observables: biases of all that is printed against the step, orders and costs."""
 
-from collections.abc import Iterator
-
 from walkergen.files.progress import Progress
-from walkergen.jobs.trust.accuracy import observed
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, order
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, order_in_words
 from walkergen.jobs.trust.accuracy.setting import Measured
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.survey import NAMES, Survey
+from walkergen.numerics.quantity import Quantity
 from walkergen.simulation import observables, resolution
 
 RARE = 0.01
@@ -21,94 +19,81 @@ WITHIN = 0.05
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
     """Measure the bias of every observable at every step of the complete model."""
-    survey.measure(survey.steps, progress)
+    finest, *coarser = survey.measure(survey.steps, progress)
+    survey.reference(progress)
     rungs: list[Rung] = []
     notes = []
-    for name in observed.NAMES:
-        view = survey.showing(name)
-        reference = _reference(view, progress)
-        if reference is None:
-            continue
-        series = [*_rungs(view, reference, progress)]
-        rungs += series
-        notes.append(_note(view, series))
-    true = survey.showing(observables.CONTACT).reference(progress)
+    for name in NAMES:
+        true = finest.of(name)
+        if _told(true):
+            own = [_rung(measured, true) for measured in coarser]
+            rungs += own
+            notes.append(_note(survey, name, own))
+    if survey.complete != "space":
+        notes.append(f"Counts: {resolution.ENDLESS}.")
     return Ladder(
         "observables",
         "Bias of everything that is printed against the step",
         "bias, share of the value",
         "CPU time of a simulated second, s",
-        true.setting.label,
+        finest.setting.label,
         rungs,
-        (
-            *notes,
-            *(() if survey.complete == "space" else (f"Counts: {resolution.ENDLESS}.",)),
-            "The figure shows the first eight; the table has all.",
-        ),
-        "step_us",
+        notes,
     )
 
 
-def _reference(view: Survey, progress: Progress) -> Measured | None:
-    """Measurement that counts as true; None of what is rare, or not told from zero."""
-    (finest,) = view.measure(view.steps[:1], progress)
-    if finest.value is None or finest.se is None or not abs(finest.value) > TOLD * finest.se:
-        return None
+def _told(true: Quantity) -> bool:
+    """Whether a true value is neither rare nor near zero."""
+    if true.value is None or true.se is None or not abs(true.value) > TOLD * true.se:
+        return False
     shares = (f"{observables.BY_IMPULSE}.", f"{observables.BY_NUMBER}.")
-    rare = view.of.startswith(shares) and finest.value < RARE
-    return None if rare else finest
+    return not (true.key.startswith(shares) and true.value < RARE)
 
 
-def _rungs(view: Survey, reference: Measured, progress: Progress) -> Iterator[Rung]:
-    """A rung for each step that is not the reference itself."""
-    assert reference.value is not None
-    size = abs(reference.value)
-    for measured in view.measure(view.steps, progress):
-        if measured.setting == reference.setting:
-            continue
-        bias = view.bias(measured, reference)
-        yield Rung(
-            view.of,
-            f"{measured.setting.step_us:g} us",
-            None if bias is None else abs(bias.size) / size,
-            None if bias is None else bias.se / size,
-            measured.cpu_per_s,
-            {
-                "step_us": measured.setting.step_us,
-                "value": measured.value,
-                "se": measured.se,
-                "reference": reference.value,
-                "reference_se": reference.se,
-                "cpu_s_for_1_percent": measured.cost_of(0.01 * size) if measured.se else None,
-            },
-        )
+def _rung(measured: Measured, true: Quantity) -> Rung:
+    """Rung of an observable at a step that is not the finest."""
+    assert true.value is not None
+    size, seen = abs(true.value), measured.of(true.key)
+    bias, error, sd = seen.less(true), None, None
+    if bias.value is not None and bias.se is not None:
+        error, sd = abs(bias.value) / size, bias.se / size
+    return Rung(
+        true.key,
+        f"{measured.setting.step_us:g} us",
+        error,
+        sd,
+        measured.cpu_per_s,
+        {
+            "step_us": measured.setting.step_us,
+            "value": seen.value,
+            "se": seen.se,
+            "reference": true.value,
+            "reference_se": true.se,
+            "cpu_s_for_1_percent": measured.cost_of(0.01 * size, true.key) if seen.se else None,
+        },
+    )
 
 
-def _note(view: Survey, rungs: list[Rung]) -> str:
+def _note(survey: Survey, name: str, rungs: list[Rung]) -> str:
     """Order of an observable's bias, and the longest step that resolves it to WITHIN."""
-    longest = 1e6 * resolution.longest_step(view.plan(view.own))
-    certain = [
-        rung
-        for rung in rungs
-        if rung.error is not None
-        and rung.error_sd is not None
-        and rung.error > 2 * rung.error_sd
-        and float(rung.details["step_us"] or 0.0) < longest  # no order beyond the legs' swing
-    ]
+    longest = 1e6 * resolution.longest_step(survey.plan(survey.own))
+    points = [
+        (float(rung.details["step_us"] or 0.0), rung.error, rung.error_sd or 0.0) for rung in rungs
+    ]  # finest first
+    # no order beyond the legs' swing
+    certain = [(step, error) for step, error, sd in points if step < longest and error is not None and error > 2.0 * sd]
     sentence = "no bias told from zero"
     if len(certain) >= 3:
-        values = [float(rung.details["step_us"] or 0.0) for rung in certain]
-        slope, se = order(values, [rung.error or 0.0 for rung in certain])
-        sentence = f"measured order {slope:.2f} ± {se:.2f} of the {len(certain)} biases told from zero"
+        sentence = f"{order_in_words(*zip(*certain, strict=True))} of the {len(certain)} biases told from zero"
     elif certain:
         sentence = f"biases told from zero at {len(certain)} steps, too few for an order"
-    counted = view.of == observables.IMPACTS or view.of.startswith(f"{observables.BY_NUMBER}.")
-    if counted and view.complete != "space":
-        return f"{view.of}: {sentence}; without limit, see below"
+    counted = name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}.")
+    if counted and survey.complete != "space":
+        return f"{name}: {sentence}; without limit, see below"
     resolving = 0.0
-    for rung in rungs:  # finest first
-        if rung.error is None or rung.error + 2.0 * (rung.error_sd or 0.0) > WITHIN:
+    for step, error, sd in points:
+        if error is None or error + 2.0 * sd > WITHIN:
             break
-        resolving = float(rung.details["step_us"] or 0.0)
+        resolving = step
     resolved = f"up to {resolving:g} us" if resolving else "by no step measured"
-    return f"{view.of}: {sentence}; within {100 * WITHIN:g} % (95 %) {resolved}"
+    return f"{name}: {sentence}; within {100 * WITHIN:g} % (95 %) {resolved}"

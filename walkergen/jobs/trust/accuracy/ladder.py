@@ -5,18 +5,21 @@ import os
 import platform
 import statistics
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
+Details = dict[str, float | str | None]
+"""Further columns of a rung: the same keys for all rungs of a ladder."""
 
 
 class Rung(NamedTuple):
     """Setting of a ladder, with its error and its cost."""
 
     series: str
-    """Name of the series; settings of one series form a line of the figure."""
+    """Name of the series: settings that differ in one number."""
     setting: str
     error: float | None
     """Error as the ladder's `error` defines it; None where it is not known."""
@@ -24,8 +27,7 @@ class Rung(NamedTuple):
     """Standard error of the error; None when the error is deterministic."""
     cpu_s: float
     """Time as the ladder's `cost` defines it, s."""
-    details: Mapping[str, float | str | None]
-    """Further columns, the same for all rungs of a ladder."""
+    details: Details
 
 
 class Ladder(NamedTuple):
@@ -41,8 +43,12 @@ class Ladder(NamedTuple):
     """Result that counts as true, and how it was certified."""
     rungs: Sequence[Rung]
     notes: Sequence[str] = ()
-    along: str = ""
-    """Detail of every rung against which error and cost are drawn; "": error against cost."""
+
+
+def order_in_words(values: Sequence[float], errors: Sequence[float]) -> str:
+    """Measured order of errors in the values: "1.98 ± 0.05"."""
+    slope, se = order(values, errors)
+    return f"measured order {slope:.2f} ± {se:.2f}"
 
 
 def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:

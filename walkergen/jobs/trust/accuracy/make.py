@@ -1,24 +1,27 @@
-"""The study of accuracy: its cost in time, as ladders in a folder."""
+"""The study of accuracy: its cost in time, as one page, one picture and one table in a folder."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
-from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, space_steps, statistics, steps
+from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, short_scenes, statistics
+from walkergen.jobs.trust.accuracy.choose import Choice
 from walkergen.jobs.trust.accuracy.ladder import Ladder
-from walkergen.jobs.trust.accuracy.report import Answer
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.report import Answer, Answers
+from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.points import tolerance
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ERRORS = ("20%", "10%", "5%", "2%", "1%")
 SPEED_ERRORS = ("5mm/s", "2mm/s", "1mm/s", "0.5mm/s")
@@ -37,37 +40,36 @@ class Job(NamedTuple):
 
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
-    "models": (models.ladder,),
-    "steps": (steps.short, steps.long, biases.ladder, space_steps.frames),
+    "models": (models.models,),
+    "steps": (short_scenes.ladder, models.steps, biases.ladder, models.frames),
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
 
-LEAST: dict[str, Callable[[Survey], float]] = {
-    "steps-short": space_steps.least_of_short,
-    "frames": space_steps.least_of_frames,
-    "statistics": statistics.least,
+OTHERS: dict[str, tuple[float, Callable[[Survey], float]]] = {
+    "steps-short": (short_scenes.WEIGHT, short_scenes.least),
+    "frames": (models.FRAMES_WEIGHT, models.least_of_frames),
+    "statistics": (statistics.WEIGHT, statistics.least),
 }
-"""Least wall time of what is simulated besides the settings, s."""
+"""What is simulated besides the settings: weight in the budget, and least wall time, s."""
 
 ANSWERING = {"models", "steps"}
 """Ladders whose measurements answer what to run for which error."""
 
-START_S, FIRST_PICTURE_S, PICTURE_S, SHAPE_S = 1.2, 0.5, 0.4, 1.5
+START_S, PICTURE_S, SHAPE_S = 1.2, 0.9, 1.5
 """Wall times on an idle core (s) of what is not simulated: imports and kernels read from the cache;
-the library of pictures; a ladder's picture and tables; the ladder of shape. Within a third."""
+the picture; the ladder of shape. Within a third."""
 
 
 def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], None]) -> Report:
-    """Measure ladders and write NAME.csv, .md, .png, .pdf for each as soon as it is measured.
+    """Measure ladders; accuracy.csv and accuracy.md are renewed as soon as one is measured.
 
-    With the ladders of models or steps also accuracy.md, choice.png and .pdf: what to run for which
-    error. Ctrl-C keeps the ladders already done. Where the budget is too short the least is taken,
+    With the ladders of models or steps they say what to run for which error, and accuracy.png shows
+    it. Ctrl-C keeps the ladders already done. Where the budget is too short the least is taken,
     which `told` is called with, s, before anything is simulated for the ladders.
     Raises InputError when there is no mean speed to study.
     """
-    parts = solids.build(job.design)
-    mass = solids.weigh(job.design, parts)
+    mass = solids.weigh(job.design, solids.build(job.design))
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     survey.budget.pay_other(0.0, START_S)
     least = _share_out(survey, job.only, progress)
@@ -75,23 +77,34 @@ def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], Non
         told(least)
     title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     ladders: list[Ladder] = []
-    answers = None
+
+    def written(answers: Answers | None = None) -> Report:
+        """Report of what is measured so far, written."""
+        made = report.of(ladders, answers, survey.budget.simulated_s, least, title, folder)
+        made.write(target, pictures=False)
+        return made
+
     with Folder(folder, "") as target:
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
-                if measure is space_steps.frames and survey.complete != "space":
-                    continue
-                with _other(survey, SHAPE_S if measure is shape.ladder else 0.0):
-                    ladders.append(measure(survey, part(progress, place, len(job.only))))
-                with _other(survey, PICTURE_S):
-                    report.of_ladder(ladders[-1], title).write(target, pictures=True)
+                if measure is not models.frames or survey.complete == "space":
+                    ladders.append(_measured(measure, survey, part(progress, place, len(job.only))))
+                    made = written()
         if {*job.only} & ANSWERING:
-            answers = _answers(survey, title, progress)
-            with _other(survey, PICTURE_S):
-                answers.write_figures(target)
-            page = f"{answers.markdown()}\n![choice](choice.png)\n"
-            target.write("accuracy.md", page.encode())
-    return report.of(ladders, answers, survey.budget.simulated_s, least, title, folder)
+            from walkergen.files import figures
+
+            made = written(_answers(survey, title, progress))
+            target.write("accuracy.png", figures.png(made.plot()))
+    return made
+
+
+def _measured(measure: Callable[[Survey, Progress], Ladder], survey: Survey, progress: Progress) -> Ladder:
+    """Ladder; of the one that is not simulated the time is paid that was kept for it."""
+    started = time.perf_counter()
+    ladder = measure(survey, progress)
+    if measure is shape.ladder:
+        survey.budget.pay_other(SHAPE_S, time.perf_counter() - started)
+    return ladder
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
@@ -101,45 +114,29 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     The least is what the fewest and shortest runs take that mean something, and it is then spent:
     shorter ones would give numbers without error bars.
     """
-    settings = [*survey.steps, survey.own] if {*only} & ANSWERING else []
+    answering = bool({*only} & ANSWERING)
+    settings = [*survey.steps, survey.own] if answering else []
     settings += survey.simpler if "models" in only else []
-    least = 0.0
+    others: list[str] = []
     if "statistics" in only:
         settings += [survey.steps[0], survey.own]
-        survey.others["statistics"] = statistics.WEIGHT
+        others += ["statistics"]
     if "steps" in only and survey.complete == "space":
-        survey.others |= space_steps.WEIGHTS
+        others += ["steps-short", "frames"]
+    survey.others = {name: OTHERS[name][0] for name in others}
     survey.scheduled = list(dict.fromkeys(settings))
+    least = 0.0
     for place, setting in enumerate(survey.scheduled):
         progress(f"{setting.label}: compiling", place, len(survey.scheduled))
         least += survey.least(setting)
-    for name in survey.others:
-        least += LEAST[name](survey)
-    survey.budget.keep(_others_s(survey, only))
-    least += survey.budget.spent_s + survey.budget.kept_s * survey.budget.slowness
-    if least <= survey.budget.budget_s:
-        return None
-    survey.budget.budget_s = least
-    return least
-
-
-def _others_s(survey: Survey, only: Sequence[str]) -> float:
-    """Wall time of all that is not simulated after the start, on an idle machine, s."""
-    measures = [measure for name in only for measure in LADDERS[name]]
-    if survey.complete != "space":
-        measures = [measure for measure in measures if measure is not space_steps.frames]
-    pictures = len(measures) + bool({*only} & ANSWERING)
-    return FIRST_PICTURE_S + PICTURE_S * pictures + SHAPE_S * (shape.ladder in measures)
-
-
-@contextmanager
-def _other(survey: Survey, expected_s: float) -> Iterator[None]:
-    """Guard of what time was kept for: the wall time that no simulation took is paid."""
+    least += sum(OTHERS[name][1](survey) for name in others)
     budget = survey.budget
-    started, simulated_s = time.perf_counter(), budget.simulated_s
-    yield
-    wall_s = time.perf_counter() - started - (budget.simulated_s - simulated_s)
-    budget.pay_other(expected_s, max(wall_s, 0.0))
+    budget.keep(PICTURE_S * answering + SHAPE_S * ("shape" in only))
+    least += budget.spent_s + budget.kept_s * budget.slowness
+    if least <= budget.budget_s:
+        return None
+    budget.budget_s = least
+    return least
 
 
 def check(names: str) -> list[str]:
@@ -151,30 +148,28 @@ def check(names: str) -> list[str]:
     return list(dict.fromkeys(ladders))
 
 
-def _answers(survey: Survey, title: str, progress: Progress) -> Report:
+def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
     """Answer what to run for which error."""
-    measurements = choose.candidates(survey, progress)
+    measurements = survey.measure(survey.steps, progress)
     reference = survey.reference(progress)
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
-    answers = [_answer(survey, error, progress) for error in errors]
-    formulas = list(models.formulas(survey, reference))
-    others = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
+    rows = [_answer(survey, error, progress) for error in errors]
+    rungs = list(models.formulas(survey, reference))
+    simpler = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
 
-    def draw() -> Any:
-        from walkergen.jobs.trust.accuracy.choice_figure import choice_figure
+    def draw() -> "Figure":
+        from walkergen.jobs.trust.accuracy.figures import choice_figure
 
-        return choice_figure(survey, [*measurements, *others], reference, formulas, title)
+        return choice_figure(survey, [*measurements, *simpler], reference, rungs, title)
 
-    return report.of_answers(answers, models.certificate(survey, progress), title, draw)
+    return Answers(rows, models.certificate(survey, progress), draw)
 
 
 def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
     wanted = tolerance.parse(error)
-    try:
-        choice = choose.choose(survey, wanted, progress)
-    except InputError as refused:
-        return Answer(str(wanted), "-", None, None, None, str(refused).partition(": ")[2])
+    choice = choose.choose(survey, wanted, progress)
+    if not isinstance(choice, Choice):
+        return Answer(str(wanted), "-", None, None, None, choice)
     bias = choice.bias_bound
     why = f"bias at most {words.number(bias, 2)} mm/s, ± {words.number(choice.se, 2)} for the runs"
-    expected = choice.cpu_s / survey.cores
-    return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, expected, why)
+    return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, choice.cpu_s / survey.cores, why)

@@ -1,39 +1,47 @@
-"""The ladder of models: from the paper's formula to the complete walker, most often in space."""
+"""Ladders of settings: what each model leaves out, what each step costs and errs, by the mean speed."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from walkergen.errors import TheoryError
 from walkergen.files import words
-from walkergen.files.progress import Progress
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, cpu_time
+from walkergen.files.progress import Progress, part
+from walkergen.jobs.trust.accuracy.budget import KINDS, widened
+from walkergen.jobs.trust.accuracy.ladder import Details, Ladder, Rung, cpu_time
 from walkergen.jobs.trust.accuracy.setting import Measured
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.simulation import ensemble
+from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import stationary
-
-Details = dict[str, float | str | None]
-
 
 TITLES = (
     "What each model of the walker leaves out, and what it costs",
     "What the plane and the law of impact cost in truth, and what space costs in time",
 )
-"""Titles of the ladder: in a plane, in space."""
+"""Titles of the ladder of models: in a plane, in space."""
+
+FRAMES = (4, 12, 24, 48)
+"""Steps for which pose and contact directions are frozen."""
+
+FEWEST_FRAMES = (4, 12)
+"""Those that are measured where the budget does not allow all: longer ones may not end well."""
+
+FRAMES_WEIGHT = 0.3
+"""Weight of the ladder of frames in the survey's budget, where all settings together have 1."""
 
 
-def ladder(survey: Survey, progress: Progress) -> Ladder:
+def models(survey: Survey, progress: Progress) -> Ladder:
     """Measure the bias of every model against the complete model, and its cost.
 
     The bias of formulas depends on the scene's impact_speed_factor, which they cannot predict.
     """
     reference = survey.reference(progress)
-    settings = [*survey.simpler, survey.own]
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
-    rungs += [rung_of(survey, measured, reference) for measured in survey.measure(settings, progress)]
+    rungs += [_rung(survey, one, reference) for one in survey.measure([*survey.simpler, survey.own], progress)]
+    left_out = [reason for reason in (*survey.refusals.values(), _unknown_to_theory(survey)) if reason]
     return Ladder(
         "models",
         TITLES[survey.complete == "space"],
@@ -44,9 +52,85 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         (
             "A formula takes microseconds because it is given the impact speed w, here "
             f"{survey.scene.impact_speed:.3g} mm/s, which a simulation finds out.",
-            *(f"Left out: {reason}" for reason in _left_out(survey)),
+            *(f"Left out: {reason}" for reason in left_out),
         ),
     )
+
+
+def steps(survey: Survey, progress: Progress) -> Ladder:
+    """Measure the bias of the long-run mean speed against the step, with common random phases."""
+    reference = survey.reference(progress)
+    unit = survey.unit(reference)
+    rungs = []
+    for measured in survey.measure(survey.steps, progress):
+        bias = survey.bias(measured, reference)
+        details: Details = {
+            "step_us": measured.setting.step_us,
+            "bias_mm_s": None if bias is None else bias.size,
+            "bias_se_mm_s": None if bias is None else bias.se,
+        }
+        rungs.append(_rung(survey, measured, reference, details))
+    return Ladder(
+        "steps-long",
+        "Bias of the long-run mean speed against the step",
+        f"bias of the mean speed, {unit.name}",
+        f"CPU time for a mean speed known to {unit.fine:.2g} mm/s (one standard error), s",
+        certificate(survey, progress),
+        rungs,
+        (
+            "All settings start from the same drops and phases. The motion is chaotic: a bias "
+            "smaller than twice its standard error cannot be told from none.",
+        ),
+    )
+
+
+def frames(survey: Survey, progress: Progress) -> Ladder:
+    """Measure the bias of the mean speed in space against the length of frozen frames, at the own step."""
+    reference = survey.reference(progress)
+    unit, true = survey.unit(reference), reference.speed
+    assert true.value is not None
+    assert true.se is not None
+    discard, rate = survey.scene.run.discard_seconds, survey.rate(survey.own)
+    granted = survey.take("frames")
+    lengths = FRAMES if granted > len(FRAMES) * survey.least(survey.own) else FEWEST_FRAMES
+    runs = survey.budget.affords(granted / len(lengths), rate, discard, KINDS)
+    plan = survey.plan(survey.own).lasting(seconds=runs.seconds, runs=runs.number)
+    rungs = []
+    for number, frame in enumerate(lengths):
+        world = plan.world._replace(options=plan.world.options._replace(frame=frame))
+        summary, _ = ensemble.measure(plan._replace(world=world), part(progress, number, len(lengths)))
+        if summary.runs < runs.number:
+            raise KeyboardInterrupt
+        survey.budget.pay_runs(runs, rate, discard, summary.wall_s)
+        good = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
+        error = se = None
+        if good and summary.speed_mm_s is not None and summary.speed_se_mm_s is not None:
+            error = abs(summary.speed_mm_s - true.value) / unit.size
+            se = float(np.hypot(widened(runs.number) * summary.speed_se_mm_s, true.se)) / unit.size
+        details: Details = {
+            "steps_in_a_frame": float(frame),
+            "frame_us": 1e6 * frame * plan.world.options.step,
+            "speed_mm_s": summary.speed_mm_s,
+            "speed_se_mm_s": summary.speed_se_mm_s,
+            "energy_error": summary.energy_error,
+            "outcomes": ensemble.listed(summary.outcomes),
+        }
+        setting = f"{frame} steps of {survey.own.step_us:g} us"
+        rungs.append(Rung("frozen frames", setting, error, se, summary.cpu_s / summary.simulated_s, details))
+    return Ladder(
+        "frames",
+        "Bias of the mean speed against the time for which pose and contact directions are frozen",
+        f"bias of the mean speed, {unit.name}",
+        "CPU time of a simulated second, s",
+        f"{reference.setting.label}: {true.value:.2f} ± {true.se:.2f} mm/s",
+        rungs,
+        ("The bias includes that of the step, which is the same in all rungs.",),
+    )
+
+
+def least_of_frames(survey: Survey) -> float:
+    """Wall time of the fewest and shortest runs for the fewest lengths of frames, s."""
+    return len(FEWEST_FRAMES) * survey.least(survey.own)
 
 
 def certificate(survey: Survey, progress: Progress) -> str:
@@ -55,12 +139,12 @@ def certificate(survey: Survey, progress: Progress) -> str:
     (other,) = survey.measure([survey.certifying], progress)
     bias = survey.bias(other, reference)
     truth = (
-        f"{reference.setting.label}: {reference.value:.2f} ± {reference.se:.2f} mm/s "
+        f"{reference.setting.label}: {reference.speed.value:.2f} ± {reference.speed.se:.2f} mm/s "
         f"({reference.runs} runs of {reference.seconds:g} s)"
     )
     if bias is None:
         return f"{truth}; NOT certified: {other.setting.label} ends as {other.outcomes}"
-    rival = f"{other.setting.label} {other.value:.2f} ± {other.se:.2f}"
+    rival = f"{other.setting.label} {other.speed.value:.2f} ± {other.speed.se:.2f}"
     if abs(bias.size) <= 2.0 * bias.se:
         return f"{truth}; certified to ± {words.number(bias.bound, 2)} mm/s: {rival}, which agrees"
     return f"{truth}; NOT certified: {rival}, {abs(bias.size) / bias.se:.1f} errors away"
@@ -68,32 +152,24 @@ def certificate(survey: Survey, progress: Progress) -> str:
 
 def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     """Rungs of the analytical predictions: distance from the reference, and time of a call."""
-    unit = survey.unit(reference)
-    contact, w = survey.scene.contact, survey.scene.impact_speed
     if _unknown_to_theory(survey):
         return
-    mode_of_scene: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
-    modes: tuple[Mode, ...] = tuple(dict.fromkeys((mode_of_scene, "coulomb")))
-    assert reference.value is not None
-    assert reference.se is not None
-    for mode in modes:
+    design, contact, w = survey.design, survey.scene.contact, survey.scene.impact_speed
+    unit, true = survey.unit(reference), reference.speed
+    assert true.value is not None
+    assert true.se is not None
+    own: Mode = "paper" if contact.law == "poisson" and design.alike else "coulomb"
+    for mode in dict.fromkeys((own, "coulomb")):
 
-        def call(mode: Mode = mode) -> np.ndarray[Any, Any]:
-            e, mu = contact.restitution, contact.friction
-            return stationary(survey.design, survey.mass, e, mu, mode, contact.law).factor
+        def factor(mode: Mode = mode) -> float:
+            formula = stationary(design, survey.mass, contact.restitution, contact.friction, mode, contact.law)
+            return float(formula.factor)
 
-        speed = float(call()) * w
-        error = abs(speed - reference.value) / unit.size
-        details = {"speed_mm_s": speed, "speed_se_mm_s": None, "simulated_s": None, "outcomes": ""}
-        name = "paper's eq. 15" if mode == "paper" else "Coulomb formula"
-        yield Rung(name, name, error, reference.se / unit.size, cpu_time(call), details)
-
-
-def _left_out(survey: Survey) -> Iterator[str]:
-    """Reasons for which planar models and the formula do not know this walker."""
-    for reason in (*survey.refusals.values(), _unknown_to_theory(survey)):
-        if reason:
-            yield reason
+        speed = factor() * w
+        details: Details = {"speed_mm_s": speed, "speed_se_mm_s": None, "simulated_s": None, "outcomes": ""}
+        title = "paper's eq. 15" if mode == "paper" else "Coulomb formula"
+        error = abs(speed - true.value) / unit.size
+        yield Rung(title, title, error, true.se / unit.size, cpu_time(factor), details)
 
 
 def _unknown_to_theory(survey: Survey) -> str:
@@ -106,24 +182,20 @@ def _unknown_to_theory(survey: Survey) -> str:
     return ""
 
 
-def rung_of(survey: Survey, measured: Measured, reference: Measured, own: Details | None = None) -> Rung:
+def _rung(survey: Survey, measured: Measured, reference: Measured, own: Details | None = None) -> Rung:
     """Rung of a measured setting with its bias and cost; `own` details precede the common ones."""
     bias, unit = survey.bias(measured, reference), survey.unit(reference)
+    details: Details = {
+        "speed_mm_s": measured.speed.value,
+        "speed_se_mm_s": measured.speed.se,
+        "simulated_s": measured.runs * measured.seconds,
+        "outcomes": measured.outcomes,
+    }
     return Rung(
         measured.setting.series,
         measured.setting.label,
         None if bias is None else abs(bias.size) / unit.size,
         None if bias is None else bias.se / unit.size,
         measured.cpu_s if bias is None else measured.cost_of(unit.fine),
-        (own or {}) | _details_of(measured),
+        (own or {}) | details,
     )
-
-
-def _details_of(measured: Measured) -> Details:
-    """Details of a measured speed: the further columns of the table."""
-    return {
-        "speed_mm_s": measured.value,
-        "speed_se_mm_s": measured.se,
-        "simulated_s": measured.runs * measured.seconds,
-        "outcomes": measured.outcomes,
-    }

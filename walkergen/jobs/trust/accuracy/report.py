@@ -1,14 +1,12 @@
-"""Report of the study of accuracy: its ladders, and what to run for which error."""
+"""Report of the study of accuracy: what to run for which error, and the ladders behind it."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
-from walkergen.jobs.trust.accuracy.ladder import Ladder, machine
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, machine
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +15,7 @@ COMMON = ("series", "setting", "error", "error_sd", "cpu_s")
 """Columns of every ladder, before the details of its own."""
 
 MOST_ROWS = 60
-"""Rows of a ladder beyond which the console has its notes alone: its page has the rows."""
+"""Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
 
 
 class Answer(NamedTuple):
@@ -40,10 +38,27 @@ ANSWER = (
     report.text("why", "why"),
 )
 
+RUNG = (
+    report.text("series", "series"),
+    report.text("setting", "setting"),
+    report.number("error", "error"),
+    report.number("error sd", "error_sd"),
+    Column("CPU time", lambda rung: words.duration(rung.cpu_s), right=True),
+)
+
+
+class Answers(NamedTuple):
+    """What to run for which error, and what stands behind it."""
+
+    rows: Sequence[Answer]
+    truth: str
+    """Mean speed that counts as true, and how it was certified."""
+    draw: "Callable[[], Figure]"
+
 
 def of(
     ladders: Sequence[Ladder],
-    answers: Report | None,
+    answers: Answers | None,
     simulated_s: float,
     least_s: float | None,
     title: str,
@@ -54,73 +69,40 @@ def of(
     `simulated_s`: wall time of all simulations, s; `least_s`: least budget of these ladders, s,
     where it was taken in place of a smaller one.
     """
-    tables, lines = [], []
-    for table in map(table_of, ladders):
-        short = len(table) <= MOST_ROWS
-        tables.append(replace(table, columns=table.columns[: len(COMMON)] if short else ()))
-        if not short:
-            lines += [f"{table.title}: {len(table)} rows in {table.name}.md", *table.notes]
-    figures = {ladder.name: partial(_draw, ladder) for ladder in ladders}
+    rows = answers.rows if answers else ()
+    tables = [Table("answers", rows, (), ANSWER, "What to run for which error")] if answers else []
+    lines = [
+        "in one command: walkergen simulate ... --error 5%, by the model's own step or a finer",
+        "the error is that of the mean speed with 95 % confidence: the bound of the setting's "
+        "bias and twice the standard error together; errors below what the truth is certified "
+        "to rest on the order of the stepping (steps-short), not on a second method",
+    ]
+    lines = [f"truth: {answers.truth}", *lines] if answers else []
+    for ladder in ladders:
+        notes = [f"error: {ladder.error}", f"cost: {ladder.cost}", f"reference: {ladder.reference}", *ladder.notes]
+        if len(ladder.rungs) <= MOST_ROWS:
+            tables.append(Table(ladder.name, ladder.rungs, (), RUNG, ladder.title, notes))
+        else:
+            lines += [f"{ladder.title}: {len(ladder.rungs)} rows in accuracy.csv", *notes]
     return Report(
         name="accuracy",
         title=title,
-        tables=[*tables, *(answers.tables if answers else ())],
+        tables=[*tables, _every_rung(ladders)],
         facts={
             "ladders": {ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders},
-            "answers": [row._asdict() for row in answers.table.rows] if answers else [],
+            "answers": [row._asdict() for row in rows],
             "simulated_s": simulated_s,
             "least_budget_s": least_s,
         },
-        lines=[*lines, *(answers.lines if answers else ())],
-        figures={**figures, **(answers.figures if answers else {})},
+        lines=[*lines, f"measured on: {machine()}"],
+        figures={"accuracy": answers.draw} if answers else {},
         folder=folder,
     )
 
 
-def of_ladder(ladder: Ladder, title: str) -> Report:
-    """Report of a ladder, for the walker and scene of a title."""
-    return Report(
-        name=ladder.name,
-        title=title,
-        tables=[table_of(ladder)],
-        facts={},
-        lines=[f"measured on: {machine()}"],
-        figures={ladder.name: partial(_draw, ladder)},
-    )
-
-
-def of_answers(answers: Sequence[Answer], truth: str, title: str, draw: "Callable[[], Figure]") -> Report:
-    """Report of what to run for which error, for the walker and scene of a title."""
-    return Report(
-        name="accuracy",
-        title=title,
-        tables=[Table("answers", answers, Answer._fields, ANSWER, "What to run for which error")],
-        facts={},
-        lines=[
-            f"truth: {truth}",
-            f"measured on: {machine()}",
-            "in one command: walkergen simulate ... --error 5%, by the model's own step or a finer",
-            "the error is that of the mean speed with 95 % confidence: the bound of the setting's "
-            "bias and twice the standard error together; errors below what the truth is certified "
-            "to rest on the order of the stepping (steps-short), not on a second method",
-        ],
-        figures={"choice": draw},
-    )
-
-
-def table_of(ladder: Ladder) -> Table:
-    """Rungs of a ladder: COMMON columns, then the details."""
-    details = ladder.rungs[0].details
-    keys = (*COMMON, *details)
-    texts = [*COMMON[:2], *(key for key, value in details.items() if isinstance(value, str))]
-    columns = list(report.every(keys, texts))
-    columns[4] = Column("CPU time", lambda row: words.duration(row[4]), right=True)
-    rows = [(*rung[: len(COMMON)], *rung.details.values()) for rung in ladder.rungs]
-    notes = [f"error: {ladder.error}", f"cost: {ladder.cost}", f"reference: {ladder.reference}"]
-    return Table(ladder.name, rows, keys, columns, ladder.title, [*notes, *ladder.notes])
-
-
-def _draw(ladder: Ladder) -> "Figure":
-    from walkergen.jobs.trust.accuracy import figures
-
-    return figures.ladder_figure(ladder)
+def _every_rung(ladders: Sequence[Ladder]) -> Table:
+    """Table of all rungs: COMMON columns, then the details of any ladder, blank in the others."""
+    rungs: list[tuple[str, Rung]] = [(ladder.name, rung) for ladder in ladders for rung in ladder.rungs]
+    details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
+    rows = [(name, *rung[: len(COMMON)], *map(rung.details.get, details)) for name, rung in rungs]
+    return Table("accuracy", rows, ("ladder", *COMMON, *details))

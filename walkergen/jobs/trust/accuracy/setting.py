@@ -1,8 +1,9 @@
-"""Settings of a simulation, and what is known of each: value, error, cost, bias."""
+"""Settings of a simulation, and what was measured with each: quantities, their biases, the cost."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from walkergen.numerics.quantity import Quantity
 from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.observables import SPEED
 
@@ -37,49 +38,47 @@ PLANAR = Setting("rigid", None), Setting("relaxed", None), Setting("compliant", 
 
 
 class Measured(NamedTuple):
-    """Value of an observable (the mean speed, mm/s) obtained with a setting, and its cost."""
+    """Quantities obtained with a setting, and their cost."""
 
     setting: Setting
-    value: float | None
-    """None when not all runs ended well."""
-    se: float | None
-    """Standard error of the value; None when the data are too few."""
+    quantities: Mapping[str, Quantity]
+    """Mean speed, mm/s, and all that is printed of runs, by names; without values when not all runs
+    ended well."""
     runs: int
     seconds: float
     """Measured time of each run, s."""
     discard_seconds: float
     cpu_s: float
-    correlation_time_s: float | None
     outcomes: str
     """Ways in which the runs ended, with their numbers."""
-    observed: Mapping[str, Sequence[float | None]] = {}
-    """Values and standard errors of all observables, by their names."""
 
-    def seen(self, of: str) -> "Measured":
-        """The same measurement of another observable."""
-        if of == SPEED:
-            return self
-        value, se = self.observed.get(of, (None, None))
-        return self._replace(value=value if self.value is not None else None, se=se)
+    def of(self, name: str) -> Quantity:
+        """Quantity by its name."""
+        return self.quantities.get(name, Quantity(name, "", None, refused=self.outcomes))
+
+    @property
+    def speed(self) -> Quantity:
+        """Mean speed, mm/s."""
+        return self.of(SPEED)
 
     @property
     def cpu_per_s(self) -> float:
         """CPU seconds per simulated second, the discarded start included."""
         return self.cpu_s / (self.runs * (self.seconds + self.discard_seconds))
 
-    @property
-    def variance_time(self) -> float:
-        """Squared standard error times the measured time, (unit of the value)^2 s."""
-        assert self.se is not None
-        return self.se**2 * self.runs * self.seconds
+    def variance_time(self, name: str = SPEED) -> float:
+        """Squared standard error of a quantity times the measured time, (its unit)^2 s."""
+        se = self.of(name).se
+        assert se is not None
+        return se**2 * self.runs * self.seconds
 
-    def cost_of(self, se: float) -> float:
-        """CPU time (s) for a value with the standard error `se`, with discarded starts."""
-        return self.cpu_per_s * (self.variance_time / se**2 + self.runs * self.discard_seconds)
+    def cost_of(self, se: float, name: str = SPEED) -> float:
+        """CPU time (s) for a quantity with the standard error `se`, with discarded starts."""
+        return self.cpu_per_s * (self.variance_time(name) / se**2 + self.runs * self.discard_seconds)
 
 
 class Bias(NamedTuple):
-    """Systematic difference of a setting's value from the reference's, with its error."""
+    """Systematic difference of a setting's speed from the reference's, with its error, mm/s."""
 
     size: float
     se: float
@@ -96,7 +95,7 @@ class Bias(NamedTuple):
 
 
 class Unit(NamedTuple):
-    """Unit in which errors are given."""
+    """Unit in which errors of the mean speed are given."""
 
     size: float
     name: str

@@ -2,7 +2,7 @@
 
 import io
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, cpu_time, order
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, cpu_time, order_in_words
+from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
@@ -27,8 +27,6 @@ EXACT_SEGMENTS = 4096
 
 DISTANCES = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 """Distances of the part from the coordinates' origin, mm."""
-
-QUANTITIES = ("M", "J", "m", "j", "speed")
 
 
 class Errors(NamedTuple):
@@ -47,7 +45,8 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     progress("tessellated", 0, 2)
     try:
         rungs = list(_tessellated(_rounded(design), scene))
-        note = _order_of(rungs)
+        measured = order_in_words([1.0 / count for count in SEGMENTS], [rung.error or math.nan for rung in rungs])
+        note = f"round foot: {measured} in the number of edges, claimed 2"
     except GeometryError as refused:
         rungs, note = [], f"Left out: round feet, {refused}"
     progress("far", 1, 2)
@@ -61,13 +60,6 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         rungs,
         (note, "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file."),
     )
-
-
-def _order_of(rungs: Sequence[Rung]) -> str:
-    """Sentence on the order of the errors of round feet."""
-    counts = [float(rung.setting.split()[0]) for rung in rungs]
-    slope, se = order(counts, [rung.error or math.nan for rung in rungs])
-    return f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2"
 
 
 def _tessellated(rounded: Design, scene: Scene) -> Iterator[Rung]:

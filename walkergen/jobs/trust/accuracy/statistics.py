@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.files.progress import Progress
 from walkergen.jobs.trust.accuracy.budget import Runs
 from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.simulation import ensemble
 from walkergen.simulation.run import RunResult
 

@@ -1,19 +1,20 @@
-"""Speeds and other observables by every model and step: measured once each, with costs."""
+"""Survey of a walker in a scene: speeds and all else by every model and step, measured once each."""
 
-import copy
 import math
 import os
 import time
 from collections.abc import Hashable, Sequence
 from functools import cached_property
 
+from walkergen.analysis import motion
+from walkergen.analysis.tracks import of_places
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part, silent
-from walkergen.jobs.trust.accuracy import observed
 from walkergen.jobs.trust.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
 from walkergen.jobs.trust.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import ensemble, experiments
+from walkergen.simulation import ensemble, experiments, observables, resolution
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import resolve, without_space
 from walkergen.simulation.ensemble import listed
@@ -37,27 +38,31 @@ FINEST_SHARE, CERTIFYING_SHARE = 0.3, 0.15
 PILOT = 0.25
 """Simulated time, s, of each run that tells what a setting costs."""
 
-
 CLEAR = 10.0
 """Standard errors from which a mean speed is not zero, so that errors can be a share of it."""
+
+MOTION = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
+"""Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
+
+NAMES = (*observables.NAMES, *MOTION)
+"""Names of all that is studied, as `simulate --json` has them."""
 
 
 class Survey:
     """Measurements of settings for one walker in one scene, each made once and kept."""
 
-    def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED) -> None:
-        """Survey of an observable; `budget_s`: wall time of all of it, s."""
-        self.of = of
+    def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
+        """Survey with nothing measured; `budget_s`: wall time of all of it, s."""
         self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1
         self.budget = Budget(budget_s, self.cores)
         self.others: dict[str, float] = {}
         """Weights of what else is to be simulated within the budget; all settings together: 1."""
-        self.scheduled: list[Setting] | None = None
-        """Settings that are to be measured within the budget; None: all."""
         self.measured: dict[Setting, Measured] = {}
         self._rates: dict[Setting, float] = {}
         self.complete = complete(scene)
+        self.scheduled = [*self.steps, *self.simpler]
+        """Settings that are to be measured within the budget."""
 
     @property
     def certifying(self) -> Setting:
@@ -117,19 +122,13 @@ class Survey:
             if setting not in self.measured:
                 part_progress = part(progress, place, len(settings))
                 self.measured[setting] = self._measured(setting, part_progress)
-        return [self.measured[setting].seen(self.of) for setting in settings]
+        return [self.measured[setting] for setting in settings]
 
     def ensemble(self, setting: Setting, runs: Runs, progress: Progress) -> tuple[Sequence[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
         point = self._run(setting, runs, progress)
         simulated = runs.number * (runs.seconds + self.scene.run.discard_seconds)
         return point.results, point.summary.cpu_s / simulated
-
-    def showing(self, of: str) -> "Survey":
-        """The same survey, with the same measurements, of another observable."""
-        other = copy.copy(self)
-        other.of = of
-        return other
 
     def rate(self, setting: Setting) -> float:
         """CPU seconds per simulated second of a setting, by short runs; compiles its kernels.
@@ -168,8 +167,7 @@ class Survey:
     @property
     def due(self) -> list[Setting]:
         """Settings that are still to be measured."""
-        scheduled = [*self.steps, *self.simpler] if self.scheduled is None else self.scheduled
-        return [setting for setting in dict.fromkeys(scheduled) if setting not in self.measured]
+        return [setting for setting in dict.fromkeys(self.scheduled) if setting not in self.measured]
 
     def least(self, setting: Setting) -> float:
         """Wall time (s) of the least measurement of a setting that means something."""
@@ -178,42 +176,33 @@ class Survey:
     def reference(self, progress: Progress) -> Measured:
         """Measure the setting that counts as true: the finest step of the complete model.
 
-        Raises InputError when it gives no value with an error bar.
+        Raises InputError when it gives no speed with an error bar.
         """
         (reference,) = self.measure(self.steps[:1], progress)
-        if reference.value is None or reference.se is None:
+        if not reference.speed.known:
             raise InputError(
                 f"{self.scene.name}: the runs end as {reference.outcomes}: there is no "
-                f"{self.title} whose error could be studied; try another drive, tilt or restitution"
+                "mean speed whose error could be studied; try another drive, tilt or restitution"
             )
         return reference
 
-    @property
-    def title(self) -> str:
-        """Name of the observable in sentences."""
-        return "mean speed" if self.of == SPEED else self.of
-
     def unit(self, reference: Measured) -> Unit:
-        """Unit of errors: the reference's value, or 1 (mm/s) where that may be zero."""
-        assert reference.value is not None
-        assert reference.se is not None
-        size = abs(reference.value)
-        if size > CLEAR * reference.se:
-            return Unit(size, f"share of the {self.title}", True, 0.01 * size)
-        if self.of == SPEED:
-            return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
-        return Unit(1.0, f"{self.of} itself, which may be zero", False, reference.se)
+        """Unit of errors: the reference's speed, or 1 mm/s where that may be zero."""
+        value, se = reference.speed.value, reference.speed.se
+        assert value is not None
+        assert se is not None
+        if abs(value) > CLEAR * se:
+            return Unit(abs(value), "share of the mean speed", True, 0.01 * abs(value))
+        return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
 
     def bias(self, measured: Measured, reference: Measured) -> Bias | None:
-        """Bias of a setting against the reference; None when it gave no value."""
-        if measured.value is None or measured.se is None:
+        """Bias of a setting's speed against the reference's; None when it gave none."""
+        gap = measured.speed.less(reference.speed)
+        if gap.value is None or gap.se is None:
             return None
-        assert reference.value is not None
-        assert reference.se is not None
         if measured.setting == reference.setting:
-            return Bias(0.0, reference.se)
-        difference = measured.value - reference.value
-        return Bias(difference, math.hypot(measured.se, reference.se))
+            return Bias(0.0, reference.speed.se or 0.0)
+        return Bias(gap.value, gap.se)
 
     def bound(self, measured: Measured, reference: Measured) -> float | None:
         """Upper limit of a setting's bias with 95 % confidence; None without a value.
@@ -229,7 +218,7 @@ class Survey:
     def _finer(self, measured: Measured, reference: Measured) -> float:
         """Largest significant bias of finer steps; infinite where a finer step failed."""
         biases = [
-            self.bias(finer.seen(self.of), reference)
+            self.bias(finer, reference)
             for finer in self.measured.values()
             if finer.setting.model == measured.setting.model
             and (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
@@ -264,21 +253,29 @@ class Survey:
         runs = self.budget.affords(self.granted(setting), rate, discard, KINDS)
         point = self._run(setting, runs, progress)
         summary, wider = point.summary, widened(runs.number)
-        complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
-        se = summary.speed_se_mm_s
-        values = observed.values(point, self.scene_of(setting)).items()
-        return Measured(
-            setting,
-            summary.speed_mm_s if complete else None,
-            wider * se if complete and se is not None else None,
-            runs.number,
-            runs.seconds,
-            discard,
-            summary.cpu_s,
-            summary.correlation_time_s,
-            listed(summary.outcomes),
-            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in values},
-        )
+        well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed_mm_s is not None
+        outcomes = listed(summary.outcomes)
+        quantities = {
+            name: Quantity(name, "", value if well else None, None if se is None else wider * se, refused=outcomes)
+            for name, (value, se) in _observed(point, self.scene_of(setting).arena.kind == "lane").items()
+        }
+        return Measured(setting, quantities, *runs, discard, summary.cpu_s, outcomes)
+
+
+def _observed(point: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
+    """Values and standard errors of all that is studied of runs; without what they refuse."""
+    summary = point.summary
+    errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
+    quantities: dict[str, tuple[float | None, float | None]] = {
+        name: (value, errors[name]) for name, value in resolution.values(summary).items()
+    }
+    good = [result for result in point.results if result.outcome in ENDED_WELL]
+    if good and len(good[0].places) >= 4:
+        tracks = of_places([result.places for result in good], good[0].block_s, lane)
+        estimates = motion.analyse(tracks).estimates
+        named = ((name, estimates[key]) for name, key in MOTION.items())
+        quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
+    return quantities
 
 
 def complete(scene: Scene) -> ModelName:
