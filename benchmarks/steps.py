@@ -26,7 +26,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import experiments, observables, resolution
 from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.plan import prepare
-from walkergen.theory import discrepancy, prediction
+from walkergen.theory import prediction, surrogate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -145,8 +145,8 @@ def predicted(scene: Scene, design: Design, mass: MassProperties) -> tuple[float
     row = prediction.predict(design, mass, scene)
     if row.speed_by != "table":
         return math.nan, math.nan
-    place = discrepancy.place_of(scene, design, mass)
-    nominal = discrepancy.speeds(place, design.tilt_deg, design.braced).at(np.zeros(1))
+    tabled = surrogate.of(scene, design, mass)
+    nominal = tabled.at(tabled.place).at(np.zeros(1))
     return float(nominal[0]) * scene.drive.peak_speed, row.speed_mm_s
 
 

@@ -12,7 +12,7 @@ import imageio_ffmpeg
 import numpy as np
 
 from walkergen.walker import caps
-from walkergen.walker.caps import Cap
+from walkergen.walker.fittings import Cap
 
 GRAIN = 2
 TEXELS = 10

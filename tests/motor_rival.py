@@ -18,7 +18,7 @@ from walkergen.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
 from walkergen.simulation.world import OK
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.payload import Motor
+from walkergen.walker.fittings import Motor
 
 SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""

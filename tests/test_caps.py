@@ -17,8 +17,8 @@ from walkergen.jobs.make.family import preview
 from walkergen.printing import cap_sheet
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import caps, mass, solids, weights
-from walkergen.walker.caps import Cap
 from walkergen.walker.design import Design
+from walkergen.walker.fittings import Cap
 
 KINDS = ("engraved", "raised", "paper")
 
@@ -52,7 +52,7 @@ def test_codes_are_those_of_opencv():
     for name in ("DICT_4X4_50", "DICT_4X4_100"):
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
         for number in range(len(dictionary.bytesList)):
-            drawn = dictionary.generateImageMarker(number, caps.SIDE)
+            drawn = dictionary.generateImageMarker(number, caps.MARKER_CELLS)
             assert (caps.white(number) == (drawn > 0)).all()
 
 

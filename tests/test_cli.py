@@ -270,7 +270,7 @@ def test_a_prediction_imports_few_modules_and_no_other_command():
         "file=sys.stderr)"
     )
     names = python("-c", code).stderr.split()
-    assert len(names) <= 66
+    assert len(names) <= 55
     others = ("walkergen.printing", "walkergen.simulation", "walkergen.jobs.make.family")
     assert not [name for name in names if name.startswith(others)]
 

@@ -12,8 +12,8 @@ from evidence.tables import cases, fit, make
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Drive, Scene
-from walkergen.theory import discrepancy, uncertain
-from walkergen.theory.discrepancy import Place, UnknownError
+from walkergen.theory import discrepancy, surrogate, uncertain
+from walkergen.theory.surrogate import LINEAR_BELOW, Place, UnknownError
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
@@ -28,7 +28,9 @@ def place_at(tilt=10.0, **keys):
 
 
 def speed_at(tilt, **keys):
-    return discrepancy.speeds(place_at(tilt, **keys), tilt, braced=False).centre[0]
+    design = DESIGN.variant(tilt_deg=tilt)
+    tabled = discrepancy.of(SCENE.variant(**keys), design, solids.mass_of(design))
+    return tabled.at(tabled.place).centre[0]
 
 
 @pytest.mark.slow
@@ -59,7 +61,7 @@ def test_the_mirror_image_runs_the_other_way_and_upright_walkers_do_not_run():
 
 def test_errors_stored_are_those_of_rows_left_out():
     """A table that says too little of its error, or too much, is not written unseen."""
-    errors = json.loads(str(np.load(discrepancy.TABLE)["facts"]))["errors"]["flexible"]
+    errors = discrepancy.TABLE.facts["errors"]["flexible"]
     assert 0.9 < errors["all"]["z_rms"] < 1.1
     assert 0.92 < errors["all"]["z_within_95"] < 0.98
 
@@ -67,8 +69,7 @@ def test_errors_stored_are_those_of_rows_left_out():
 def test_what_is_covered_is_told_apart_from_what_is_not():
     covered = {"plate.slope_deg": 4.0, "drive.second_harmonic_ratio": 0.3, "plate.noise_ratio": 0.3}
     for key, value in covered.items():
-        scene = SCENE.variant(**{key: value})
-        discrepancy.check(scene, place_at(**{key: value}), braced=False)
+        assert surrogate.of(SCENE.variant(**{key: value}), DESIGN, MASS).table is discrepancy.TABLE
     for keys, told in (
         ({"plate.slope_deg": 6.0}, "slopes beyond 5 deg"),
         ({"plate.noise_ratio": 0.3, "plate.noise_high_hz": 300.0}, "another band"),
@@ -77,7 +78,7 @@ def test_what_is_covered_is_told_apart_from_what_is_not():
         ({"drive.second_harmonic_ratio": 0.9}, "harmonic"),
     ):
         with pytest.raises(UnknownError, match=told):
-            discrepancy.check(SCENE.variant(**keys), place_at(**keys), braced=False)
+            surrogate.of(SCENE.variant(**keys), DESIGN, MASS)
 
 
 def test_places_of_draws_are_those_of_walkers_so_built():
@@ -118,8 +119,8 @@ def synthetic(count=600):
     places[:, 8] = rng.choice([0.0, 0.1, 0.2], count)
     y = 1.5 + np.sin(places[:, 0]) + places[:, 1]
     scatter = np.hypot(0.05, places[:, 8])[:, None] * rng.standard_normal((count, 4))
-    speed = discrepancy.LINEAR_BELOW * np.sinh(y + scatter.mean(axis=1))
-    se = 0.5 * scatter.std(axis=1, ddof=1) * np.hypot(speed, discrepancy.LINEAR_BELOW)
+    speed = LINEAR_BELOW * np.sinh(y + scatter.mean(axis=1))
+    se = 0.5 * scatter.std(axis=1, ddof=1) * np.hypot(speed, LINEAR_BELOW)
     rows = np.column_stack([np.zeros(count), places, speed, se, np.full(count, 4.0)])
     return np.vstack([rows, np.column_stack([np.ones(40), rows[:40, 1:]])]), places, y
 

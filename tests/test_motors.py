@@ -1,6 +1,5 @@
 """The table of walkers with a motor: symmetric, honest about its errors, with an end by name."""
 
-import json
 import math
 
 import numpy as np
@@ -15,8 +14,8 @@ from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import simulate
 from walkergen.simulation.space.state import HEADING
-from walkergen.theory import motors, prediction, tables, uncertain
-from walkergen.theory.discrepancy import Place, UnknownError
+from walkergen.theory import motors, prediction, surrogate, uncertain
+from walkergen.theory.surrogate import UnknownError
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -29,13 +28,13 @@ SIMULATED = {"coinbot": 116.0, "bristlebot": 174.0, "spinner": 165.0}
 """Speeds (mm/s) of the templates on table-motor as its own 16 runs have them."""
 
 
-def ridden(design, scene=TABLE):
+def tabled(design, scene=TABLE):
     return motors.of(scene, design, solids.mass_of(design))
 
 
 def centre(design, scene=TABLE):
-    place = ridden(design, scene)
-    return motors.speeds(place.place, place.ride).centre[0]
+    walker = tabled(design, scene)
+    return walker.at(walker.place).centre[0]
 
 
 @pytest.mark.parametrize("design", [COINBOT, BRISTLEBOT, SPINNER], ids=lambda one: one.name)
@@ -66,7 +65,7 @@ def test_left_and_right_run_alike():
 
 
 def test_errors_stored_are_those_of_rows_left_out():
-    errors = json.loads(str(np.load(motors.TABLE)["facts"]))["errors"]
+    errors = motors.TABLE.facts["errors"]
     assert 0.92 < errors["all"]["z_within_95"] < 0.98
     assert errors["all"]["z_rms"] < 1.01
     for group in ("two legs", "three to twelve legs", "axis across", "axis along"):
@@ -102,7 +101,7 @@ def test_legs_that_differ_are_named():
     legs[2]["thickness_mm"] = 0.5
     data = SPINNER.model_dump(exclude_unset=True) | {"legs": legs}
     with pytest.raises(UnknownError, match="all alike"):
-        ridden(Design.model_validate(data))
+        tabled(Design.model_validate(data))
 
 
 def test_places_of_draws_are_those_of_walkers_so_built():
@@ -116,11 +115,11 @@ def test_places_of_draws_are_those_of_walkers_so_built():
     scene, design, mass = uncertain.applied(TABLE, COINBOT, values)
     built = motors.of(scene, design, mass)
     drawn = uncertain.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    table = tables.of(TABLE, COINBOT, solids.mass_of(COINBOT))
-    there = motors.speeds(built.place, built.ride)
+    table = surrogate.of(TABLE, COINBOT, solids.mass_of(COINBOT))
+    there = built.at(built.place)
     assert table.speeds(drawn).centre == pytest.approx(there.centre, rel=1e-6)
     assert table.speeds(drawn).sd == pytest.approx(there.sd, rel=1e-6)
-    assert isinstance(built.place, Place)
+    assert table.table is motors.TABLE
 
 
 @pytest.mark.slow

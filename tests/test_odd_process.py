@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from evidence.tables import process as processes
+from evidence.tables.process import Values
 from walkergen.numerics import odd_process
-from walkergen.numerics.odd_process import Values
 
 RNG = np.random.default_rng(8)
 INPUTS = RNG.normal(size=(240, 4))
@@ -17,7 +18,7 @@ def function(x):
 
 
 SEEN = function(INPUTS) + 0.05 * RNG.standard_normal(240)
-PROCESS = odd_process.fitted(Values(INPUTS, SEEN, NOISE), 2, 120, 1)
+PROCESS = processes.fitted(Values(INPUTS, SEEN, NOISE), 2, 120, 1)
 
 
 def test_it_finds_its_function_and_says_how_far_it_errs():
@@ -48,7 +49,7 @@ def test_of_all_values_it_is_the_process_in_closed_form():
     """Rival: the textbook's mean and variance, with a kernel written out by hand."""
     few = slice(0, 40)
     x, y, noise = INPUTS[few], SEEN[few], NOISE[few]
-    process = odd_process.fitted(Values(x, y, noise), 2, 40, 1)
+    process = processes.fitted(Values(x, y, noise), 2, 40, 1)
 
     def matern(a, b):
         far = np.sqrt(5.0 * (((a[:, None] - b[None]) / process.lengths) ** 2).sum(axis=2))
@@ -69,6 +70,6 @@ def test_of_all_values_it_is_the_process_in_closed_form():
 
 
 def test_arrays_hold_all_of_it():
-    kept = odd_process.process_of(odd_process.arrays_of(PROCESS))
+    kept = odd_process.process_of(processes.arrays_of(PROCESS))
     np.testing.assert_array_equal(kept(INPUTS)[0], PROCESS(INPUTS)[0])
     np.testing.assert_array_equal(kept(INPUTS)[1], PROCESS(INPUTS)[1])

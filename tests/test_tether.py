@@ -15,8 +15,8 @@ from walkergen.simulation.effects import acting, tether
 from walkergen.simulation.effects.resolve import resolve, without_space
 from walkergen.simulation.space.state import C_X, C_Y, LEGS, Q_0, Q_Z, V_X, V_Y, W_X, W_Z
 from walkergen.simulation.world import OK
-from walkergen.theory import discrepancy
-from walkergen.theory.discrepancy import UnknownError
+from walkergen.theory import surrogate
+from walkergen.theory.surrogate import UnknownError
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -173,4 +173,4 @@ def test_planar_models_refuse_it_and_benches_and_ladders_leave_it_out():
     assert not resolve(without_space(scene), design, mass).on(tether.NAME)
     assert resting.resting(scene).tether == Scene().tether
     with pytest.raises(UnknownError, match=r"tether\.stiffness_n_per_m = 1"):
-        discrepancy.check(scene, discrepancy.place_of(scene, design, mass), braced=False)
+        surrogate.of(scene, design, mass)

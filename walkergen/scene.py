@@ -1,11 +1,10 @@
 """Scene: the drive, the contact between foot and plate, and how both are simulated."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
-from walkergen import dish
 from walkergen.drive import AT_REST as AT_REST
 from walkergen.drive import GRAVITY as GRAVITY
 from walkergen.drive import Drive as Drive
@@ -14,6 +13,9 @@ from walkergen.drive import at_rest as at_rest
 from walkergen.errors import InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Fraction, Name, Section
+
+if TYPE_CHECKING:
+    from walkergen.dish import Dish
 
 LEAST_LABEL = 0.02
 """Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
@@ -143,15 +145,20 @@ class Crowd(Section):
     def _consistent(self) -> "Crowd":
         if self.count is not None and self.packing is not None:
             raise ValueError("count and packing each say how many: keep one of them")
-        try:
-            dish.parse(self.arena_mm, "arena_mm")
-        except InputError as error:
-            raise ValueError(str(error)) from None
+        if "arena_mm" in self.model_fields_set:
+            from walkergen import dish
+
+            try:
+                dish.parse(self.arena_mm, "arena_mm")
+            except InputError as error:
+                raise ValueError(str(error)) from None
         return self
 
     @property
-    def dish(self) -> dish.Dish:
+    def dish(self) -> "Dish":
         """The ground, parsed."""
+        from walkergen import dish
+
         return dish.parse(self.arena_mm, "crowd.arena_mm")
 
 

@@ -14,11 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from evidence.tables import networks as nets
+from evidence.tables.networks import Values
 from walkergen.files.output import versions
-from walkergen.numerics import network
-from walkergen.numerics.network import Layer, Values
-from walkergen.theory import discrepancy
-from walkergen.theory.discrepancy import Place
+from walkergen.theory import discrepancy, surrogate
+from walkergen.theory.discrepancy import Layer
+from walkergen.theory.surrogate import LINEAR_BELOW, Place, transformed
 
 Array = npt.NDArray[Any]
 
@@ -75,7 +76,7 @@ def rows_of(table: Array, braced: bool) -> Rows:
     """Rows of one kind of legs, of a table in the order of `make.COLUMNS`."""
     kinds, *_ = table.T
     _, *place, speed, se, runs = table[kinds == braced].T
-    y, se = discrepancy.transformed(speed, se)
+    y, se = transformed(speed, se)
     return Rows(np.stack(place, axis=1), speed, y, se * np.sqrt(runs), runs)
 
 
@@ -104,7 +105,7 @@ def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> tuple[dict[str, A
     scale = np.maximum(inputs.std(axis=0), np.ptp(inputs, axis=0) / WIDEST)  # most have no extras
     scale = np.where(scale > 0.0, scale, 1.0)
     inputs = (inputs - middle) / scale
-    features = network.features(inputs)
+    features = surrogate.features(inputs)
     uneven = np.asarray(Place(*rows.places.T).unevenness_ratio)
     between, noise, weights = scatter(features, uneven, rows)
     training = Values(inputs, factors, rows.y, weights)
@@ -112,14 +113,14 @@ def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> tuple[dict[str, A
     trained, left_out = networks(training, tenth, HIDDEN[kind], cores, steps)
     error = log_sd(features, left_out - rows.y, noise)
     arrays = {
-        **network.arrays_of(trained, kind),
+        **nets.arrays_of(trained, kind),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
         f"{kind}_error": error,
         f"{kind}_prints": between,
     }
-    errors = _errors(rows, left_out, np.sqrt(noise), network.smooth(features, error))
-    prints = uneven * network.smooth(features, between)
+    errors = _errors(rows, left_out, np.sqrt(noise), surrogate.smooth(features, error))
+    prints = uneven * surrogate.smooth(features, between)
     errors["all"]["prints_sd_median_percent"] = 100.0 * _median(prints[uneven > 0.0])
     return arrays, errors
 
@@ -139,7 +140,7 @@ def networks(
         trained = list(pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS)))
     total = np.zeros(len(training.values))
     for layers, rows in zip(trained, trained_on, strict=True):
-        outputs = network.evaluated(layers, training.inputs[~rows])
+        outputs = discrepancy.evaluated(layers, training.inputs[~rows])
         total[~rows] += (outputs * training.factors[~rows]).sum(axis=1) / OUT
     return trained, total
 
@@ -149,7 +150,7 @@ def _trained(training: Values, hidden: tuple[int, ...], steps: int, seed: int) -
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        return network.trained(training, hidden, DECAY, steps, seed)
+        return nets.trained(training, hidden, DECAY, steps, seed)
 
 
 def scatter(features: Array, uneven: Array, rows: Rows) -> tuple[Array, Array, Array]:
@@ -157,8 +158,8 @@ def scatter(features: Array, uneven: Array, rows: Rows) -> tuple[Array, Array, A
     variances of the rows' means; and what an error of each row counts, 1 on average.
     """
     in_time, between = _scatter(features, uneven, rows)
-    variance = network.smooth(features, in_time) ** 2
-    variance += (uneven * network.smooth(features, between)) ** 2
+    variance = surrogate.smooth(features, in_time) ** 2
+    variance += (uneven * surrogate.smooth(features, between)) ** 2
     freedom = rows.runs - 1.0
     noise = (freedom * rows.spread**2 + PRIOR_RUNS * variance) / (freedom + PRIOR_RUNS) / rows.runs
     weights = 1.0 / (noise + ROUGH**2)
@@ -174,8 +175,8 @@ def _scatter(features: Array, uneven: Array, rows: Rows) -> tuple[Array, Array]:
 
     def loss(values: Array) -> tuple[float, Array]:
         in_time, between = values.reshape(2, -1)
-        first = network.smooth(features, in_time) ** 2
-        second = (uneven * network.smooth(features, between)) ** 2
+        first = surrogate.smooth(features, in_time) ** 2
+        second = (uneven * surrogate.smooth(features, between)) ** 2
         variance = first + second
         total = float(half @ (np.log(variance) + observed / variance))
         slope = 2.0 * half * (1.0 - observed / variance) / variance
@@ -194,7 +195,7 @@ def log_sd(features: Array, residual: Array, noise: Array) -> Array:
     """
 
     def loss(weights: Array) -> tuple[float, Array]:
-        excess = network.smooth(features, weights) ** 2
+        excess = surrogate.smooth(features, weights) ** 2
         variance = excess + noise
         total = 0.5 * float(np.sum(np.log(variance) + residual**2 / variance))
         slope = (1.0 - residual**2 / variance) / variance * excess
@@ -223,8 +224,8 @@ def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, A
     That noise is a tenth of the error's size where it is a tenth of its square; what the table
     says of the error, "interpolation", is without it.
     """
-    speed = discrepancy.LINEAR_BELOW * np.sinh(left_out)
-    slope = np.hypot(rows.speed, discrepancy.LINEAR_BELOW)
+    speed = LINEAR_BELOW * np.sinh(left_out)
+    slope = np.hypot(rows.speed, LINEAR_BELOW)
     peak = PEAK_MM_S
     by_group = {}
     for group, chosen in _groups(rows.places).items():

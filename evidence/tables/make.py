@@ -26,7 +26,7 @@ from walkergen.points import run, worker_pool
 from walkergen.points.point import Point, Record
 from walkergen.points.store import Store
 from walkergen.theory import discrepancy, motors
-from walkergen.theory.discrepancy import Place
+from walkergen.theory.surrogate import Place
 from walkergen.walker import solids
 
 Array = npt.NDArray[np.float64]
@@ -58,8 +58,8 @@ def of_plate(case: Case) -> tuple[Array, float]:
 
 def of_motor(case: Case) -> tuple[Array, float]:
     """Numbers of a walker with a motor, and the peak speed of its swing, mm/s."""
-    ridden = motors.placed(case.scene, case.design, solids.mass_of(case.design))
-    return motors.values(ridden.place, ridden.ride)[0], ridden.swing
+    tabled = motors.placed(case.scene, case.design, solids.mass_of(case.design))
+    return np.array([*tabled.place[: motors.SHARED], *tabled.beside]), tabled.swing
 
 
 MEASURED = ("speed", "se", "runs")
@@ -71,7 +71,7 @@ PLATES = Kind(
     cases.COUNT,
     of_plate,
     fit.table,
-    discrepancy.TABLE,
+    discrepancy.TABLE.path,
     fit.report,
 )
 """Shaken plates; `braced` is 1 for braced legs."""
@@ -83,7 +83,7 @@ MOTORS = Kind(
     motor_cases.COUNT,
     of_motor,
     motor_fit.table,
-    motors.TABLE,
+    motors.TABLE.path,
     motor_fit.report,
 )
 

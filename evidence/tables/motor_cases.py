@@ -18,7 +18,8 @@ from walkergen.scene import Arena, Contact, Drive, Feet, LegModel, Run, Scene
 from walkergen.theory import uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.payload import CELLS, FLOOR_MM, Cell
+from walkergen.walker.fittings import CELLS, Cell
+from walkergen.walker.pockets import FLOOR_MM
 
 SEED = 40
 

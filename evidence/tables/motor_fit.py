@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from evidence.tables import fit
+from evidence.tables import fit, process
 from evidence.tables.fit import TENTHS, Rows
+from evidence.tables.process import Values
 from walkergen.files.output import versions
-from walkergen.numerics import network, odd_process
-from walkergen.numerics.odd_process import Process, Values
-from walkergen.theory import discrepancy, motors
+from walkergen.numerics.odd_process import Process
+from walkergen.theory import motors, surrogate
+from walkergen.theory.surrogate import LINEAR_BELOW, transformed
 
 Array = npt.NDArray[Any]
 
@@ -42,14 +43,15 @@ def table(simulated: Array, cores: int, supports: int = SUPPORTS) -> dict[str, A
     scale = np.maximum(scale, np.ptp(coordinates, axis=0) / fit.WIDEST)
     arrays = {"middle": middle, "scale": np.where(scale > 0.0, scale, 1.0)}
     inputs = motors.scaled(arrays, rows.places)
-    features, uneven = network.features(motors.even(inputs)), motors.uneven(rows.places)
+    features, uneven = surrogate.features(motors.even(inputs)), motors.uneven(rows.places)
     arrays["prints"], noise, _ = fit.scatter(features, uneven, rows)
     given = Values(inputs, rows.y, noise)
     left = left_out(given, cores, supports)
     # Honest where lengths, learnt from the rows, promise too much of those left out
     widened = float(np.sqrt(np.mean(((left.centre - rows.y) / left.sd) ** 2)))
-    process = odd_process.fitted(given, motors.ODD, supports, TENTHS)
-    arrays |= odd_process.arrays_of(process) | {"widened": np.array(max(widened, 1.0))}
+    arrays |= process.arrays_of(process.fitted(given, motors.ODD, supports, TENTHS)) | {
+        "widened": np.array(max(widened, 1.0))
+    }
     wider = left._replace(sd=np.hypot(max(widened, 1.0) * np.sqrt(left.sd**2 - noise), noise**0.5))
     facts = {
         "ranges": {name: ends(name, column) for name, column in zip(motors.NAMES, rows.places.T, strict=True)},
@@ -70,7 +72,7 @@ def ends(name: str, column: Array) -> list[float]:
 def rows_of(simulated: Array) -> Rows:
     """Rows after asinh."""
     *place, speed, se, runs = simulated.T
-    y, se = discrepancy.transformed(speed, se)
+    y, se = transformed(speed, se)
     return Rows(np.stack(place, axis=1), speed, y, se * np.sqrt(runs), runs)
 
 
@@ -81,9 +83,9 @@ def left_out(given: Values, cores: int, supports: int) -> Left:
     centre, variance = np.empty(len(tenth)), np.empty(len(tenth))
     with ProcessPoolExecutor(cores) as pool:
         processes = list(pool.map(_fitted, parts, [supports] * TENTHS, range(TENTHS)))
-    for k, process in enumerate(processes):
+    for k, other in enumerate(processes):
         out = tenth == k
-        centre[out], variance[out] = process(given.inputs[out])
+        centre[out], variance[out] = other(given.inputs[out])
     return Left(centre, np.sqrt(variance + given.noise))
 
 
@@ -92,7 +94,7 @@ def _fitted(given: Values, supports: int, seed: int) -> Process:
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        return odd_process.fitted(given, motors.ODD, supports, seed)
+        return process.fitted(given, motors.ODD, supports, seed)
 
 
 def errors(rows: Rows, left: Left) -> dict[str, dict[str, float]]:
@@ -109,7 +111,7 @@ def errors(rows: Rows, left: Left) -> dict[str, dict[str, float]]:
         "push below 1.8 weights": of["gamma"] < 1.8,
         "push above 3 weights": of["gamma"] > 3.0,
     }
-    speed = discrepancy.LINEAR_BELOW * np.sinh(left.centre)
+    speed = LINEAR_BELOW * np.sinh(left.centre)
     off, size = np.abs(speed - rows.speed), np.abs(rows.speed)
     z = (left.centre - rows.y) / left.sd
     return {

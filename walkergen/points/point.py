@@ -12,7 +12,7 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
-from walkergen.theory import tables
+from walkergen.theory import surrogate
 from walkergen.walker.design import Design
 
 KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")
@@ -91,7 +91,7 @@ def kept(model: str) -> tuple[str, ...]:
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
-    table = [point.scene.prediction.model_dump(), *tables.digests(point.scene)]
+    table = [point.scene.prediction.model_dump(), *surrogate.digests(point.scene)]
     facts = [
         *experiments.facts(point.scene, point.design),
         *(table if point.predicted else []),

@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 from walkergen.files import figures
 from walkergen.walker import caps
-from walkergen.walker.caps import Cap
+from walkergen.walker.fittings import Cap
 
 PAGE_MM = (210.0, 297.0)
 """Width and height of a page: A4. What is printed fits on US Letter too, but for its lower edge."""

@@ -10,8 +10,8 @@ from walkergen.printing.findings import Finding, new
 from walkergen.printing.packing import Part
 from walkergen.printing.printers import Printer
 from walkergen.walker import caps, mass
-from walkergen.walker.caps import Cap
 from walkergen.walker.design import Design
+from walkergen.walker.fittings import Cap
 
 COLUMNS = ("number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "height_mm", "mass_g")
 """Columns of caps.csv."""

@@ -260,7 +260,7 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
     what = "serial number" if marks.kind == "none" else marks.kind
-    if marks != marks.bare and marks.line_mm < width - NOISE_MM:
+    if not marks.blank and marks.line_mm < width - NOISE_MM:
         yield new(
             "advice",
             f"the {what} may close up: their strokes against a line",

@@ -12,7 +12,7 @@ from walkergen.printing.printers import Printer
 from walkergen.shapes import modeller
 from walkergen.walker import pockets, solids
 from walkergen.walker.design import Design
-from walkergen.walker.payload import Part
+from walkergen.walker.fittings import Part
 
 if TYPE_CHECKING:
     import shapely

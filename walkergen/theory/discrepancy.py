@@ -1,14 +1,11 @@
-"""Speed of the model in space, from a table: what a simulation would give, in microseconds.
+"""Table of speeds in space of walkers on a shaken plate: small networks, by kind of legs.
 
-`make calibrate-models` simulates some ten thousand walkers (walkergen/jobs/discrepancies) and fits
-small networks to their speeds, and smooth functions to the scatter between prints and to the error
-of the fit; here they are evaluated, and refused outside the range of the table.
+Their outputs are multiplied by what turns about with the walker, and summed: what must vanish, or
+change its sign, does so by its factor.
 """
 
-import hashlib
-import json
 import math
-from functools import cache
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,23 +13,23 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.drive import Drive
-from walkergen.errors import WalkergenError
-from walkergen.numerics import network
 from walkergen.scene import LEAST_LABEL, Plate, Scene
-from walkergen.theory import shaking
+from walkergen.theory.surrogate import (
+    FAR_OFF,
+    Place,
+    Speeds,
+    StoredTable,
+    Tabled,
+    UnknownError,
+    features,
+    shaken,
+    smooth,
+)
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
 from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
-
-TABLE = Path(__file__).with_suffix(".npz")
-
-LINEAR_BELOW = 0.25
-"""Speed over the plate's peak speed below which the table's transform, asinh, is about linear:
-slow walkers scatter by an amount, fast ones by a share."""
-
-FAR_OFF = 2.5
-"""Logarithm of tan(tilt) over friction beyond which feet stick, or slide, as they do at it."""
 
 SLIGHT_DEG = 1.0
 """Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
@@ -62,100 +59,19 @@ COVERED = frozenset(
 """Tables and keys of a scene that the table covers, each in a range of its own; of any other key
 it covers the default."""
 
-EDGE = 0.02
-"""Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
+
+BLOCK = 256
+"""Inputs that are evaluated together: products so small that no library shares them out to threads,
+which wait for one another, on a busy machine for a hundred times the time of the work."""
 
 
-class Place(NamedTuple):
-    """Dimensionless numbers on which a simulated speed over the plate's peak speed depends.
+class Layer(NamedTuple):
+    """One layer of a network, or of several, then with a leading axis."""
 
-    A walker of the other tilt on the other slope is the mirror image: it has the same place.
-    """
-
-    root_tilt: float | Array
-    """Square root of the magnitude of the tilt in degrees."""
-    restitution: float | Array
-    log_friction: float | Array
-    gamma: float | Array
-    log_hinge_ratio: float | Array
-    """Logarithm of the frequency of a leg on its hinge over the drive's."""
-    length_ratio: float | Array
-    """Length of a leg over the distance of the feet."""
-    log_mass_ratio: float | Array
-    """Logarithm of a leg's mass over the body's."""
-    log_gyration_ratio: float | Array
-    """Logarithm of the body's radius of gyration over the distance of the feet."""
-    unevenness_ratio: float | Array
-    """Unevenness of the feet over the plate's amplitude."""
-    log_foot_ratio: float | Array
-    """Logarithm of the frequency of the body on a leg's axial stiffness over the drive's."""
-    log_amplitude_ratio: float | Array
-    """Logarithm of the plate's amplitude over the distance of the feet."""
-    log_width_ratio: float | Array
-    """Logarithm of the width of a foot over the distance of the feet."""
-    slope_ratio: float | Array
-    """tan(slope) over friction, positive where the slope helps a walker of this tilt along."""
-    harmonic_cos: float | Array
-    """Ratio of the second harmonic times the cosine of its phase."""
-    harmonic_sin: float | Array
-    noise_ratio: float | Array
-    """Root mean square of the plate's random speed over the drive's peak speed."""
-
-    def drawn(
-        self,
-        restitution: Array,
-        friction: Array,
-        thickness: Array,
-        modulus: Array,
-        body_mass: Array,
-        leg_mass: Array,
-        unevenness: Array,
-    ) -> "Place":
-        """Places of draws of a walker: restitution, friction and unevenness (over the plate's
-        amplitude) as they are, the others over those of this place; each of shape (n,).
-        """
-        safe = np.maximum(friction, 1e-9)
-        return self._replace(
-            restitution=restitution,
-            log_friction=np.log(safe),
-            log_hinge_ratio=self.log_hinge_ratio + np.log(thickness * np.sqrt(modulus * thickness / leg_mass)),
-            log_mass_ratio=self.log_mass_ratio + np.log(leg_mass / body_mass),
-            log_foot_ratio=self.log_foot_ratio + 0.5 * np.log(thickness * modulus / body_mass),
-            slope_ratio=self.slope_ratio * math.exp(float(self.log_friction)) / safe,
-            unevenness_ratio=unevenness,
-        )
-
-    def driven(self, pace: Array, moment: Array) -> "Place":
-        """Places at frequencies and moments of a motor over those of this place, shape (n,)."""
-        return self._replace(
-            gamma=self.gamma * moment * pace**2,
-            log_hinge_ratio=self.log_hinge_ratio - np.log(pace),
-            log_foot_ratio=self.log_foot_ratio - np.log(pace),
-            log_amplitude_ratio=self.log_amplitude_ratio + np.log(moment),
-        )
-
-
-class UnknownError(WalkergenError):
-    """The speed in space is unknown here; the text says which number lies outside the table."""
-
-
-class Found(NamedTuple):
-    """Speeds in space over the plate's peak speed: normal after asinh; arrays of shape (n,)."""
-
-    centre: Array
-    sd: Array
-    """Standard deviation after asinh: from print to print, and by the interpolation."""
-    between_prints: Array
-    """Part of it by which prints of one walker differ, as their feet are uneven."""
-
-    def at(self, deviation: Array) -> Array:
-        """Speeds over the plate's peak speed, so many standard deviations from the middle."""
-        return np.asarray(LINEAR_BELOW * np.sinh(self.centre + self.sd * deviation))
-
-
-def transformed(speed: Array, se: Array) -> tuple[Array, Array]:
-    """Speeds over the plate's peak speed and their standard errors, after asinh."""
-    return np.arcsinh(speed / LINEAR_BELOW), se / np.hypot(speed, LINEAR_BELOW)
+    weights: Array
+    """Shape (..., inputs, outputs)."""
+    bias: Array
+    """Shape (..., 1, outputs)."""
 
 
 def coordinates(places: Array) -> tuple[Array, Array]:
@@ -175,6 +91,18 @@ def coordinates(places: Array) -> tuple[Array, Array]:
     return np.column_stack([inputs, *more]), np.column_stack([odd, slope])
 
 
+def of(scene: Scene, design: Design, mass: MassProperties) -> Tabled:
+    """Walker in the table. Raises UnknownError for one, or a scene, that it does not cover."""
+    place = place_of(scene, design, mass)
+    for reason in _reasons(scene):
+        raise UnknownError(f"speeds in space are not known for {reason}")
+    TABLE.check(design.kind, place)
+    plate = shaken(scene, design, mass)
+    sign = math.copysign(1.0, design.tilt_deg)
+    amplitude = plate.drive.amplitude
+    return Tabled(TABLE, design, scene, place, (), sign, plate.swing, amplitude, plate.error_sd, plate.note)
+
+
 def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """Place of a walker in the table. Braced legs have neither hinges nor masses of their own.
 
@@ -182,7 +110,7 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """
     if not design.alike:
         raise UnknownError("speeds in space are known for two equal legs only, not for [[legs]]")
-    return numbers(scene, design, mass, shaking.of(scene, design, mass).drive)
+    return numbers(scene, design, mass, shaken(scene, design, mass).drive)
 
 
 def numbers(scene: Scene, design: Design, mass: MassProperties, drive: Drive) -> Place:
@@ -219,24 +147,15 @@ def numbers(scene: Scene, design: Design, mass: MassProperties, drive: Drive) ->
     )
 
 
-def check(scene: Scene, place: Place, braced: bool) -> None:
-    """Refuse walkers and scenes that the table does not cover. Raises UnknownError."""
-    plate = scene.plate
-    band = (plate.noise_low_hz, plate.noise_high_hz) == (Plate().noise_low_hz, Plate().noise_high_hz)
-    for reason, covered in (
-        (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
-        ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),
-        *((key, False) for key in beyond(scene)),
-    ):
-        if not covered:
-            raise UnknownError(f"speeds in space are not known for {reason}")
-    ranges = _facts()["ranges"]["braced" if braced else "flexible"]
-    for name in Place._fields:
-        low, high = ranges[name]
-        value, margin = getattr(place, name), EDGE * (high - low)
-        if not low - margin <= value <= high + margin:
-            reason, seen, ends = in_words(name, value, low, high)
-            raise UnknownError(f"speeds in space are known for {reason} in {ends}, not at {seen}")
+def _reasons(scene: Scene) -> Iterator[str]:
+    """Properties of a scene that the table does not cover, in words."""
+    plate, usual = scene.plate, Plate()
+    if not abs(plate.slope_deg) <= MOST_SLOPE_DEG:
+        yield f"slopes beyond {MOST_SLOPE_DEG:g} deg"
+    band = (plate.noise_low_hz, plate.noise_high_hz) == (usual.noise_low_hz, usual.noise_high_hz)
+    if not band and plate.noise_ratio != 0.0:
+        yield "plate noise in another band than the usual"
+    yield from beyond(scene)
 
 
 def beyond(scene: Scene) -> list[str]:
@@ -250,64 +169,37 @@ def beyond(scene: Scene) -> list[str]:
     ]
 
 
-def in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:
-    """Name, value and range of a number as people write them."""
-    words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
-    if name == "root_tilt":
-        value, low, high = value**2, low**2, high**2
-    elif name.startswith("log_"):
-        value, low, high = math.exp(value), math.exp(low), math.exp(high)
-    return words, f"{value:.3g}", f"{low:.2g}..{high:.2g}"
+def evaluated(layers: Sequence[Layer], inputs: Array) -> Array:
+    """Outputs at inputs of shape (n, d), shape (..., n, outputs), in single precision."""
+    starts = range(0, len(inputs), BLOCK)
+    return np.concatenate([_passed(layers, inputs[k : k + BLOCK]) for k in starts], axis=-2)
 
 
-def speeds(place: Place, tilt_deg: float, braced: bool) -> Found:
-    """Speeds in space at places, numbers or arrays of shape (n,).
-
-    Numbers outside the table's range are taken at its end (see `check`). Tilts of the other sign
-    run the other way.
-    """
-    kind = "braced" if braced else "flexible"
-    places = np.empty((np.broadcast(*place).size, len(place)))
-    for column, number in enumerate(place):
-        places[:, column] = number
-    low, high = _ends(kind)
-    logs = fitted(_arrays(), kind, np.minimum(np.maximum(places, low), high))
-    return logs._replace(centre=math.copysign(1.0, tilt_deg) * logs.centre)
+def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
+    values = inputs.astype(np.float32)
+    for layer in layers[:-1]:
+        values = np.matmul(values, layer.weights)
+        values += layer.bias
+        np.tanh(values, out=values)
+    return np.asarray(values @ layers[-1].weights + layers[-1].bias)
 
 
-def fitted(arrays: dict[str, Any], kind: str, places: Array) -> Found:
+def layers_of(arrays: Mapping[str, Array], name: str) -> list[Layer]:
+    """Layers of the networks that arrays have under this name."""
+    weights = sorted(key for key in arrays if key.startswith(f"{name}_weights"))
+    return [Layer(arrays[key], arrays[key.replace("weights", "bias")]) for key in weights]
+
+
+def fitted(arrays: Mapping[str, Any], kind: Kind, places: Array) -> Speeds:
     """Speeds at places, shape (n, 16), all within the ranges, by the arrays of a table."""
     inputs, odd = coordinates(places)
     inputs = (inputs - arrays[f"{kind}_middle"]) / arrays[f"{kind}_scale"]
-    layers = network.layers_of(arrays, kind)
-    centre = (network.evaluated(layers, inputs).mean(axis=0) * odd).sum(axis=1)
-    features = network.features(inputs)
-    error = network.smooth(features, arrays[f"{kind}_error"])
-    prints = places[:, 8] * network.smooth(features, arrays[f"{kind}_prints"])
-    return Found(centre, np.hypot(error, prints), prints)
+    layers = layers_of(arrays, kind)
+    centre = (evaluated(layers, inputs).mean(axis=0) * odd).sum(axis=1)
+    terms = features(inputs)
+    error = smooth(terms, arrays[f"{kind}_error"])
+    prints = places[:, 8] * smooth(terms, arrays[f"{kind}_prints"])
+    return Speeds(centre, np.hypot(error, prints), prints)
 
 
-@cache
-def _arrays() -> dict[str, Any]:
-    """Arrays of the stored table."""
-    with np.load(TABLE) as stored:
-        return {name: stored[name] for name in stored.files}
-
-
-@cache
-def _facts() -> dict[str, Any]:
-    """What the stored table says of itself: ranges of places by kind of legs, and errors."""
-    facts: dict[str, Any] = json.loads(str(_arrays()["facts"]))
-    return facts
-
-
-@cache
-def _ends(kind: str) -> tuple[Array, Array]:
-    """Ends of the table's ranges, each of shape (16,)."""
-    low, high = np.array([_facts()["ranges"][kind][name] for name in Place._fields]).T
-    return low, high
-
-
-def digest() -> str:
-    """Hash of the table, 16 hexadecimal digits: bounds of two families with equal ones compare."""
-    return hashlib.sha256(TABLE.read_bytes()).hexdigest()[:16]
+TABLE = StoredTable(Path(__file__).with_suffix(".npz"), "speeds in space are known for", Place._fields, fitted, {})

@@ -1,16 +1,10 @@
-"""Speed of walkers that carry a motor, from a table of the model in space (docs/physics.md section
-8).
+"""Table of speeds in space of walkers that carry a motor (docs/physics.md section 8): a process.
 
-As `discrepancy` for shaken plates: `make calibrate-models` simulates walkers with coin motors and
-fits a process to their speeds over that of the swing, S Omega/M; here it is evaluated, and refused
-outside the range of the table.
+Speeds are those over that of the swing, S Omega/M.
 """
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,16 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.drive import AXES
-from walkergen.numerics import network, odd_process
+from walkergen.numerics import odd_process
 from walkergen.scene import Scene
-from walkergen.theory import discrepancy, shaking
-from walkergen.theory.discrepancy import EDGE, FAR_OFF, Found, Place, UnknownError
+from walkergen.theory import discrepancy
+from walkergen.theory.surrogate import FAR_OFF, Place, Speeds, StoredTable, Tabled, UnknownError, features, smooth
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
 from walkergen.walker.mass import MassProperties, from_centre
 
 Array = npt.NDArray[np.float64]
-
-TABLE = Path(__file__).with_suffix(".npz")
 
 KNOWN = "speeds of walkers with a motor are known for"
 """Beginning of what an UnknownError says."""
@@ -64,45 +57,36 @@ class Ride(NamedTuple):
 SIGNED = frozenset(Ride._fields) - {"log_count", "log_breadth_ratio", "log_roll_ratio", "height_ratio", "lever_up"}
 """Names of numbers whose other sign belongs to a mirror image, which the table knows too."""
 
-NAMES = (*Place._fields[:12], *Ride._fields)
-"""Names of the numbers on which a speed depends: no slope, harmonic or noise of a plate."""
+SHARED = 12
+"""Number of those numbers of a place that a motor has: no slope, harmonic or noise of a plate."""
+
+NAMES = (*Place._fields[:SHARED], *Ride._fields)
+"""Names of the numbers on which a speed depends."""
 
 
-class Ridden(NamedTuple):
-    """Walker with its motor in the table."""
-
-    place: Place
-    """Its numbers as on a plate that swings as far, whatever way."""
-    ride: Ride
-    swing: float
-    """Peak speed of the swing, mm/s."""
-    amplitude: float
-    """Radius of the swing, mm."""
-
-
-def of(scene: Scene, design: Design, mass: MassProperties) -> Ridden:
-    """Place of a walker with a motor in the table.
-
-    Raises UnknownError for one that the table does not cover.
-    """
+def of(scene: Scene, design: Design, mass: MassProperties) -> Tabled:
+    """Walker with a motor in the table. Raises UnknownError for one that it does not cover."""
     for reason, covered in _conditions(scene, design):
         if not covered:
             raise UnknownError(f"{KNOWN} {reason}")
-    ridden = placed(scene, design, mass)
-    _check(ridden)
-    return ridden
+    tabled = placed(scene, design, mass)
+    TABLE.check(design.kind, (*tabled.place[:SHARED], *tabled.beside))
+    return tabled
 
 
-def placed(scene: Scene, design: Design, mass: MassProperties) -> Ridden:
-    """Place of a walker with a motor, whether the table covers it or not; its legs are alike."""
+def placed(scene: Scene, design: Design, mass: MassProperties) -> Tabled:
+    """Walker with a motor, whether the table covers it or not; its legs are alike.
+
+    Its place is that on a plate that swings as far, whatever way.
+    """
     whole = scene.drive.beneath(float(mass.total))
     place = discrepancy.numbers(scene, design, mass, whole)
-    return Ridden(place, _ride(scene, design, mass), whole.peak_speed, whole.amplitude)
+    return Tabled(TABLE, design, scene, place, _ride(scene, design, mass), 1.0, whole.peak_speed, whole.amplitude)
 
 
 def _conditions(scene: Scene, design: Design) -> list[tuple[str, bool]]:
     """What the table covers, in words, and whether a walker and its scene are so."""
-    limbs, axis = design.limbs, scene.drive.direction(shaking.motor_of(design).axis)
+    limbs, axis = design.limbs, scene.drive.direction(design.driving_motor().axis)
     first = limbs[0]
     alike = all(
         limb._replace(along=first.along, across=first.across, bottom=first.bottom) == first
@@ -125,7 +109,7 @@ def _conditions(scene: Scene, design: Design) -> list[tuple[str, bool]]:
 
 def _ride(scene: Scene, design: Design, mass: MassProperties) -> Ride:
     """Numbers of a walker and its motor beside those of its place."""
-    limbs, span, motor = design.limbs, design.foot_span, shaking.motor_of(design)
+    limbs, span, motor = design.limbs, design.foot_span, design.driving_motor()
     feet = np.mean([leg.foot for leg in mass.legs], axis=0)
     fore, height = (mass.centre - feet) / span
     place = from_centre(design, mass, np.array([motor.along_mm, motor.up_mm])) - mass.centre
@@ -148,27 +132,6 @@ def _ride(scene: Scene, design: Design, mass: MassProperties) -> Ride:
         float(place[1]) / span,
         aside / span,
     )
-
-
-def _check(ridden: Ridden) -> None:
-    """Refuse numbers that lie outside the table. Raises UnknownError."""
-    ranges = _facts()["ranges"]
-    for name, value in zip(NAMES, values(ridden.place, ridden.ride)[0], strict=True):
-        low, high = ranges[name]
-        margin = EDGE * (high - low)
-        if not low - margin <= value <= high + margin:
-            reason, seen, ends = discrepancy.in_words(name, float(value), low, high)
-            reason = "push over weight" if name == "gamma" else reason
-            raise UnknownError(f"{KNOWN} {reason} in {ends}, not at {seen}")
-
-
-def values(place: Place, ride: Ride) -> Array:
-    """Numbers in the order of NAMES, shape (n, 24); those of the place may have shape (n,)."""
-    numbers = (*place[:12], *ride)
-    columns = np.empty((np.broadcast(*place[:12]).size, len(numbers)))
-    for column, number in enumerate(numbers):
-        columns[:, column] = number
-    return columns
 
 
 def coordinates(numbers: Array) -> Array:
@@ -230,23 +193,14 @@ def even(inputs: Array) -> Array:
     return np.column_stack([np.abs(inputs[:, :ODD]), inputs[:, ODD:]])
 
 
-def speeds(place: Place, ride: Ride) -> Found:
-    """Speeds over that of the swing at places, of numbers or arrays of shape (n,).
-
-    Numbers outside the table's range are taken at its end.
-    """
-    low, high = _ends()
-    return fitted(_arrays(), np.clip(values(place, ride), low, high))
-
-
-def fitted(arrays: dict[str, Any], numbers: Array) -> Found:
+def fitted(arrays: Mapping[str, Any], kind: Kind, numbers: Array) -> Speeds:
     """Speeds at numbers in the order of NAMES, all within the ranges, by the arrays of a table."""
     inputs = scaled(arrays, numbers)
     centre, variance = odd_process.process_of(arrays)(inputs)
-    features = network.features(even(inputs))
-    prints = uneven(numbers) * network.smooth(features, arrays["prints"])
+    terms = features(even(inputs))
+    prints = uneven(numbers) * smooth(terms, arrays["prints"])
     error = float(arrays["widened"]) * np.sqrt(variance)
-    return Found(centre, np.hypot(error, prints), prints)
+    return Speeds(centre, np.hypot(error, prints), prints)
 
 
 def scaled(arrays: Mapping[str, Any], numbers: Array) -> Array:
@@ -259,27 +213,4 @@ def uneven(numbers: Array) -> Array:
     return np.asarray(np.sqrt(numbers[:, NAMES.index("unevenness_ratio")]))
 
 
-@cache
-def _arrays() -> dict[str, Any]:
-    """Arrays of the stored table."""
-    with np.load(TABLE) as stored:
-        return {name: stored[name] for name in stored.files}
-
-
-@cache
-def _facts() -> dict[str, Any]:
-    """What the stored table says of itself: ranges of the numbers, and errors."""
-    facts: dict[str, Any] = json.loads(str(_arrays()["facts"]))
-    return facts
-
-
-@cache
-def _ends() -> tuple[Array, Array]:
-    """Ends of the table's ranges, each of shape (24,)."""
-    low, high = np.array([_facts()["ranges"][name] for name in NAMES]).T
-    return low, high
-
-
-def digest() -> str:
-    """Hash of the table, 16 hexadecimal digits."""
-    return hashlib.sha256(TABLE.read_bytes()).hexdigest()[:16]
+TABLE = StoredTable(Path(__file__).with_suffix(".npz"), KNOWN, NAMES, fitted, {"gamma": "push over weight"})

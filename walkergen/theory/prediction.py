@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from walkergen.files import words
 from walkergen.scene import Scene
-from walkergen.theory import shaking, tables, uncertain
-from walkergen.theory.discrepancy import LINEAR_BELOW, UnknownError
+from walkergen.theory import surrogate, uncertain
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
+from walkergen.theory.surrogate import LINEAR_BELOW, UnknownError
 from walkergen.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -144,12 +144,12 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
     """Speeds of a walker at values of `known_inputs`."""
-    pace, moment = tables.of_motor(scene, drawn)
+    pace, moment = surrogate.of_motor(scene, drawn)
     model = drawn.columns[MODEL.name]
     try:
-        tabled = tables.of(scene, design, mass)
+        tabled = surrogate.of(scene, design, mass)
     except UnknownError as error:
-        shaken = shaking.of(scene, design, mass)
+        shaken = surrogate.shaken(scene, design, mass)
         plate = _paced(scene, shaken.swing, pace, moment)
         theory = theory_speeds(design, mass, scene, mode, drawn)
         unknown = math.hypot(THEORY_SD, shaken.error_sd)
@@ -170,7 +170,7 @@ def _paced(scene: Scene, swing: float, pace: Array, moment: Array) -> float | Ar
 def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
-    masses = scaled(mass, drawn.of("body mass", 1.0), tables.leg_masses(design, drawn))
+    masses = scaled(mass, drawn.of("body mass", 1.0), surrogate.leg_masses(design, drawn))
     by_foot = stationary(
         design,
         masses,
@@ -180,13 +180,13 @@ def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode
         contact.law,
         (contact.restitution, contact.friction),
     )
-    pace, moment = tables.of_motor(scene, drawn)
+    pace, moment = surrogate.of_motor(scene, drawn)
     return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
 
 
 def _impact_speed(scene: Scene, design: Design, mass: MassProperties) -> float:
     """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
-    shaken = shaking.of(scene, design, mass).drive
+    shaken = surrogate.shaken(scene, design, mass).drive
     return scene.prediction.impact_speed_factor * shaken.peak_speed
 
 

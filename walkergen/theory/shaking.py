@@ -8,22 +8,13 @@ also swing along it, as far, which no table and no theory here has (docs/physics
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from walkergen.drive import Drive
-from walkergen.errors import InputError
 from walkergen.scene import Scene
+from walkergen.theory.surrogate import Shaken
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
-from walkergen.walker.payload import Motor
-
-Array = npt.NDArray[np.float64]
-
-FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
-"""Names of what is uncertain of a motor."""
 
 ALONG_SD = 0.25
 """Standard error, on the scale of `Prediction.model_sd`, of a plate in place of a motor whose axis
@@ -49,34 +40,9 @@ WIDE = 0.5
 """Standard error beyond which a prediction says what the plate leaves out."""
 
 
-class Shaken(NamedTuple):
-    """Plate that stands for a drive."""
-
-    drive: Drive
-    """The plate's vertical vibration."""
-    swing: float
-    """Peak speed of the whole swing, mm/s: the plate's own, unless the axis leans."""
-    error_sd: float
-    """Standard error of the stand-in, on the scale of `Prediction.model_sd`; 0 of a plate."""
-    note: str = ""
-    """What the stand-in leaves out, in words."""
-
-
-def motor_of(design: Design) -> Motor:
-    """Motor that a walker carries. Raises InputError where there is none."""
-    if design.motor is None:
-        raise InputError(
-            f"drive.kind = 'motor': {design.name} carries none; give its design a table [motor] "
-            "with diameter_mm, height_mm and mass_g, or take the template coinbot"
-        )
-    return design.motor
-
-
 def of(scene: Scene, design: Design, mass: MassProperties) -> Shaken:
-    """Plate that stands for the drive of a walker. Raises InputError for one without a motor."""
-    if scene.drive.kind == "plate":
-        return Shaken(scene.drive, scene.drive.peak_speed, 0.0)
-    motor, total = motor_of(design), float(mass.total)
+    """Plate that stands for the motor of a walker. Raises InputError for one without a motor."""
+    motor, total = design.driving_motor(), float(mass.total)
     along, _, up = scene.drive.direction(motor.axis)
     whole = scene.drive.beneath(total)
     lift = max(math.sqrt(max(1.0 - up * up, 0.0)), 1e-6)

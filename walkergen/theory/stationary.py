@@ -10,12 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.theory.speed import Array, LawName, Mode, factor, factors
+from walkergen.theory.speed import Array, Factors, LawName, Mode, factor, factors
 from walkergen.theory.tensors import feet
 from walkergen.theory.uncertain import in_proportion
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
-from walkergen.walker.planar import in_plane
 
 Flags = npt.NDArray[np.bool_]
 
@@ -49,10 +48,13 @@ def stationary(
     for numbers out of range, for a walker whose centre of mass is not between its feet, and for
     mode `paper` of unlike feet.
     """
+    if design.pair:
+        return _of_equal(factors(mass, restitution, friction, mode, law))
+    from walkergen.walker.planar import in_plane
+
     flat = in_plane(design, mass)
     if design.alike:
-        of_foot = factors(flat.mass, restitution, friction, mode, law)
-        return Stationary(of_foot.mean, of_foot.feet, of_foot.reverses, "")
+        return _of_equal(factors(flat.mass, restitution, friction, mode, law))
     from walkergen.theory.balance import Foot, balanced  # compiles
 
     centre = flat.mass.centre
@@ -66,6 +68,11 @@ def stationary(
     own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in by_foot)
     reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in by_foot)
     return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
+
+
+def _of_equal(feet: Factors) -> Stationary:
+    """Paper's mean of two equal feet."""
+    return Stationary(feet.mean, feet.feet, feet.reverses, "")
 
 
 def _own(written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf) -> float | Array:

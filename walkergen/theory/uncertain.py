@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from walkergen.drive import MOTOR_HZ, Drive
 from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.theory import shaking
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
@@ -23,6 +22,9 @@ from walkergen.walker.mass import MassProperties, scaled
 Array = npt.NDArray[np.float64]
 
 PREDICTION = "prediction"
+
+FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
+"""Names of what is uncertain of a motor."""
 
 READ_BY = {
     "contact.restitution": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
@@ -33,8 +35,8 @@ READ_BY = {
     "body mass": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
     "leg mass": (PREDICTION, "relaxed", "compliant", "space"),
     "feet.unevenness_um": (PREDICTION, "space"),
-    shaking.FREQUENCY: (PREDICTION, "space"),
-    shaking.MOMENT: (PREDICTION, "space"),
+    FREQUENCY: (PREDICTION, "space"),
+    MOMENT: (PREDICTION, "space"),
 }
 """Names of the inputs, keys where there is one, and who reads each: the prediction, from what the
 model in space does, and models."""
@@ -100,10 +102,8 @@ def _of_motor(drive: Drive) -> tuple[Input, ...]:
         return ()
     pace, moment = drive.frequency, drive.eccentric
     return (
-        Input(
-            shaking.FREQUENCY, pace, drive.frequency_sd_hz, max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])
-        ),
-        Input(shaking.MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
+        Input(FREQUENCY, pace, drive.frequency_sd_hz, max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])),
+        Input(MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
     )
 
 

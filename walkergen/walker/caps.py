@@ -9,20 +9,17 @@ first half; Garrido-Jurado et al., Pattern Recognition 47 (2014) 2280.
 """
 
 from functools import lru_cache
-from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field, model_validator
 
 from walkergen.errors import GeometryError
-from walkergen.files.config import Section
 from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
+from walkergen.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
 
 Array = npt.NDArray[np.float64]
-Dictionary = Literal["4x4_50", "4x4_100"]
 
 CODES = (
     "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5"
@@ -33,11 +30,11 @@ CODES = (
 )
 """White cells of each marker: four hexadecimal digits, a row each, its left cell highest."""
 
-CELLS, BORDER = 4, 1
-"""Cells along the side of a marker's code, and of the black frame around it."""
-SIDE = CELLS + 2 * BORDER
-"""Cells along the side of a marker."""
-QUIET = 1
+BORDER = 1
+"""Cells of the black frame around a marker's code."""
+CELLS = MARKER_CELLS - 2 * BORDER
+"""Cells along the side of a marker's code."""
+QUIET = (TILE_CELLS - MARKER_CELLS) // 2
 """White cells around a marker, without which its edge cannot be found."""
 
 OVERLAP = 0.02
@@ -47,69 +44,8 @@ a solid has no edge that four faces share."""
 NOTCH = 0.5
 """Depth of the notch at the front, cells; it is twice as wide."""
 
-THICKNESS = {"engraved": 1.0, "raised": 1.0, "paper": 0.1}
-"""Thickness of a tile, unless a design gives it, mm; of a raised one below the cells that stand."""
-PAPER_G_CM3 = 0.8
-"""Density of paper: 80 g/m^2 of 0.1 mm."""
-
 HELD = 0.4
 """Least part of a tile that lies on the body."""
-
-
-class Cap(Section):
-    """Settings of the cap that shows a walker's number to a camera above it."""
-
-    kind: Literal["engraved", "raised", "paper"] = "engraved"
-    dictionary: Dictionary = "4x4_50"
-    number: Annotated[int, Field(ge=0, le=99)] = 0
-    """Number of the marker; on plates that of the first copy, from which the others count."""
-    marker_mm: Annotated[float, Field(ge=1.0, le=120.0)] = 7.2
-    """Side of the marker, its black frame included; the tile is 4/3 as wide."""
-    thickness_mm: Annotated[float, Field(ge=0.02, le=20.0)] | None = None
-    """Thickness of the tile. None: 1 mm, of paper 0.1 mm."""
-    relief_mm: Annotated[float, Field(ge=0.02, le=5.0)] = 0.4
-    """Depth of engraved cells, or height of raised ones; paper has none."""
-
-    @model_validator(mode="after")
-    def _whole(self) -> "Cap":
-        if self.number >= self.count:
-            raise ValueError(
-                f"number = {self.number}: the markers of {self.dictionary!r} are numbered "
-                f"0..{self.count - 1}" + ("" if self.count > 50 else "; '4x4_100' has more")
-            )
-        if self.kind == "engraved" and self.relief_mm > 0.7 * self.thickness:
-            raise ValueError(
-                f"relief_mm = {self.relief_mm:g}: pockets may be 0.7 of the tile's thickness, "
-                f"{self.thickness:g} mm, at most: make thickness_mm larger"
-            )
-        return self
-
-    @property
-    def count(self) -> int:
-        """Number of markers in the dictionary."""
-        return int(self.dictionary.rpartition("_")[2])
-
-    @property
-    def cell(self) -> float:
-        """Side of a cell, mm."""
-        return self.marker_mm / SIDE
-
-    @property
-    def side(self) -> float:
-        """Side of the tile, mm."""
-        return (SIDE + 2 * QUIET) * self.cell
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of the tile, mm, without raised cells."""
-        return THICKNESS[self.kind] if self.thickness_mm is None else self.thickness_mm
-
-    def density(self, material_g_cm3: float) -> float:
-        """Density of the cap, g/cm^3: paper's, or that of the walker's material; ink has no mass.
-
-        A second colour is taken for as dense as the first.
-        """
-        return PAPER_G_CM3 if self.kind == "paper" else material_g_cm3
 
 
 def white(number: int) -> npt.NDArray[np.bool_]:
@@ -132,7 +68,7 @@ def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
 
     Cells of the code are larger by a part of a cell on all sides, `overlap`.
     """
-    half, inner = 0.5 * SIDE, 0.5 * CELLS
+    half, inner = 0.5 * MARKER_CELLS, 0.5 * CELLS
     frame = [
         (-half, inner, half, half),
         (-half, -half, half, -inner),

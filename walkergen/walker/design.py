@@ -18,13 +18,11 @@ from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
-from walkergen.walker import buildable, payload
+from walkergen.walker import buildable
 from walkergen.walker.body import Body, Size, located
-from walkergen.walker.caps import Cap
+from walkergen.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
-from walkergen.walker.marks import Marks, lettered, problems, word
 from walkergen.walker.material import Material, Weighed
-from walkergen.walker.payload import Battery, Motor, Part, Pockets
 
 
 class Family(Section):
@@ -110,23 +108,13 @@ class Design(Section):
             faults = buildable.of_list(self.limbs, self.size)
         if not faults and self.body.flat:
             faults = buildable.off_outline(self.limbs, self.body.shape)
-        in_letters = bool(self.letters) and self.body.flat
-        marks = self.marks
-        if not (self.body.plain or in_letters or marks == marks.bare):
-            number = f"marks.serial = {marks.serial}"
-            key = number if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
-            faults.append(
-                f"{key}: only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
-            )
-        length, thickness, depth = self.size
-        if in_letters:  # letters on a body in plan view go into its upper side
-            thickness, depth = depth, thickness
-            marks = marks.model_copy(update={"kind": "text"})
-        size = (length, thickness, depth)
-        faults += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
+        if not self.marks.blank:
+            faults += self._unmarkable()
         if not faults and self.parts:
+            from walkergen.walker import pockets
+
             foot = min(limb.foot_height for limb in self.limbs)
-            faults = payload.problems(self.parts, self.fit, self.size, foot)
+            faults = pockets.problems(self.parts, self.fit, self.size, foot)
         if self.pockets is not None and not self.parts:
             faults.append(
                 "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out"
@@ -134,6 +122,20 @@ class Design(Section):
         if faults:
             raise GeometryError("\n".join(faults))
         return self
+
+    def _unmarkable(self) -> list[str]:
+        """Reasons why the body cannot bear its marks, one line each."""
+        from walkergen.walker.marks import problems
+
+        marks, (length, thickness, depth) = self.marks, self.size
+        if self.letters and self.body.flat:  # letters on a body in plan view go into its upper side
+            marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
+        unfit = problems(marks, self.family.tilt_deg, self.tilt_deg, (length, thickness, depth))
+        if self.body.plain or (self.letters and self.body.flat):
+            return unfit
+        key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
+        rule = "only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
+        return [f"{key}: {rule}", *unfit]
 
     @property
     def size(self) -> Size:
@@ -171,6 +173,15 @@ class Design(Section):
         """Parts that the body carries, motor and battery, by the names of their tables."""
         parts = {"motor": self.motor, "battery": self.battery}
         return {name: part for name, part in parts.items() if part is not None}
+
+    def driving_motor(self) -> Motor:
+        """Motor that drives it. Raises InputError where it carries none."""
+        if self.motor is None:
+            raise InputError(
+                f"drive.kind = 'motor': {self.name} carries none; give its design a table [motor] "
+                "with diameter_mm, height_mm and mass_g, or take the template coinbot"
+            )
+        return self.motor
 
     @property
     def fit(self) -> Pockets:
@@ -323,13 +334,17 @@ class Design(Section):
     @property
     def mark(self) -> str:
         """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
+        if self.marks.blank:
+            return ""
+        from walkergen.walker.marks import word
+
         return word(self.marks, self.family.tilt_deg, self.tilt_deg)
 
     @property
     def letters(self) -> str:
         """Text that is engraved in letters, as numbers on a body in plan view are; "" without."""
         number = self.marks.kind == "none" and self.body.flat
-        return lettered(self.marks) if number or self.marks.kind == "text" else ""
+        return self.marks.letters if number or self.marks.kind == "text" else ""
 
     @property
     def unmarked(self) -> "Design":

@@ -20,10 +20,6 @@ MARGIN_MM = 0.05
 """Depth by which a leg reaches into the body beyond where its section is covered, mm."""
 
 
-ROUNDING_MM = 1e-9
-"""Largest error, mm, of the modeller's heights."""
-
-
 UP = np.array([0.0, 1.0, 0.0])
 
 

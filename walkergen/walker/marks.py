@@ -13,11 +13,9 @@ part seen from its other side has its start on the left and is not misread.
 
 from collections.abc import Sequence
 from decimal import Decimal
-from typing import Annotated, Literal, NamedTuple
+from typing import NamedTuple
 
-from pydantic import Field, model_validator
-
-from walkergen.files.config import Section
+from walkergen.walker.fittings import Marks
 
 NARROW, WIDE, START = 1, 2, 3
 """Widths of notches, in units of two lines; one unit of body stands between two notches."""
@@ -42,36 +40,6 @@ SHORTEST_DIGIT = 5.0
 """Least height of a digit, in lines: three strokes and two gaps; a lower digit closes up."""
 
 
-MOST_SERIAL = 99_999
-"""Largest serial number."""
-
-
-class Marks(Section):
-    """Settings of the marks by which a part shows its tilt."""
-
-    kind: Literal["none", "notches", "digits", "text"] = "none"
-    text: Annotated[str, Field(min_length=1, max_length=40)] | None = None
-    """Letters of kind "text", engraved: the same on every member of a family."""
-    text_height_mm: Annotated[float, Field(ge=1e-3, le=1e4)] | None = None
-    """Height of its capitals. None: half the body's, as seen on the side that bears them."""
-    line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
-    depth_mm: Annotated[float, Field(ge=1e-3, le=1e4)] = 0.4
-    serial: Annotated[int, Field(ge=1, le=MOST_SERIAL)] | None = None
-    """Number of one copy, engraved beside its mark. None: copies are not told apart."""
-
-    @property
-    def bare(self) -> "Marks":
-        """The same settings without any mark."""
-        return self.model_copy(update={"kind": "none", "text": None, "serial": None})
-
-    @model_validator(mode="after")
-    def _lettered(self) -> "Marks":
-        if (self.kind == "text") != (self.text is not None):
-            other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
-            raise ValueError(f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together')
-        return self
-
-
 class Rectangle(NamedTuple):
     """Axis-parallel rectangle in the x-y plane, mm."""
 
@@ -89,17 +57,11 @@ def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
     A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
     """
     if marks.kind == "text":
-        return lettered(marks)
+        return marks.letters
     if marks.kind != "notches":
         return _digits(marks, tilt_deg)
     drawn = " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
     return drawn if marks.serial is None else f"{drawn} {marks.serial}"
-
-
-def lettered(marks: Marks) -> str:
-    """Text of marks in letters, with the serial number if there is one; "" without both."""
-    parts = (marks.text or "", "" if marks.serial is None else str(marks.serial))
-    return " ".join(part for part in parts if part)
 
 
 def _digits(marks: Marks, tilt_deg: float) -> str:

@@ -15,7 +15,7 @@ from walkergen.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from walkergen.walker.design import Design
-    from walkergen.walker.payload import Cylinder
+    from walkergen.walker.fittings import Cylinder
 
 Array = npt.NDArray[np.float64]
 Values = float | Array

@@ -7,7 +7,7 @@ from string import ascii_uppercase
 import numpy as np
 
 from walkergen.walker.design import Design
-from walkergen.walker.marks import Marks
+from walkergen.walker.fittings import Marks
 
 STEM = "walker"
 """Beginning of the names of walkers of a single design."""

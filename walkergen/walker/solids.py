@@ -14,11 +14,11 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.shapes import joining, modeller
+from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import caps, landing, marks, profiles, stance
+from walkergen.walker import profiles
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, assemble
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 FOOT_SEGMENTS = 64
 """Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
+
+ROUNDING_MM = 1e-9
+"""Largest error, mm, of the modeller's heights."""
 
 Polygon = profiles.Polygon
 
@@ -79,7 +82,11 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
 
 def _cap(design: Design, body: Mesh) -> Mesh | None:
     """Cap on a body; None without. Raises GeometryError."""
-    return None if design.cap is None else caps.on_body(design.cap, body, design.size.depth)
+    if design.cap is None:
+        return None
+    from walkergen.walker import caps
+
+    return caps.on_body(design.cap, body, design.size.depth)
 
 
 def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
@@ -94,7 +101,7 @@ def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
     else:
         roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
     walker, body = pockets.cut(design, solid.walker, solid.body, roots)
-    if design.marks != design.marks.bare:
+    if not design.marks.blank:
         pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments).body)
     return solid._replace(walker=walker, body=body)
 
@@ -117,6 +124,8 @@ def _solid(design: Design, foot_segments: int) -> Solids:
             for part in section.raised
         ]
         return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
+    from walkergen.shapes import joining
+
     bars = _bars(limbs, sections, depth)
     return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
 
@@ -132,6 +141,9 @@ def _cut(whole: "CutWalker", design: Design) -> Solids:
 
 def _on_any_body(design: Design, foot_segments: int) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
+    from walkergen.shapes import joining
+    from walkergen.walker import landing
+
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
     if design.letters:
         ground = joining.ready(_lettered(ground.mesh, design))
@@ -144,7 +156,7 @@ def _on_any_body(design: Design, foot_segments: int) -> Solids:
     for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
         key = f"legs[{number}].along_mm = {limb.along:g}"
         outside = joining.flush(bar, ground, key)
-        if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - landing.ROUNDING_MM:
+        if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it")
         corner = np.array([*limb.anchor, _left_side(limb, depth)])
         legs.append(outside._replace(vertices=outside.vertices - corner))
@@ -153,6 +165,8 @@ def _on_any_body(design: Design, foot_segments: int) -> Solids:
 
 def _lettered(ground: Mesh, design: Design) -> Mesh:
     """Body in plan view with its text cut into the upper side. Raises GeometryError."""
+    from walkergen.walker import landing
+
     text = _lettering(design, design.size.length, design.size.depth)
     marks, size = design.marks, design.size
     tool = landing.lying(extruded(text, 2.0 * marks.depth_mm, pieces=True), size)
@@ -245,7 +259,7 @@ def on_side(design: Design) -> bool:
     if not (design.body.plain or design.body.profile_mm is not None):
         return False
     depth = design.size.depth
-    return all(_left_side(limb, depth) <= landing.ROUNDING_MM for limb in design.limbs)
+    return all(_left_side(limb, depth) <= ROUNDING_MM for limb in design.limbs)
 
 
 def as_printed(design: Design, mesh: Mesh) -> Mesh:
@@ -292,6 +306,8 @@ def mass_of(design: Design) -> MassProperties:
 def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
     mass = assemble(design, body, legs, cap)
     if not design.pair:
+        from walkergen.walker import stance
+
         stance.check(design.limbs, mass)
     return mass
 
@@ -359,17 +375,26 @@ def _body_profile(design: Design) -> Polygon:
         return side
     length, thickness = design.size.length, design.size.thickness
     x, y = 0.5 * length, 0.5 * thickness
+    corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    if design.marks.blank:
+        return corners
+    from walkergen.walker import marks
+
     edge = [
         corner
         for notch in marks.notches(design.marks, design.family.tilt_deg, design.tilt_deg, length, thickness)
         for corner in ((notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom), (notch.left, y))
     ]
-    return np.array([(-x, -y), (x, -y), (x, y), *edge, (-x, y)])
+    return np.array([*corners[:3], *edge, corners[3]])
 
 
 def _engraved(design: Design) -> list[Polygon]:
     """Pockets in the side of a body, about its middle: its digits or its text."""
     if design.letters:
         return _lettering(design, design.size.length, design.size.thickness)
+    if design.marks.blank:
+        return []
+    from walkergen.walker import marks
+
     strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.theory import shaking, uncertain
+from walkergen.theory import uncertain
 from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design
 
@@ -28,8 +28,8 @@ KEYS = {
     "thickness_mm": "legs.thickness_mm",
     "youngs_modulus_gpa": "material.youngs_modulus_gpa",
     "damping_ratio": "legs.damping_ratio",
-    "frequency_hz": shaking.FREQUENCY,
-    "eccentric_g_mm": shaking.MOMENT,
+    "frequency_hz": uncertain.FREQUENCY,
+    "eccentric_g_mm": uncertain.MOMENT,
 }
 """Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
 last two of a motor."""
@@ -139,7 +139,7 @@ def unknown(
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
     values = {KEYS[name]: value for name, value in fixed.items()}
-    if scene.drive.kind == "plate" and (wrong := {shaking.FREQUENCY, shaking.MOMENT} & set(values)):
+    if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY, uncertain.MOMENT} & set(values)):
         raise InputError(f"--fix: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
     scene, design, _ = uncertain.applied(scene, design, values)
     return scene, design

@@ -13,8 +13,8 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.lab.fit.emulated import STILL, Ground, Setting, on_plate
 from walkergen.lab.fit.parameters import SCATTER
-from walkergen.theory import tables
-from walkergen.theory.discrepancy import LINEAR_BELOW, UnknownError
+from walkergen.theory import surrogate
+from walkergen.theory.surrogate import LINEAR_BELOW, UnknownError
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 
@@ -25,7 +25,7 @@ class Tabled(NamedTuple):
     """Speed of a setting over the parameters, by the table."""
 
     setting: Setting
-    table: tables.Tabled
+    table: surrogate.Tabled
     inputs: tuple[str, ...]
     """Inputs in the order of the columns."""
 
@@ -35,7 +35,7 @@ class Tabled(NamedTuple):
         Shared are the errors of the interpolation and of the model itself, `prediction.model_sd`.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
-        pace, moment = tables.of_motor(self.table.scene, drawn)
+        pace, moment = surrogate.of_motor(self.table.scene, drawn)
         plate = self.setting.plate_speed * pace * moment
         speeds = self.table.speeds(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
@@ -53,7 +53,7 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
-            table = tables.of(scene, design, solids.mass_of(design))
+            table = surrogate.of(scene, design, solids.mass_of(design))
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "

@@ -19,7 +19,6 @@ from walkergen.drive import GRAVITY
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
-from walkergen.theory.shaking import motor_of
 from walkergen.walker.mass import from_centre
 
 NAME = "motor"
@@ -72,7 +71,7 @@ def judge(case: Case) -> Effect:
             f"drive.kind = 'motor': only the model 'space' knows a motor, not {case.model!r}: "
             "use legs.model = 'space' or 'auto'"
         )
-    motor_of(design)
+    design.driving_motor()
     reach, length = drive.eccentric / total, design.size.length
     if reach >= length:
         raise InputError(
@@ -108,7 +107,7 @@ def _inertia(case: Case) -> float:
 
     A part of its unbalanced mass's turns the walker's centre about, not about the axis.
     """
-    motor = motor_of(case.design)
+    motor = case.design.driving_motor()
     disc = ROTOR_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
     return float(max(disc - case.scene.drive.eccentric**2 / case.mass.total, 0.0))
 
@@ -122,14 +121,14 @@ def _least_inertia(case: Case) -> float:
 
 def place(case: Case) -> Vector:
     """Middle of the motor from O at half depth, body axes, mm."""
-    motor = motor_of(case.design)
+    motor = case.design.driving_motor()
     x, y = from_centre(case.design, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
 def parameters(case: Case, spins: bool) -> Rotor:
     """Rotor of a case; `spins`: with its gyroscopic torque."""
-    drive, motor = case.scene.drive, motor_of(case.design)
+    drive, motor = case.scene.drive, case.design.driving_motor()
     along, across, up = drive.direction(motor.axis)
     n = along, up, across
     first = _across(n)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.track.film.films import Grey
-from walkergen.walker import caps
+from walkergen.walker.fittings import MARKER_CELLS
 
 Array = npt.NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def _refined(frame: Grey, squares: Array) -> Array:
     length = np.linalg.norm(ahead, axis=2)
     tangent = ahead / length[..., None]
     outward = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
-    reach = np.maximum(ACROSS * length.mean(axis=1) / caps.SIDE, NARROWEST)
+    reach = np.maximum(ACROSS * length.mean(axis=1) / MARKER_CELLS, NARROWEST)
     share = np.linspace(ENDS, 1.0 - ENDS, ALONG)
     across = np.linspace(-1.0, 1.0, 2 * int(np.ceil(FINE * reach.max())) + 1)
     off = reach[:, None] * across

@@ -180,7 +180,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,
-        "discrepancy": discrepancy.digest(),
+        "discrepancy": discrepancy.TABLE.digest,
         "versions": versions(),
         "time_taken_s": round(seconds, 3),
     }
