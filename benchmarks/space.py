@@ -27,7 +27,7 @@ from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.payload import Motor
+from walkergen.walker.fittings import Motor
 
 PLANE: dict[str, Any] = {"arena": {"kind": "plane"}}
 REST: dict[str, Any] = {"drive": {"frequency_hz": 90.0, "gamma": 1e-6}}
