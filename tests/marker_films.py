@@ -5,11 +5,10 @@ away from the vertical. Pictures are drawn with GRAIN samples a pixel along each
 several exposures a frame where walkers blur.
 """
 
-import subprocess
 from typing import NamedTuple
 
-import imageio_ffmpeg
 import numpy as np
+from rendered_films import write
 
 from walkergen.walker import caps
 from walkergen.walker.fittings import Cap
@@ -245,41 +244,3 @@ def errors(found, ways, fps=60.0):
         float(np.degrees(np.abs(off).max())),
         int((way.argmin(axis=1) != numbers).sum()),
     )
-
-
-def write(path, pictures, times="N/60", rate=None):
-    """Film of frames at `times`, s, an expression of ffmpeg's in N; `rate` in kbit/s, or fine."""
-    high, wide = pictures[0].shape
-    quality = ("-crf", "12") if rate is None else ("-b:v", f"{rate}k")
-    words = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-loglevel",
-        "error",
-        "-y",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "gray",
-        "-s",
-        f"{wide}x{high}",
-        "-r",
-        "60",
-        "-i",
-        "-",
-        "-vf",
-        f"settb=1/90000,setpts='({times})/TB'",
-        "-fps_mode",
-        "passthrough",
-        "-enc_time_base",
-        "1/90000",
-        "-c:v",
-        "libx264",
-        "-preset",
-        "veryfast",
-        "-pix_fmt",
-        "yuv420p",
-        *quality,
-        str(path),
-    ]
-    subprocess.run(words, input=b"".join(one.tobytes() for one in pictures), check=True)
-    return path

@@ -66,37 +66,13 @@ def _inside(x, y, at_x, at_y, heading):
     return (0.5 - out).clip(0.0, 1.0)
 
 
-def write(path, pictures, times="N/25"):
-    """Write a film whose frames come at `times`, s, an expression of ffmpeg's in their number N."""
+def write(path, pictures, times="N/25", rate=None):
+    """Film of frames at `times`, s, an expression of ffmpeg's in N; `rate` in kbit/s, or fine."""
     high, wide = pictures[0].shape
-    words = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-loglevel",
-        "error",
-        "-y",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "gray",
-        "-s",
-        f"{wide}x{high}",
-        "-r",
-        "25",
-        "-i",
-        "-",
-        "-vf",
-        f"settb=1/90000,setpts='({times})/TB'",
-        "-fps_mode",
-        "passthrough",
-        "-enc_time_base",
-        "1/90000",
-        "-c:v",
-        "libx264",
-        "-preset",
-        "veryfast",
-        "-crf",
-        "10",
-        str(path),
-    ]
-    subprocess.run(words, input=b"".join(one.tobytes() for one in pictures), check=True)
+    quality = ("-crf", "10") if rate is None else ("-b:v", f"{rate}k")
+    source = ("-f", "rawvideo", "-pix_fmt", "gray", "-s", f"{wide}x{high}", "-r", "60", "-i", "-")
+    clock = ("-vf", f"settb=1/90000,setpts='({times})/TB'", "-fps_mode", "passthrough", "-enc_time_base", "1/90000")
+    code = ("-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", *quality)
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", *source, *clock, *code, str(path)]
+    subprocess.run(command, input=b"".join(one.tobytes() for one in pictures), check=True)
     return path

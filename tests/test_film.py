@@ -9,7 +9,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.track.film import appearance, blobs, doubts, make, report
+from walkergen.track.film import appearance, blobs, doubts, make
 from walkergen.track.film.result import Options
 
 
@@ -96,10 +96,11 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
 
     pictures = [films.picture([(*way(one), 0.4)], seed=n) for n, one in enumerate(t)]
     path = films.write(tmp_path / "film.mp4", pictures, words)
-    made = make.track(path, Options(mm_per_px=1.0), tmp_path / "out", silent).tracked
-    np.testing.assert_allclose(made.clock.times, t, atol=1e-4)
-    assert not made.clock.regular
-    assert report.warnings(made) == []
+    made = make.track(path, Options(mm_per_px=1.0), tmp_path / "out", silent)
+    clock = made.tracked.clock
+    np.testing.assert_allclose(clock.times, t, atol=1e-4)
+    assert not clock.regular
+    assert made.warnings == []
     found = tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units())
     assert "rate varies" in found.note
     (one,) = found.tracks
@@ -107,7 +108,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     np.testing.assert_allclose(one.position, way(regular), atol=0.3)  # of a pixel
     assert regular[-1] > t[-1] - 2 * found.interval
     # Filmed at a fifth of the time, as slow motion plays.
-    slow = make.track(path, Options(mm_per_px=1.0, fps=5 * made.clock.fps), tmp_path / "o", silent)
+    slow = make.track(path, Options(mm_per_px=1.0, fps=5 * clock.fps), tmp_path / "o", silent)
     np.testing.assert_allclose(slow.tracked.clock.times, t / 5.0, atol=1e-4)
 
 
@@ -142,10 +143,10 @@ def tracked(folder, film, shifts=None):
     shifts = np.zeros((50, 2)) if shifts is None else shifts
     pictures = [films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)]
     path = films.write(folder / "film.mp4", pictures)
-    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent).tracked
+    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent)
     errors = []
-    for one in made.walkers:
-        ways = [way[one.seen.frames, :2] - one.position for way in CIRCLES]
+    for one in made.tracked.walkers:
+        ways = [way[one.frames, :2] - one.position for way in CIRCLES]
         errors.append(min(ways, key=lambda way: float(np.hypot(*way[0]))))
     return made, np.concatenate(errors)
 
@@ -153,10 +154,10 @@ def tracked(folder, film, shifts=None):
 @pytest.mark.usefixtures("undrawn")
 def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
     made, errors = tracked(tmp_path, Filmed(screws=True))
-    assert report.warnings(made) == []
+    assert made.warnings == []
     assert np.abs(errors).max() < 0.3
-    assert made.shake.largest < 0.1
-    ways = {round(made.path_mm(one)): one.net_mm for one in made.walkers}
+    assert made.found.shake.largest < 0.1
+    ways = {round(made.tracked.path_mm(one)): one.net_mm for one in made.tracked.walkers}
     for radius in (45.0, 50.0):
         # All but the last fiftieth of the circle; chords are shorter by 0.1 %.
         path = 2.0 * np.pi * radius * 49 / 50
@@ -167,20 +168,20 @@ def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
 @pytest.mark.usefixtures("undrawn")
 def test_a_shaking_camera_is_measured_by_what_stands_still(tmp_path):
     made, errors = tracked(tmp_path, Filmed(screws=True), SHIFTS)
-    assert any("camera shakes" in line for line in report.warnings(made))
-    assert made.shake.rms == pytest.approx(SHIFTS.std(), rel=0.05)
-    assert made.shake.rms == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.1)
+    assert any("camera shakes" in line for line in made.warnings)
+    assert made.found.shake.rms == pytest.approx(SHIFTS.std(), rel=0.05)
+    assert made.found.shake.rms == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.1)
     largest = np.hypot(*(SHIFTS - SHIFTS.mean(axis=0)).T).max()
-    assert made.shake.largest == pytest.approx(largest, rel=0.05)
-    assert report.facts(made, ())["shake_px"] == made.shake.rms
+    assert made.found.shake.largest == pytest.approx(largest, rel=0.05)
+    assert made.facts["shake_px"] == made.found.shake.rms
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
     made, _ = tracked(tmp_path, Filmed(), SHIFTS)
-    assert math.isnan(made.shake.rms)
-    assert report.facts(made, ())["shake_px"] is None
-    assert any("stands still" in line for line in report.notes(made))
+    assert math.isnan(made.found.shake.rms)
+    assert made.facts["shake_px"] is None
+    assert any("stands still" in line for line in made.lines)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -188,10 +189,10 @@ def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
 def test_a_shadow_is_measured(tmp_path, share):
     """Against the true mean error, which a shadow in one direction makes."""
     made, errors = tracked(tmp_path, Filmed(shadow=(5.0, -4.0, share)))
-    assert any("shadows" in line for line in report.warnings(made))
+    assert any("shadows" in line for line in made.warnings)
     pull = np.hypot(*errors.mean(axis=0))
     assert pull > 1.5
-    assert report.facts(made, ())["shadow_px"] == pytest.approx(pull, rel=0.2)
+    assert made.facts["shadow_px"] == pytest.approx(pull, rel=0.2)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -207,13 +208,13 @@ def test_a_shadow_is_measured(tmp_path, share):
 )
 def test_bad_light_and_a_tilted_camera_are_warned_of(tmp_path, film, word):
     made, errors = tracked(tmp_path, film)
-    assert any(word in line for line in report.warnings(made))
+    assert any(word in line for line in made.warnings)
     if film.noise > 2:  # half of the contrast as the threshold: fractions of a pixel all the same
         assert np.abs(errors).max() < 0.6
     if film.tilt:
         near, far = 1.0 + film.tilt * (np.array([280.0, 45.0]) / film.wide - 0.5)
         grown = (near / far) ** 1.5 - 1.0  # along the tilt by the square, across it by itself
-        assert report.facts(made, ())["size_change_share"] == pytest.approx(grown, rel=0.15)
+        assert made.facts["size_change_share"] == pytest.approx(grown, rel=0.15)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.05, 0.3])

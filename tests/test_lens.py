@@ -92,13 +92,13 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     bare = wg.track(path, markers="aruco", folder=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "the lens bends" in line)
     assert "smaller" in told
-    share = marked_doubts.of_lens(bare.marked).share
-    away = (marked_doubts.of_lens(bare.marked).away_px / NEAR.focal) ** 2
+    share = marked_doubts.of_lens(bare.found).share
+    away = (marked_doubts.of_lens(bare.found).away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
     made = wg.track(path, markers="aruco", lens=own, folder=tmp_path / "made")
     assert made.warnings == []
-    off, undone = (films.errors(one.marked, ways) for one in (bare, made))
+    off, undone = (films.errors(one.tracked, ways) for one in (bare, made))
     print(off, undone)
     assert off.place_mm > 0.08
     assert undone.place_mm < 0.02
@@ -111,7 +111,7 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", folder=tmp_path / "t")
     assert made.warnings == []
-    bend = marked_doubts.of_lens(made.marked)
+    bend = marked_doubts.of_lens(made.found)
     assert abs(bend.share) < 0.003
     assert abs(bend.share) < 3.0 * bend.error
 
@@ -134,7 +134,7 @@ def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_pat
         low = min(report.tracked.walkers, key=lambda walker: walker.position[:, 1].mean())
         x, y = low.position.T
         rest = y - np.polyval(np.polyfit(x, y, 1), x)
-        return np.abs(rest).max(), np.ptp(low.headed.theta)
+        return np.abs(rest).max(), np.ptp(low.theta)
 
     print(bow(bare), bow(made))
     assert bow(bare)[0] > 1.0 > 0.2 > bow(made)[0]

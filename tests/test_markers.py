@@ -1,6 +1,5 @@
 """Tracks by markers: what drawn films hold is found again, and what cannot be is said."""
 
-import json
 import subprocess
 import sys
 
@@ -16,16 +15,21 @@ from walkergen.analysis import tracks
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
-from walkergen.track.film import marked, marked_report, plane
-from walkergen.track.film.marked import Wish
+from walkergen.track.film import make, plane
+from walkergen.track.film.result import Options
 
 SIDE = 7.2
 ASKEW = Camera(tilt=np.radians(25.0), roll=0.6)
 EXPOSED = Light(uneven=0.5, exposures=5)
 
 
+def read(path, **wish):
+    """Walkers of a film, and what is to be said of it."""
+    return make.find(path, Options(markers="aruco", **wish), silent)
+
+
 def found_in(path, **wish):
-    return marked.find(path, Wish(**wish), silent)
+    return read(path, **wish)[0]
 
 
 def squares(places, headings, side=SIDE):
@@ -85,13 +89,13 @@ def test_noise_of_corners_is_the_error_that_is_told():
 
 def test_a_good_film_is_read_to_a_hundredth_of_a_pixel(plain):
     path, ways = plain
-    found = found_in(path)
+    found, told = read(path)
     off = films.errors(found, ways)
     assert (off.read, off.wrong) == (1.0, 0)
     assert abs(off.scale) < 0.002  # 0.05 of 25 pixels: the codec's blocks
     assert off.place_mm < 0.01  # 0.035 pixels: noise of 3 steps over 24 places a side
     assert off.heading_deg < 0.25  # the same over half a side
-    assert found.plane.tilt_deg < 3.0  # the cosine of 3 degrees is off by 0.0014
+    assert told.found.plane.tilt_deg < 3.0  # the cosine of 3 degrees is off by 0.0014
 
 
 CASES = {
@@ -134,16 +138,17 @@ def test_bad_films_are_read_within_their_errors(tmp_path, name):
     shot, hand, read, scale, place, heading = CASES[name]
     ways = films.circles()
     drawn = {"hand": reaching} if hand else {}
-    found = found_in(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
+    found, told = read(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
+    error = found.mm_per_px_se / found.mm_per_px
     off = films.errors(found, ways)
-    print(name, off, found.plane.tilt_deg, marked_report.scale_error(found))
+    print(name, off, told.found.plane.tilt_deg, error)
     assert off.read >= read
     assert off.wrong == 0
     assert abs(off.scale) < scale
-    assert abs(off.scale) < 2.0 * marked_report.scale_error(found)
+    assert abs(off.scale) < 2.0 * error
     assert off.place_mm < place
     assert off.heading_deg < heading
-    assert found.plane.tilt_deg == pytest.approx(TILTS.get(name, 25.0), abs=1.0)
+    assert told.found.plane.tilt_deg == pytest.approx(TILTS.get(name, 25.0), abs=1.0)
 
 
 def test_walkers_that_touch_keep_their_numbers(tmp_path):
@@ -200,7 +205,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
 
 def measured(table):
     """Estimates of tracks by their names."""
-    return {row.quantity: row for row in wg.analyse(table).table.rows}
+    return {row["quantity"]: row for row in wg.analyse(table).table}
 
 
 @pytest.mark.slow
@@ -231,8 +236,8 @@ def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_pat
     shot = Shot(camera, Light(uneven=0.4, exposures=3), rate=1000)
     path = films.film(tmp_path / "race.mp4", ways, 145, shot)
     made = wg.track(path, markers="aruco", folder=tmp_path / "t")
-    off = films.errors(made.marked, ways)
-    print(off, made.marked.plane.tilt_deg)
+    off = films.errors(made.tracked, ways)
+    print(off, made.found.plane.tilt_deg)
     assert off.wrong == 0
     assert off.read > 0.9
     assert off.place_mm < 0.2  # 0.15 % of the 140 mm they cross: what is left of perspective
@@ -243,12 +248,12 @@ def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_pat
     truth = measured(dict(zip(names, np.array(true).T, strict=True)))
     film = measured(made)
     for name in ("speed_mm_s", "turning_bias_rad_s"):
-        print(name, truth[name].value, truth[name].se, film[name].value, film[name].se)
-    scale = marked_report.scale_error(made.marked)
-    assert film["speed_mm_s"].value == pytest.approx(truth["speed_mm_s"].value, rel=2.0 * scale)
+        print(name, truth[name]["value"], truth[name]["se"], film[name]["value"], film[name]["se"])
+    scale = made.tracked.mm_per_px_se / made.tracked.mm_per_px
+    assert film["speed_mm_s"]["value"] == pytest.approx(truth["speed_mm_s"]["value"], rel=2.0 * scale)
     # 1 degree over the root of 4 tracks, at both ends of 2.4 s
-    bias = truth["turning_bias_rad_s"].value
-    assert film["turning_bias_rad_s"].value == pytest.approx(bias, abs=0.02)
+    bias = truth["turning_bias_rad_s"]["value"]
+    assert film["turning_bias_rad_s"]["value"] == pytest.approx(bias, abs=0.02)
 
 
 def test_the_size_of_the_markers_is_the_scale(plain):
@@ -261,11 +266,11 @@ def test_the_size_of_the_markers_is_the_scale(plain):
 def test_a_part_of_a_film_keeps_its_frames_and_places(plain):
     path, _ = plain
     whole = found_in(path).walkers[0]
-    x, y = whole.corners.mean(axis=(0, 1)).astype(int)
+    x, y = whole.pixels.mean(axis=0).astype(int)
     part = found_in(path, frames=(5, 15), region=(x - 60, y - 60, 120, 120)).walkers
     assert [walker.number for walker in part] == [0]
     assert part[0].frames.tolist() == list(range(5, 15))
-    assert part[0].corners == pytest.approx(whole.corners[5:15], abs=0.01)  # pixels
+    assert part[0].pixels == pytest.approx(whole.pixels[5:15], abs=0.01)  # pixels
 
 
 @pytest.fixture(scope="module")
@@ -282,9 +287,9 @@ def test_a_film_without_markers_and_a_mirrored_one_are_refused(tmp_path, picture
         found_in(films.write(tmp_path / "mirror.mp4", mirrored))
 
 
-def told(path, tmp_path):
+def told(path):
     """Warnings of a film, in one text."""
-    return " ".join(marked_report.track(path, Wish(), tmp_path / "o", silent).warnings)
+    return " ".join(read(path)[1].warnings)
 
 
 @pytest.mark.parametrize(
@@ -303,7 +308,7 @@ def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, wor
     ]
     path = films.film(tmp_path / "odd.mp4", films.circles(3), 20, textures=cells)
     assert [walker.number for walker in found_in(path).walkers] == left
-    assert words in told(path, tmp_path)
+    assert words in told(path)
 
 
 @pytest.mark.parametrize(
@@ -322,7 +327,7 @@ def test_a_marker_that_is_half_covered_for_a_while_is_told_by_number_and_share(t
     pictures, hidden = (films.draw(ways, 20, textures=cells) for cells in (bare, half))
     for frame in covered:
         pictures[frame] = hidden[frame]
-    told_of = told(films.write(tmp_path / "half.mp4", pictures), tmp_path)
+    told_of = told(films.write(tmp_path / "half.mp4", pictures))
     assert words in told_of
     assert words or not told_of
 
@@ -331,10 +336,9 @@ def test_a_walker_that_comes_in_over_the_edge_was_not_lost_before(tmp_path):
     def ways(time):
         return np.array([(-110.0 + 300.0 * time, 0.0, 0.0), (0.0, 40.0, 0.0)])
 
-    made = marked_report.track(films.film(tmp_path / "in.mp4", ways, 20), Wish(), tmp_path / "o", silent)
-    late = made.marked.walkers[0].frames[0]
-    assert late > 1  # frame: it was outside
-    assert made.warnings == []
+    found, told = read(films.film(tmp_path / "in.mp4", ways, 20))
+    assert found.walkers[0].frames[0] > 1  # it was outside
+    assert told.warnings == []
 
 
 def test_a_film_of_twins_alone_is_refused(tmp_path):
@@ -346,8 +350,8 @@ def test_a_film_of_twins_alone_is_refused(tmp_path):
 
 def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
     black = [np.full_like(pictures[0], 16)] * 120
-    path = films.write(tmp_path / "black.mp4", [*pictures[:10], *black, *pictures[10:]])
-    words = told(path, tmp_path)
+    path = films.write(tmp_path / "black.mp4", [*pictures[:10], *black, *pictures[10:]], "N/60")
+    words = told(path)
     assert "no marker is read in 120 of 140 frames; for 2 s on end from 0.1667 s on" in words
     assert "walker 0 is lost in 120 of 140 frames (86 %)" in words
 
@@ -368,7 +372,7 @@ def test_films_that_are_none_say_so_at_once(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--markers", "april"), "--markers 'april': must be aruco"),
+        (("--markers", "april"), "--markers 'april': must be one of aruco"),
         (("--markers", "aruco", "--length", "28"), "--markers aruco tells it: leave --length out"),
         (("--markers", "aruco", "--heading", "mark"), "leave --heading out"),
         (("--marker-mm", "7.2", "--length", "28"), "--markers is not given: leave --marker-mm out"),
@@ -386,15 +390,6 @@ def test_wishes_that_cannot_be_are_refused(tmp_path, monkeypatch, plain, words, 
     assert not list(tmp_path.iterdir())
 
 
-def test_the_command_tells_what_the_function_does(tmp_path, monkeypatch, plain):
-    monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(command_line, ["track", str(plain[0]), "--markers", "aruco", "--json"])
-    assert done.exit_code == 0
-    facts = json.loads(done.stdout)
-    assert [row["particle"] for row in facts["tracks"]] == [0, 1, 2]
-    assert (tmp_path / facts["folder"] / "tracks.csv").is_file()
-
-
 def test_opencv_is_named_where_it_is_missing_and_imported_only_where_it_is_used(monkeypatch, plain):
     monkeypatch.setitem(sys.modules, "cv2", None)
     message = r"track: opencv-python-headless not installed: pip install 'walkergen\[film\]'"
@@ -402,6 +397,6 @@ def test_opencv_is_named_where_it_is_missing_and_imported_only_where_it_is_used(
         found_in(plain[0])
     words = (
         "import sys, walkergen.cli.track, walkergen.printing.caps, "
-        "walkergen.track.film.marked_report as m; assert 'cv2' not in sys.modules"
+        "walkergen.track.film.make; assert 'cv2' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", words], check=True)

@@ -3,12 +3,11 @@
 import csv
 import json
 import math
-import subprocess
 
-import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
+from rendered_films import write
 from typer.testing import CliRunner
 
 import walkergen as wg
@@ -21,7 +20,8 @@ from walkergen.files.progress import silent
 from walkergen.jobs.run.movie import above
 from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
-from walkergen.track.film import appearance, blobs, films, heading, linking, make, report
+from walkergen.track.film import appearance, blobs, films, heading, linking, make, report, unmarked
+from walkergen.track.film import figures as film_figures
 from walkergen.track.film.blobs import Blob, Blobs
 from walkergen.track.film.linking import Seen
 from walkergen.track.film.result import Options
@@ -208,32 +208,6 @@ def test_a_walker_that_jumps_is_refused_with_numbers():
         linking.link([[blob(60.0 * n, 40)] for n in range(30)], 0, 50.0)
 
 
-def write_film(path, frames, fps=25):
-    high, wide = frames[0].shape
-    words = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-loglevel",
-        "error",
-        "-y",
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "gray",
-        "-s",
-        f"{wide}x{high}",
-        "-r",
-        str(fps),
-        "-i",
-        "-",
-        "-c:v",
-        "libx264",
-        "-crf",
-        "12",
-        str(path),
-    ]
-    subprocess.run(words, input=b"".join(one.tobytes() for one in frames), check=True)
-
-
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -254,7 +228,7 @@ LEFT = [(200.0 - 2.5 * n, 120.0, math.pi - 0.02 * n) for n in range(30)]
 def two(tmp_path_factory):
     """Film of two walkers that run toward each other's sides."""
     path = tmp_path_factory.mktemp("films") / "two.mp4"
-    write_film(path, [drawn(pair, spot=20.0, seed=n) for n, pair in enumerate(zip(RIGHT, LEFT))])  # noqa: B905
+    write(path, [drawn(pair, spot=20.0, seed=n) for n, pair in enumerate(zip(RIGHT, LEFT))])  # noqa: B905
     return path
 
 
@@ -282,7 +256,7 @@ def test_a_part_of_a_film_keeps_its_frames_and_places(tmp_path, two):
     wish = Options(mm_per_px=0.5, frames=(5, 20), region=(0, 70, 240, 80))
     part = make.track(two, wish, tmp_path, silent).tracked
     (one,) = part.walkers
-    assert one.seen.frames.tolist() == list(range(5, 20))
+    assert one.frames.tolist() == list(range(5, 20))
     np.testing.assert_allclose(one.position, 0.5 * np.array(RIGHT)[5:20, :2], atol=0.1)
     with (tmp_path / "tracks.csv").open() as stream:
         first = next(csv.DictReader(stream))
@@ -296,12 +270,12 @@ def test_touching_lost_and_held_walkers_are_warned_of(tmp_path):
     frames = [drawn(pair, noise=0) for pair in ways]
     frames[12:15] = [drawn([], noise=0)] * 3
     frames += [frames[-1]] * 20
-    write_film(tmp_path / "bad.mp4", frames)
-    made = make.track(tmp_path / "bad.mp4", Options(mm_per_px=1.0), tmp_path / "o", silent).tracked
-    told = " ".join(report.warnings(made))
+    write(tmp_path / "bad.mp4", frames)
+    made = make.track(tmp_path / "bad.mp4", Options(mm_per_px=1.0), tmp_path / "o", silent)
+    told, still = " ".join(made.warnings), made.found.still
     assert "nothing was found in 3 of 60 frames" in told
-    assert f"nothing moves in {made.still} of 60 frames: if the film holds" in told
-    assert 15 <= made.still <= 20
+    assert f"nothing moves in {still} of 60 frames: if the film holds" in told
+    assert 15 <= still <= 20
 
 
 def movies_film(path, seconds):
@@ -313,7 +287,7 @@ def movies_film(path, seconds):
     draw = above.draw_above([shot], movie.TRAIL, job.slow, "settings", 1.0 / 90.0, None)
     grey = [np.asarray(Image.fromarray(draw(n)).convert("L")) for n in range(job.frames)]
     high, wide = (16 * (side // 16) for side in grey[0].shape)
-    write_film(path, [one[-high:, :wide] for one in grey])
+    write(path, [one[-high:, :wide] for one in grey])
     left, right, low, top = above._window(shot, None)
     across = (right - left) / (above.WIDTH - 2 * above.MARGIN)
     return shot, max(across, (top - low) / above.TALLEST)
@@ -324,18 +298,18 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
     wish = Options(mm_per_px=scale)
-    made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent).tracked
-    by_length = make._scale(Options(length_mm=28.0), made.linked.length)
+    made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
+    by_length = unmarked.scale_of(Options(length_mm=28.0), made.found.linked.length)
     assert by_length[0] == pytest.approx(scale, abs=by_length[1])
-    (one,) = made.walkers
-    assert one.seen.frames.tolist() == list(range(13))
+    (one,) = made.tracked.walkers
+    assert one.frames.tolist() == list(range(13))
     theta = shot.poses.heading[:: movie.TRAIL]
     truth = shot.track[:: movie.TRAIL] + shot.base[0] * np.column_stack([np.cos(theta), np.sin(theta)])
     apart = (one.position - one.position.mean(axis=0)) - (truth - truth.mean(axis=0))
     assert np.abs(apart).max() < 0.3 * scale  # a fraction of a pixel
-    assert np.degrees(np.abs(one.headed.theta - theta)).max() < 1.5
+    assert np.degrees(np.abs(one.theta - theta)).max() < 1.5
     # The same functions measure the same motion of both.
-    rows = [np.column_stack([place, turn]) for place, turn in ((one.position, one.headed.theta), (truth, theta))]
+    rows = [np.column_stack([place, turn]) for place, turn in ((one.position, one.theta), (truth, theta))]
     filmed, run = (motion.analyse(tracks.of_places([row], 0.04, lane=False)) for row in rows)
     steps = [found.estimates["parallel_mean"] for found in (filmed, run)]
     assert steps[0].value == pytest.approx(steps[1].value, rel=0.01)
@@ -411,7 +385,7 @@ def test_too_large_a_film_and_a_missing_package_say_what_to_do(monkeypatch, two)
 
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
-    monkeypatch.setattr("walkergen.track.film.figures.WIDE", 3.0)  # drawn in less time
+    monkeypatch.setattr(film_figures, "WIDE", 3.0)  # drawn in less time
     found = wg.track(two, length=28.0, heading="mark", folder=tmp_path / "here")
     assert found.picture == tmp_path / "here" / "check.png"
     table = found.table

@@ -3,14 +3,11 @@
 import os
 from pathlib import Path
 
-from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.track.film import lens as lenses
-from walkergen.track.film import make, marked, marked_report
-from walkergen.track.film.marked import Wish
-from walkergen.track.film.marked_report import MarkedReport
+from walkergen.track.film import make
 from walkergen.track.film.report import TrackReport
 from walkergen.track.film.result import Options
 
@@ -32,7 +29,7 @@ def track(
     lens: str | os.PathLike[str] | None = None,
     folder: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
-) -> TrackReport | MarkedReport:
+) -> TrackReport:
     """Track walkers in a film from above; give `mm_per_px`, or the `length` of a walker in mm.
 
     Either may bear its standard error, as "0.05±0.001", which then goes with every length.
@@ -46,11 +43,10 @@ def track(
     """
     path = Path(film)
     target = output.results(path, None, "track") if folder is None else Path(folder)
-    tell = progress or silent
     scale, scale_se = measured(mm_per_px, "mm_per_px")
     long, long_se = measured(length, "length")
-    bends = None if lens is None else lenses.read(Path(lens))
-    wish = Options(
+    side, side_se = measured(marker_mm, "marker_mm")
+    options = Options(
         mm_per_px=scale,
         mm_per_px_se=scale_se,
         length_mm=long,
@@ -62,13 +58,9 @@ def track(
         threshold=threshold,
         width_px=width,
         heading=heading,
-        lens=bends,
+        lens=None if lens is None else lenses.read(Path(lens)),
+        markers=markers,
+        marker_mm=side,
+        marker_se_mm=side_se,
     )
-    side, side_se = measured(marker_mm, "marker_mm")
-    if markers is None and side is None:
-        return make.track(path, wish, target, tell)
-    marked.check_kind(markers or "", "markers=")
-    if wish != Options(fps=fps, frames=frames, region=region, lens=bends):
-        raise InputError("markers: tell it: leave mm_per_px, length, walkers, threshold, width and heading out")
-    own = Wish(Wish().marker_mm if side is None else side, side_se, fps, frames, region, bends)
-    return marked_report.track(path, own, target, tell)
+    return make.track(path, options, target, progress or silent)

@@ -1,6 +1,5 @@
 """The command `track`."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -71,21 +70,9 @@ def track(
     from walkergen.track.film import make
     from walkergen.track.film.result import Options
 
-    if markers is not None:
-        beside = {
-            "--mm-per-px": mm_per_px,
-            "--length": length,
-            "--walkers": walkers,
-            "--threshold": threshold,
-            "--width": width,
-            "--heading": None if heading == "motion" else heading,
-        }
-        _refuse(f"--markers {markers[:30]} tells it", beside)
-        _by_markers(film, markers, marker_mm, fps, frames, region, lens, out, json, quiet)
-        return
-    _refuse("--markers is not given", {"--marker-mm": marker_mm})
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
     long, long_se = measured(length, "--length")
+    side, side_se = measured(marker_mm, "--marker-mm")
     options = Options(
         mm_per_px=scale,
         mm_per_px_se=scale_se,
@@ -99,52 +86,14 @@ def track(
         width_px=width,
         heading=heading,
         lens=None if lens is None else lenses.read(lens),
+        markers=markers,
+        marker_mm=side,
+        marker_se_mm=side_se,
     )
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
         result = make.track(film, options, folder, progress)
     show.report(result, json, quiet)
-
-
-def _by_markers(
-    film: Path,
-    markers: str,
-    marker_mm: str | None,
-    fps: float | None,
-    frames: str,
-    region: str | None,
-    lens: Path | None,
-    out: Path | None,
-    json: bool,
-    quiet: bool,
-) -> None:
-    """Track by markers, and print what was found."""
-    from walkergen.files import output
-    from walkergen.files.measured import measured
-    from walkergen.track.film import lens as lenses
-    from walkergen.track.film import marked, marked_report
-
-    marked.check_kind(markers, "--markers ")
-    side, side_se = measured(marker_mm, "--marker-mm")
-    wish = marked.Wish(
-        marked.Wish().marker_mm if side is None else side,
-        side_se,
-        fps,
-        _frames(frames),
-        None if region is None else _region(region),
-        None if lens is None else lenses.read(lens),
-    )
-    folder = output.results(film, out, "track")
-    with show.progress("track", wanted=not quiet) as progress:
-        result = marked_report.track(film, wish, folder, progress)
-    show.report(result, json, quiet)
-
-
-def _refuse(why: str, flags: Mapping[str, object]) -> None:
-    """Raise InputError for the first option that is given."""
-    for option, value in flags.items():
-        if value is not None:
-            raise InputError(f"{why}: leave {option} out")
 
 
 def _frames(text: str) -> tuple[int, int | None]:

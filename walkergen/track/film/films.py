@@ -21,10 +21,14 @@ import numpy.typing as npt
 
 from walkergen import extras
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import reading, words
+from walkergen.files.progress import Progress
 
 Grey = npt.NDArray[np.uint8]
 """Brightness of a frame, shape (height, width), 0 black to 255 white; row 0 is the upper one."""
+
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom of a part of the frame, pixels."""
 
 MOST_PIXELS = 36_000_000
 """Largest frame: 8K."""
@@ -54,9 +58,11 @@ class Film(NamedTuple):
 class Reel(NamedTuple):
     """Frames of a film as they come, and then their times."""
 
-    frames: Iterator[tuple[int, Grey]]
-    """Numbers, counted from 0, and pictures. Raises InputError where a frame is incomplete, or
+    frames: Iterator[Grey]
+    """Parts of the frames that are looked at. Raises InputError where a frame is incomplete, or
     where there are too many."""
+    expected: int
+    """Number of them by what the film says, 1 at least."""
     stamps: Path
     """File of the times, complete after the last frame."""
 
@@ -72,6 +78,15 @@ class Clock(NamedTuple):
     """True when all frames come at that rate."""
     played_s: float
     """Time of the last frame as the film plays."""
+
+    @property
+    def in_words(self) -> str:
+        """Rate of frames, and how far apart they are where that changes."""
+        rate = f"{words.number(self.fps, 4)} frames a second"
+        if self.regular:
+            return rate
+        steps = 1e3 * np.diff(self.times)
+        return f"{rate} in the mean, {words.span(steps.min(), steps.max(), 3)} ms apart by the film's times"
 
 
 def require() -> None:
@@ -101,12 +116,14 @@ def about(path: Path) -> Film:
 
 
 @contextmanager
-def play(film: Film, first: int, last: int | None) -> Iterator[Reel]:
-    """Play a film's frames of numbers first..last - 1, or up to the end."""
+def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
+    """Play a part of a film's frames, from the first to the one before the last, or up to the end."""
+    first, last = frames
+    expected = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
     with tempfile.TemporaryDirectory() as folder:
         stamps = Path(folder) / "stamps"
         # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
-        words = [
+        options = [
             "-fps_mode",
             "passthrough",
             "-enc_time_base",
@@ -117,13 +134,27 @@ def play(film: Film, first: int, last: int | None) -> Iterator[Reel]:
             "{pts} {tb}",
             *(() if last is None else ("-frames:v", str(last))),
         ]
-        with _playing(film.path, words) as (process, messages):
-            yield Reel(_frames(film, first, process, messages), stamps)
+        with _playing(film.path, options) as (process, messages):
+            whole = _frames(film, first, process, messages)
+            yield Reel(_parts(whole, part, expected, progress), expected, stamps)
 
 
-def _frames(
-    film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]
-) -> Iterator[tuple[int, Grey]]:
+def _parts(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
+    """Parts of frames, each told of once it is done with."""
+    left, top, right, bottom = part
+    for done, whole in enumerate(frames, 1):
+        yield np.ascontiguousarray(whole[top:bottom, left:right])
+        progress("frames", done, max(expected, done))
+
+
+def refuse_few(frames: int, first: int) -> None:
+    """Raise InputError for fewer than two frames from the first on."""
+    if frames < 2:
+        raise InputError(f"{frames} frame{'' if frames == 1 else 's'} from {first} on: at least 2 are needed")
+
+
+def _frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
+    """Whole frames from the first on."""
     size = film.width * film.height
     assert process.stdout is not None
     process.stdout.readline(MOST_LETTERS)
@@ -137,7 +168,7 @@ def _frames(
         if number >= MOST_FRAMES:
             raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
         if number >= first:
-            yield number, np.frombuffer(data, np.uint8).reshape(film.height, film.width)
+            yield np.frombuffer(data, np.uint8).reshape(film.height, film.width)
     process.wait()  # it writes the last of the times at its end
 
 
@@ -172,7 +203,7 @@ def _playing(path: Path, more: Sequence[str] = ()) -> Iterator[tuple["subprocess
     """Ffmpeg at work on a film, sending its frames, and its messages; ended at the end."""
     import imageio_ffmpeg
 
-    words = [
+    command = [
         imageio_ffmpeg.get_ffmpeg_exe(),
         "-hide_banner",
         "-nostats",
@@ -196,7 +227,7 @@ def _playing(path: Path, more: Sequence[str] = ()) -> Iterator[tuple["subprocess
     ]
     with (
         tempfile.TemporaryFile() as messages,
-        subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages) as process,
+        subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages) as process,
     ):
         try:
             yield process, messages

@@ -3,30 +3,31 @@
 Reads markers frame by frame, and finds the plane in which they are squares of their size.
 """
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.track.film import films, make, plane
-from walkergen.track.film.films import Clock, Film, Grey
+from walkergen.track.film import films, plane
+from walkergen.track.film.films import Box, Clock, Film, Grey
 from walkergen.track.film.heading import unwrapped
 from walkergen.track.film.lens import Lens
 from walkergen.track.film.linking import PART, SHORTEST
 from walkergen.track.film.markers import SMALLEST, Reader, Sighted
-from walkergen.track.film.plane import Plane
+from walkergen.track.film.plane import Plane, Pose
+from walkergen.track.film.result import Array, Options, Outline, Tracked, Walker, Whole
 from walkergen.walker import caps
 
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
+MARKER_MM = 7.2
+"""Side of the markers that `plate --caps` prints by default, black frame included."""
 
-KINDS = ("aruco",)
-"""Markers that are read: OpenCV's ArUco."""
+EDGES = 0.2
+"""Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
+scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
 
 LOOKED_AT = 8
 """Number of frames in which markers are looked for in the mirror where there are none."""
@@ -34,45 +35,6 @@ LOOKED_AT = 8
 TWICE = 0.02
 """Part of a marker's frames in which it may be seen at two places at once: misread, not printed
 twice."""
-
-
-class Wish(NamedTuple):
-    """What a person tells of a film with markers."""
-
-    marker_mm: float = 7.2
-    """Side of the markers, their black frame included."""
-    marker_se_mm: float | None = None
-    """Standard error of `marker_mm`."""
-    fps: float | None = None
-    """Frames per second at which the film was taken."""
-    frames: tuple[int, int | None] = (0, None)
-    """First frame, and the one after the last."""
-    region: tuple[int, int, int, int] | None = None
-    """Left and upper edge, width and height of the part that is looked at, pixels."""
-    lens: Lens | None = None
-    """Lens that bends, which is undone; None for one that does not."""
-
-
-class Walker(NamedTuple):
-    """Walker by its marker, in the frames in which that was read."""
-
-    number: int
-    frames: Whole
-    """Ascending, shape (n,)."""
-    corners: Array
-    """Corners of the marker, shape (n, 4, 2), pixels; see `markers.Sighted`."""
-    straight: Array
-    """The same by a lens that does not bend."""
-    position: Array
-    """Middles of the marker, shape (n, 2), mm from the frame's lower left corner, y up."""
-    theta: Array
-    """Headings, shape (n,), rad, from x (to the right) toward y (up); whole turns are counted."""
-
-    @property
-    def side_px(self) -> float:
-        """Median side of the marker in the picture, pixels."""
-        ways = self.corners - np.roll(self.corners, 1, axis=1)
-        return float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
 
 
 class LeftOut(NamedTuple):
@@ -89,57 +51,64 @@ class LeftOut(NamedTuple):
 
 
 class Marked(NamedTuple):
-    """What was found in a film with markers."""
+    """What tracks of walkers with markers rest on."""
 
-    film: Film
-    wish: Wish
     plane: Plane
-    walkers: tuple[Walker, ...]
-    """In the order of their numbers."""
+    straight: Sequence[Array]
+    """Corners of each walker's marker by a lens that does not bend, shape (n, 4, 2), pixels; see
+    `markers.Sighted`."""
     left_out: LeftOut
-    looked: int
-    """Frames looked at."""
     empty: Whole
     """Numbers of the frames in which no marker was read."""
-    clock: Clock
-    picture: Grey
-    """Part of the first frame that was looked at."""
-    part: tuple[int, int, int, int]
-    """Left, top, right and bottom of it in the frame, pixels."""
 
 
-def check_kind(markers: str, flag: str) -> None:
-    """Raise InputError, which begins with a flag, for markers of another kind."""
-    if markers not in KINDS:
-        raise InputError(f"{flag}{markers[:30]!r}: must be {' or '.join(KINDS)}")
-
-
-def check(wish: Wish) -> None:
-    """Raise InputError for wishes that are out of range."""
-    for flag, value in (("--marker-mm", wish.marker_mm), ("--fps", wish.fps)):
-        if value is not None and not make.LEAST <= value <= make.LARGEST:
-            raise InputError(f"{flag} {value:g}: must be a number in {make.LEAST:g}..{make.LARGEST:g}")
-    make.check_frames(wish.frames)
-
-
-def find(path: Path, wish: Wish, progress: Progress) -> Marked:
-    """Walkers of a film by their markers.
-
-    Raises InputError when the film cannot be read, or no marker in it.
+def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
+    """Walkers in a part of a film's frames by their markers, and what they rest on, in the order of
+    their numbers. Raises InputError for none.
     """
-    films.require()
-    check(wish)
-    film = films.about(path)
-    part = make.part_of(film, wish.region)
-    if min(part[2] - part[0], part[3] - part[1]) < 2.0 * SMALLEST:
-        raise InputError(
-            f"{path}: {part[2] - part[0]} x {part[3] - part[1]} pixels: a marker needs "
-            f"{SMALLEST:g} and a rim: film larger"
-        )
-    try:
-        return _found(film, part, wish, progress)
-    except InputError as error:
-        raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
+    left, top, right, bottom = part
+    if min(right - left, bottom - top) < 2.0 * SMALLEST:
+        raise InputError(f"{right - left} x {bottom - top} pixels: a marker needs {SMALLEST:g} and a rim: film larger")
+    seen, clock, picture, mirrored = _read(film, part, options, progress)
+    first, side = options.frames[0], options.marker_mm or MARKER_MM
+    empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
+    tracks, twice, rare = _sorted(seen, first)
+    unbent = {number: corners if lens is None else lens.straight(corners) for number, (_, corners) in tracks.items()}
+    flat = plane.fit(np.concatenate([*unbent.values()]), side, film.width, film.height)
+    walkers, straight, bent = list[Walker](), list[Array](), dict[int, int]()
+    poses = {number: plane.pose(flat, corners, side) for number, corners in unbent.items()}
+    sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
+    for number, (frames, corners) in tracks.items():
+        good, sound = np.split(sound, [len(frames)])
+        if not good.all():
+            bent[number] = int((~good).sum())
+        if good.any():
+            pose = Pose(*(values[good] for values in poses[number]))
+            walkers.append(_walker(number, frames[good], corners[good], pose))
+            straight.append(unbent[number][good])
+    scale = flat.mm_per_px
+    scale_se = scale * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
+    tracked = Tracked(film, options, part, picture, clock, len(seen), walkers, scale, scale_se)
+    return tracked, Marked(flat, straight, LeftOut(twice, rare, bent, mirrored), np.array(empty, np.int64))
+
+
+def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
+    """Standard error of all lengths as a share: of the markers' true size, and of their edges."""
+    return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGES / side_px)
+
+
+def _walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
+    """Walker by the corners of its marker in the picture, and their pose in the plane."""
+    ways = corners - np.roll(corners, 1, axis=1)
+    side_px = float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
+    middles, outlines = corners.mean(axis=1), []
+    for at in (0, -1):
+        square = corners[at]
+        ahead = 0.5 * (square[0] + square[1]) - middles[at]
+        outlines.append(Outline(square[[0, 1, 2, 3, 0]], middles[at] + np.outer((1.4, 2.6), ahead)))
+    theta = unwrapped(pose.headings)
+    ends = (outlines[0], outlines[1])
+    return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, ends)
 
 
 class _Read(NamedTuple):
@@ -153,65 +122,19 @@ class _Read(NamedTuple):
     """Numbers that are read in the mirror."""
 
 
-def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress) -> Marked:
-    seen, clock, picture, mirrored = _read(film, part, wish, progress)
-    first = wish.frames[0]
-    empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
-    tracks, twice, rare = _sorted(seen, first)
-    side = wish.marker_mm
-    lens = None if wish.lens is None else wish.lens.of_film(film.width, film.height)
-    straight = {number: corners if lens is None else lens.straight(corners) for number, (_, corners) in tracks.items()}
-    flat = plane.fit(np.concatenate([*straight.values()]), side, film.width, film.height)
-    walkers, bent = list[Walker](), dict[int, int]()
-    poses = {number: plane.pose(flat, corners, side) for number, corners in straight.items()}
-    sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
-    for number, (frames, corners) in tracks.items():
-        pose, (good, sound) = poses[number], np.split(sound, [len(frames)])
-        if not good.all():
-            bent[number] = int((~good).sum())
-        if good.any():
-            walkers.append(
-                Walker(
-                    number,
-                    frames[good],
-                    corners[good],
-                    straight[number][good],
-                    pose.places[good],
-                    unwrapped(pose.headings[good]),
-                )
-            )
-    return Marked(
-        film,
-        wish,
-        flat,
-        tuple(walkers),
-        LeftOut(twice, rare, bent, mirrored),
-        len(seen),
-        np.array(empty, np.int64),
-        clock,
-        picture,
-        part,
-    )
-
-
-def _read(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress) -> _Read:
+def _read(film: Film, part: Box, options: Options, progress: Progress) -> _Read:
     """Markers of all frames. Raises InputError."""
     left, top, right, bottom = part
-    first, last = wish.frames
-    total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
     reader, seen = Reader(right - left, bottom - top), list[Sighted]()
     samples: list[Grey] = []
-    with films.play(film, first, last) as reel:
-        for _, whole in reel.frames:
-            grey = np.ascontiguousarray(whole[top:bottom, left:right])
+    with films.play(film, part, options.frames, progress) as reel:
+        for grey in reel.frames:
             sighted = reader.read(grey)
-            if len(seen) % max(1, total // LOOKED_AT) == 0 and len(samples) < LOOKED_AT:
+            if len(seen) % max(1, reel.expected // LOOKED_AT) == 0 and len(samples) < LOOKED_AT:
                 samples.append(grey)
             seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
-            progress("frames", len(seen), max(total, len(seen)))
-        if len(seen) < 2:
-            raise InputError(f"{len(seen)} frame{'' if len(seen) == 1 else 's'} from {first} on: at least 2 are needed")
-        clock = films.clock(film, reel.stamps, wish.fps)
+        films.refuse_few(len(seen), options.frames[0])
+        clock = films.clock(film, reel.stamps, options.fps)
     upright = {number for sighted in seen for number in sighted.numbers.tolist()}
     mirrored = [number for number in _mirrored(reader, samples) if number not in upright]
     if not upright or (mirrored and upright <= caps.symmetric()):

@@ -1,21 +1,22 @@
-"""What was found in a film: its walkers, and what their places rest on."""
+"""Result of tracking a film: what was asked, its walkers, and what is to be said of them."""
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.track.film import doubts
-from walkergen.track.film.appearance import Appearance
-from walkergen.track.film.camera import Shake
-from walkergen.track.film.films import Clock, Film, Grey
-from walkergen.track.film.heading import Headed
+from walkergen.track.film.films import Box, Clock, Film, Grey
 from walkergen.track.film.lens import Lens
-from walkergen.track.film.linking import Linked, Seen
+
+if TYPE_CHECKING:
+    from walkergen.track.film.marked import Marked
+    from walkergen.track.film.unmarked import Unmarked
 
 Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
 
 
 class Options(NamedTuple):
@@ -35,7 +36,7 @@ class Options(NamedTuple):
     region: tuple[int, int, int, int] | None = None
     """Left and upper edge, width and height of the part that is looked at, pixels."""
     walkers: str | None = None
-    """One of `SIDES`."""
+    """One of `make.SIDES`."""
     threshold: float | None = None
     """Contrast beyond which a pixel is a walker's, steps of 255."""
     width_px: float | None = None
@@ -44,22 +45,60 @@ class Options(NamedTuple):
     """One of `heading.BY`."""
     lens: Lens | None = None
     """Lens that bends, which is undone; None for one that does not."""
+    markers: str | None = None
+    """Markers that walkers bear, one of `make.MARKERS`, which tell scale, walkers and headings; None:
+    they bear none."""
+    marker_mm: float | None = None
+    """Side of the markers, their black frame included; None: as `plate --caps` prints them."""
+    marker_se_mm: float | None = None
+    """Standard error of `marker_mm`."""
+
+
+class Outline(NamedTuple):
+    """Walker in one frame as the picture shows it, pixels of the whole frame, y downward."""
+
+    rim: Array
+    """Closed, shape (k, 2)."""
+    arrow: Array
+    """Tail and tip of an arrow to its front, shape (2, 2); NaN where its heading is not known."""
 
 
 class Walker(NamedTuple):
-    """One tracked walker."""
+    """One tracked walker, in the frames in which it was seen."""
 
-    seen: Seen
-    straight: Seen
-    """The same by a lens that does not bend."""
+    number: int
+    """Number of its marker, or of the walker in the order in which they come."""
+    frames: Whole
+    """Ascending, shape (n,)."""
+    pixels: Array
+    """Places in the picture, shape (n, 2), pixels from the frame's upper left corner, y downward."""
     position: Array
     """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
-    headed: Headed
+    theta: Array
+    """Headings, shape (n,), rad, from x (to the right) toward y (up); whole turns are counted; NaN
+    where one is not known."""
+    heading_by: str
+    """What the headings rest on, or the reason why there is none."""
+    size_px: float
+    """Median side of its marker in the picture, or length of the walker."""
+    outlines: tuple[Outline, Outline]
+    """As it was first and last seen."""
+
+    @property
+    def lost(self) -> int:
+        """Number of frames between its first and its last in which it was not seen."""
+        return int(self.frames[-1] - self.frames[0] + 1 - len(self.frames))
 
     @property
     def net_mm(self) -> float:
         """Distance from its first place to its last, mm; a full circle has none."""
         return math.dist(self.position[0], self.position[-1])
+
+    @property
+    def turned_deg(self) -> float | None:
+        """Change of its heading from the first that is known to the last; None for fewer than one."""
+        known = self.theta[~np.isnan(self.theta)]
+        return math.degrees(float(known[-1] - known[0])) if len(known) else None
 
 
 class Tracked(NamedTuple):
@@ -67,22 +106,18 @@ class Tracked(NamedTuple):
 
     film: Film
     options: Options
-    look: Appearance
-    linked: Linked
-    walkers: Sequence[Walker]
+    part: Box
+    """What was looked at."""
+    picture: Grey
+    """That part of the first frame."""
+    clock: Clock
     looked: int
     """Frames looked at."""
-    still: int
-    """Frames in which nothing has moved since the one before."""
-    clock: Clock
+    walkers: Sequence[Walker]
     mm_per_px: float
+    """Scale; with markers that in the middle of the picture."""
     mm_per_px_se: float | None
-    """Standard error of `mm_per_px`; None where it was given without."""
-    shake: Shake
-    picture: Grey
-    """Part of the first frame that was looked at."""
-    part: tuple[int, int, int, int]
-    """Left, top, right and bottom of it in the frame, pixels."""
+    """Standard error of `mm_per_px`, and so of all lengths; None where it was given without."""
 
     @property
     def jitter_mm(self) -> float:
@@ -95,7 +130,20 @@ class Tracked(NamedTuple):
 
     def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
         """Times and places of all frames from a walker's first to its last; NaN where lost."""
-        first, last = walker.seen.frames[[0, -1]]
+        first, last = walker.frames[[0, -1]]
         places = np.full((last - first + 1, 2), np.nan)
-        places[walker.seen.frames - first] = walker.position
+        places[walker.frames - first] = walker.position
         return self.clock.times[first : last + 1], places
+
+
+class Told(NamedTuple):
+    """What is to be said of a film beside its tracks."""
+
+    found: "Unmarked | Marked"
+    """What the tracks rest on."""
+    facts: dict[str, Any]
+    """For JSON and the manifest, with units in the names."""
+    notes: list[str]
+    """What was looked for, in words, and the scale with its error."""
+    warnings: list[str]
+    """What went wrong, each with its size or its number of frames."""
