@@ -35,9 +35,9 @@ from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.jobs.run.simulate import uncertain as prints
 from walkergen.lab.fit import learn
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.plan import prepare
 from walkergen.theory import prediction, uncertain
 from walkergen.walker import solids
@@ -144,8 +144,8 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
         }
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
-        asked.append(Experiment(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
-    found = experiments.on_threads(asked, [f"{tilt:g}" for tilt in tilts], silent)
+        asked.append(Walker(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
+    found = walkers.at_once(asked).values()
     told = [one.summary.speed_mm_s for one in found]
     if None in told:
         raise InputError("a hidden print falls")

@@ -22,9 +22,10 @@ import numpy as np
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments, observables, resolution
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation import observables, resolution
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.plan import prepare
 from walkergen.theory import prediction, surrogate
 from walkergen.walker import solids
@@ -132,8 +133,8 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     own = scene.variant(**run)
     plan = prepare(own, design, mass)
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
-    pair = [Experiment(own, design, mass), Experiment(own.variant(**fine), design, mass)]
-    coarse, finer = (one.summary for one in experiments.on_threads(pair, ["own", "fine"], silent))
+    pair = [Walker(own, design, mass), Walker(own.variant(**fine), design, mass)]
+    coarse, finer = (one.summary for one in walkers.at_once(pair).values())
     stated = resolution.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
     known = [math.nan if value is None else value for value in (*speeds, stated)]

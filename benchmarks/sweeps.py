@@ -15,15 +15,13 @@ from pathlib import Path
 
 from walkergen.files import templates
 from walkergen.jobs.run.sweep.make import Job, make
-from walkergen.points import axes, run
-from walkergen.points.measure import with_runs
+from walkergen.points import axes, run, walkers
 from walkergen.points.point import Point
 from walkergen.points.request import Request
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import local
 from walkergen.scene import Scene
-from walkergen.simulation import experiments
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -49,7 +47,7 @@ def silent(what: str, done: int, total: int) -> None:
 
 def request_of(count: int, model: str = "prediction") -> Request:
     design = templates.load("koumakis2016", "walkers", Design)
-    scene = with_runs(templates.load("lane-90hz", "scenes", Scene), runs=4, seconds=4.0)
+    scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"run.runs": 4, "run.seconds": 4.0})
     space = axes.Space((axes.parse(f"legs.tilt_deg=1:40:{39 / (count - 1):.9g}"),))
     return Request(design, scene, space, model)
 
@@ -57,14 +55,14 @@ def request_of(count: int, model: str = "prediction") -> Request:
 def overhead(count: int, folder: Path) -> None:
     """Points of short runs through the store against their masses and simulations in a loop."""
     request = request_of(count, "compliant")
-    short = with_runs(request.scene, runs=4, seconds=0.05, discard_seconds=0.0)
+    short = request.scene.variant(**{"run.runs": 4, "run.seconds": 0.05, "run.discard_seconds": 0.0})
     asked = [one for one in request._replace(scene=short).points() if isinstance(one, Point)]
     list(run.each(asked[:1], Store(folder / "warm")))
     times = []
     for number in range(REPEATS):
         started = time.perf_counter()
         for one in asked:
-            experiments.measure(Experiment(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
+            walkers.simulate(Walker(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
         middle = time.perf_counter()
         list(run.each(asked, Store(folder / f"overhead{number}")))
         times.append((middle - started, time.perf_counter() - middle))
@@ -78,7 +76,7 @@ def workers(count: int, folder: Path) -> None:
     for number in (1, 2):
         request = request_of(count, "compliant")
         asked = [one for one in request.asked() if isinstance(one, Point)]
-        asked = [one._replace(scene=with_runs(one.scene, runs=16)) for one in asked]
+        asked = [one._replace(scene=one.scene.variant(**{"run.runs": 16})) for one in asked]
         with local(number) as pool:
             store = Store(folder / f"workers{number}")
             list(run.each(asked[: 2 * number], store, pool))

@@ -101,7 +101,7 @@ def test_explain_names_the_slowest_and_the_fastest_leg():
     for legs, told in ((TWO, False), (unlike, True)):
         design = design_of(legs)
         case = Case(scene_of(), design, solids.mass_of(design), "space")
-        meaning = compliance.verdict(case).meaning
+        meaning = compliance.judge(case).meaning
         assert ("slowest back; fastest front, 1.5" in meaning) == told
 
 

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.crowd import in_space as crowd_space
+from walkergen.crowd.job.make import simulate
 from walkergen.crowd.members import RATE_HZ
 from walkergen.crowd.space import run as crowds
 from walkergen.errors import InputError
@@ -73,7 +74,7 @@ def test_each_row_is_what_the_command_crowd_says_of_the_same_crowd(calls, store)
         cells = dict(zip(report.table.keys, row, strict=True))
         point = request.point({"scene.crowd.packing": cells["scene.crowd.packing"]})
         job = crowd_space.asked(point.scene, [point.design], None, RATE_HZ)
-        numbers = crowd_space.simulate(job, 2, silent).statistics.numbers
+        numbers = simulate(job, 2, silent).statistics.numbers
         assert cells["walkers"] == len(job.numbers)
         assert cells["runs"] == 3
         for name in keep:

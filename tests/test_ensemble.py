@@ -1,6 +1,5 @@
 """Ensembles: statistics against closed forms, and models that misbehave."""
 
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -174,27 +173,3 @@ def test_no_impact_and_no_motion_is_stuck():
 
     result = simulate(fake_plan(rests, scene_of()), 0)
     assert (result.outcome, result.speed) == (Outcome.STUCK, 0.0)
-
-
-def test_ctrl_c_keeps_the_finished_runs():
-    calls = []
-
-    def interrupted(what, done, total):
-        calls.append(done)
-        if done >= 2:
-            raise KeyboardInterrupt
-
-    def slow(state, duration, tally):
-        time.sleep(1e-3)
-        return steady(state, duration, tally)
-
-    results = ensemble.run(fake_plan(slow, scene_of(runs=50)), interrupted, threads=1)
-    assert 2 <= len(results) < 50
-
-
-def test_ctrl_c_before_any_run_has_finished_is_passed_on():
-    def interrupted(state, duration, tally):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        ensemble.run(fake_plan(interrupted, scene_of(runs=2)), silent, threads=1)

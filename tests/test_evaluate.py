@@ -7,11 +7,10 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.points import measure, tolerance
 from walkergen.points import point as points
+from walkergen.points import tolerance, walkers
 from walkergen.points.axes import Space
 from walkergen.points.evaluate import evaluate
-from walkergen.points.measure import FEWEST_AT_ALL, SLACK, allowed, refined, with_runs
 from walkergen.points.point import key
 from walkergen.points.request import Request
 from walkergen.printing import checks
@@ -69,8 +68,8 @@ def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one(
 def test_a_simulated_point_is_the_simulation_bit_for_bit():
     point = point_at("compliant", keep=("speed", "impacts"))
     found = evaluate(point)
-    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
-    summary = simulated.measure(asked, silent).summary  # on every core, a point on one
+    asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
+    summary = walkers.simulate(asked).summary  # on every core, a point on one
     assert found["speed_mm_s"] == summary.speed_mm_s
     assert found["se_mm_s"] == summary.speed_se_mm_s
     assert found["impacts_per_s"] == summary.impacts_per_s
@@ -122,15 +121,6 @@ def test_runs_that_share_an_orbit_tell_no_error_however_many_they_are():
     assert record["speed_mm_s"] == pytest.approx(97.5, abs=0.1)
     assert record["se_mm_s"] is None
     assert record["low_95_mm_s"] is None
-
-
-def test_a_share_of_no_speed_counts_of_the_plates():
-    peak = LANE.drive.peak_speed
-    five = tolerance.parse("5%")
-    assert allowed(five, 0.0, LANE.drive) == pytest.approx(0.05 * FEWEST_AT_ALL * peak)
-    assert allowed(five, None, LANE.drive) == allowed(five, 0.0, LANE.drive)
-    assert allowed(five, -10 * peak, LANE.drive) == pytest.approx(0.5 * peak)
-    assert allowed(tolerance.parse("3 mm/s"), 500.0, LANE.drive) == 3.0
 
 
 @pytest.mark.parametrize("text", ["5", "-5%", "0%", "nan%", "inf mm/s", "101%", "5 %%", "1e999%", ""])
@@ -255,17 +245,13 @@ def test_a_new_table_of_predictions_forgets_no_runs(monkeypatch):
     assert "predicted_mm_s" not in evaluate(point_at("relaxed")._replace(keep=()))
 
 
-def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():
-    half_step = refined(LANE, 5.0, 4.0, 3.9, 2.0)
-    assert half_step.run.step_us == pytest.approx(1.0)
-    assert refined(LANE, 5.0, 4.0, 3.9, None) is None
-    assert refined(LANE, 5.0, 4.0, 3.9, 0.09) is None
-    few = with_runs(LANE, runs=8)
-    # The runs' own part is half as wide again as it may be: (6/4)^2 as many, and some slack
-    more = refined(few, math.hypot(3.0, 6.0), math.hypot(3.0, 4.0), 3.0, 2.0)
-    assert more.run.runs == math.ceil(8 * SLACK * (6.0 / 4.0) ** 2)
-    assert refined(few, 100.0, 4.0, 0.0, None).run.runs == 64
-    assert refined(with_runs(LANE, runs=512), 5.0, 4.0, 0.0, None) is None
+def test_a_step_is_halved_down_to_the_finest():
+    def walker(**run):
+        point = point_at("compliant", **{f"scene__run__{key}": value for key, value in run.items()})
+        return simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
+
+    assert walker(step_us=2.0).finer().scene.run.step_us == pytest.approx(1.0)
+    assert walker(step_us=0.09).finer() is None
 
 
 @pytest.mark.parametrize(
@@ -279,14 +265,14 @@ def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():
 )
 def test_errors_of_what_no_runs_give_are_refused(error, of, told):
     point = point_at("relaxed")
-    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
+    asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
     with pytest.raises(InputError, match=told):
-        measure.measure(asked, silent, tolerance.parse(error), of)
+        walkers.to_error(asked, tolerance.parse(error), of)
 
 
 def test_an_error_of_the_time_in_contact_is_met():
     point = point_at("compliant")
-    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
-    found = measure.measure(asked, silent, tolerance.parse("20%"), "contact_fraction")
+    asked = simulated.Walker(point.scene, point.design, solids.mass_of(point.design))
+    found = walkers.to_error(asked, tolerance.parse("20%"), "contact_fraction")
     assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
-    assert found.error >= found.results.verdicts["contact_fraction"].error > 0.0
+    assert found.error >= found.results.step_errors["contact_fraction"].error > 0.0

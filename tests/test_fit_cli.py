@@ -10,6 +10,7 @@ from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.lab.fit import emulated, learn
+from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.walker import solids
@@ -97,8 +98,8 @@ def filmed(tilts, restitution, friction):
     lines = []
     for tilt in tilts:
         member = design.variant(tilt_deg=tilt)
-        asked = experiments.Experiment(scene, member, solids.mass_of(member))
-        speed = experiments.measure(asked, lambda what, done, total: None).summary.speed_mm_s
+        asked = experiments.Walker(scene, member, solids.mass_of(member))
+        speed = walkers.simulate(asked, lambda what, done, total: None).summary.speed_mm_s
         lines.append(f"{tilt:g},{speed:.2f},2\n")
     return HEAD + "".join(lines)
 

@@ -1,13 +1,12 @@
 """Bands of `fit` hold what they promise: speeds of model space at hidden parameters."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
 from walkergen.files import templates
 from walkergen.lab.fit import emulated, parameters, posterior
 from walkergen.lab.fit.posterior import Observed
+from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.theory import uncertain
@@ -48,9 +47,8 @@ def true_speeds(ground, settings, rng):
                     "legs": ground.scene.legs.model_copy(update={"model": "space"}),
                 }
             )
-            asked.append(experiments.Experiment(*uncertain.applied(scene, setting.design, values)))
-    with ThreadPoolExecutor(2) as pool:
-        found = [one.summary.speed_mm_s for one in experiments.each(asked, ["truth"] * len(asked), silent, pool)]
+            asked.append(experiments.Walker(*uncertain.applied(scene, setting.design, values)))
+    found = [one.summary.speed_mm_s for one in walkers.at_once(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 
 

@@ -12,6 +12,7 @@ from walkergen.jobs.make.check import make as checks
 from walkergen.jobs.trust.reproduce import mechanisms
 from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
 from walkergen.jobs.trust.reproduce.sweeps import Point
+from walkergen.points import walkers
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
@@ -37,7 +38,7 @@ def simulated(design, seconds=0.5, runs=4):
     scene = scene_of(seconds, runs)
     legs = scene.legs.model_copy(update={"model": "space"})
     scene = scene.model_copy(update={"legs": legs})
-    return experiments.measure(experiments.Experiment(scene, design, solids.mass_of(design)), lambda *_: None)
+    return walkers.simulate(experiments.Walker(scene, design, solids.mass_of(design)), lambda *_: None)
 
 
 def changed(design, change):

@@ -1,15 +1,13 @@
-"""Points: pure functions of what is asked, the same from any executor, named by a key."""
+"""Walkers as experiments: pure functions of what is asked, named by a key."""
 
 import pickle
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import numpy as np
 import pytest
 
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -23,7 +21,7 @@ def silent(what, done, total):
 def asked_of(tilt=10.0, impacts=False, **tables):
     design = Design().variant(tilt_deg=tilt)
     scene = Scene.model_validate({"run": SHORT} | tables)
-    return Experiment(scene, design, solids.mass_of(design), impacts)
+    return Walker(scene, design, solids.mass_of(design), impacts)
 
 
 def numbers(point):
@@ -42,60 +40,56 @@ def numbers(point):
     ]
 
 
-def test_what_is_asked_and_what_comes_back_survive_a_pickle():
-    asked = asked_of(impacts=True)
-    again = pickle.loads(pickle.dumps(asked))
-    assert experiments.key(again) == experiments.key(asked)
-    point = experiments.measure(asked, silent)
+def test_a_walker_and_what_comes_of_it_survive_a_pickle_with_every_bit():
+    walker = asked_of(impacts=True)
+    assert pickle.loads(pickle.dumps(walker)).key == walker.key
+    point = walkers.simulate(walker, silent)
     copy = pickle.loads(pickle.dumps(point))
-    assert numbers(copy) == numbers(point)
-    assert (copy.key, copy.model, copy.method) == (experiments.key(asked), "space", "step")
+    assert numbers(copy) == numbers(point) == numbers(walkers.simulate(walker, silent, threads=1))
+    assert (copy.model, copy.method) == ("space", "step")
     events = [result.tally.events.rows for result in (point.results[0], copy.results[0])]
     np.testing.assert_array_equal(*events)
 
 
-@pytest.mark.slow
-def test_another_process_gives_the_same_bits():
+def test_walkers_side_by_side_are_those_in_turn():
     asked = [asked_of(tilt) for tilt in (5.0, 15.0)]
-    here = list(experiments.each(asked, ["5", "15"], silent, None))
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        there = list(experiments.each(asked, ["5", "15"], silent, pool))
-    assert [numbers(point) for point in here] == [numbers(point) for point in there]
-    assert [point.key for point in here] == [point.key for point in there]
+    in_turn = list(walkers.each(asked, ["5", "15"], silent))
+    at_once = walkers.at_once(asked, silent)
+    assert [numbers(point) for point in in_turn] == [numbers(at_once[place]) for place in (0, 1)]
 
 
 def test_a_key_names_every_input_and_no_name():
     keys = {
-        experiments.key(asked_of()),
-        experiments.key(asked_of(tilt=10.0000001)),
-        experiments.key(asked_of(impacts=True)),
-        experiments.key(asked_of(contact={"friction": 0.3})),
-        experiments.key(asked_of(run=SHORT | {"seed": 2})),
-        experiments.key(asked_of()._replace(mass=asked_of().mass._replace(M=0.8))),
+        asked_of().key,
+        asked_of(tilt=10.0000001).key,
+        asked_of(impacts=True).key,
+        asked_of(contact={"friction": 0.3}).key,
+        asked_of(run=SHORT | {"seed": 2}).key,
+        asked_of()._replace(mass=asked_of().mass._replace(M=0.8)).key,
     }
     assert len(keys) == 6
     renamed = asked_of(name="other", description="the same", prediction={"impact_speed_factor": 2.0})
-    assert experiments.key(renamed) in keys
+    assert renamed.key in keys
 
 
 def test_a_key_follows_the_kernels(monkeypatch):
-    before = experiments.key(asked_of())
+    before = asked_of().key
     monkeypatch.setattr("walkergen.numerics.kernels.digest", lambda: "another")
-    assert experiments.key(asked_of()) != before
+    assert asked_of().key != before
 
 
 def test_half_a_point_is_never_given(monkeypatch):
-    whole = experiments.measure(asked_of(), silent)
+    whole = walkers.simulate(asked_of(), silent)
     half = whole._replace(summary=whole.summary._replace(runs=1))
-    monkeypatch.setattr(experiments, "measure", lambda *words: half)
+    monkeypatch.setattr(walkers, "simulate", lambda *words: half)
     with pytest.raises(KeyboardInterrupt):
-        list(experiments.each([asked_of()], ["10"], silent, None))
+        list(walkers.each([asked_of()], ["10"], silent))
 
 
 def test_progress_goes_through_all_points():
     seen = []
     asked = [asked_of(), asked_of(tilt=12.0)]
-    list(experiments.each(asked, ["one", "two"], lambda *told: seen.append(told), None))
+    list(walkers.each(asked, ["one", "two"], lambda *told: seen.append(told)))
     assert {what for what, _, _ in seen} == {"one", "two"}
     shares = [done / total for _, done, total in seen]
     assert shares == sorted(shares)

@@ -22,6 +22,15 @@ def test_bounds_are_students_and_of_a_variance_chi_squared():
     assert Quantity("turning", "rad2_s", None, refused="no headings").interval() is None
 
 
+def test_a_bias_widens_bounds_in_squares_and_stays_in_differences():
+    one = Quantity("speed", "mm_s", 5.0, 1.0, freedom=7)
+    half, biased = one.half_width(), one._replace(bias=3.0)
+    assert biased.half_width() == pytest.approx(math.hypot(half, 3.0))
+    assert biased.half_width(0.68) == pytest.approx(math.hypot(one.half_width(0.68), 1.5))
+    assert biased.less(biased).bias == pytest.approx(math.sqrt(18.0))
+    assert one._replace(bias=math.inf).interval() is None
+
+
 def test_ninety_five_of_a_hundred_bounds_of_a_mean_hold_the_truth():
     random, tries = np.random.default_rng(1), 4000
     ends = [mean("x", "", random.normal(3.0, 2.0, 6)).interval(0.95) for _ in range(tries)]

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line, loading, main
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments, templates
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments
 from walkergen.walker.design import Design
 
 TAKES = {
@@ -353,15 +353,15 @@ def test_options_of_one_walker_are_refused_for_several(run, words):
 
 
 def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
-    measure, done = experiments.measure, []
+    simulate, done = walkers.simulate, []
 
     def interrupted(asked, progress, threads=None):
         if done:
             raise KeyboardInterrupt
         done.append(asked)
-        return measure(asked, progress, threads)
+        return simulate(asked, progress, threads)
 
-    monkeypatch.setattr(experiments, "measure", interrupted)
+    monkeypatch.setattr(walkers, "simulate", interrupted)
     result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
     assert result.exit_code == 130
     assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
@@ -372,16 +372,15 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
 
 
 def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
-    measure = experiments.measure
+    simulate = walkers.simulate
 
     def interrupted(asked, progress, threads=None):
-        few = asked.scene.run.model_copy(update={"runs": 2})
-        return measure(asked._replace(scene=asked.scene.model_copy(update={"run": few})), progress)
+        return simulate(asked.with_run(runs=2), progress)._replace(walker=asked)
 
     words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
     assert json.loads(run(*words).stdout)["partial"] is False
     whole = (tmp_path / "runs.csv").read_bytes()
-    monkeypatch.setattr(experiments, "measure", interrupted)
+    monkeypatch.setattr(walkers, "simulate", interrupted)
     result = run(*words)
     assert result.exit_code == 130
     found = json.loads(result.stdout)
@@ -392,5 +391,5 @@ def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypa
 
 
 def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
-    monkeypatch.setattr(experiments, "measure", None)
+    monkeypatch.setattr(walkers, "simulate", None)
     assert "tilt up to" in refused(run, "simulate", "--tilt", "5,80")

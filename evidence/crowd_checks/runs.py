@@ -1,9 +1,7 @@
 """Runs of walkers from the same places in space and in a plane; places are of centres of mass."""
 
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,11 +12,12 @@ from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.space import run as crowds
 from walkergen.dish import Dish
 from walkergen.scene import Scene
+from walkergen.simulation import batch
+from walkergen.simulation.batch import Stopped, Tell
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
-Made = TypeVar("Made")
 
 
 class Run(NamedTuple):
@@ -40,19 +39,19 @@ def in_space(
     plan = crowds.prepare(scene, [(design, mass)], [0] * count, np.zeros((count, 3)), endless)
     shift = walker_motion.centre(mass)
 
-    def one(number: int, stopped: Callable[[], bool]) -> Run:
+    def one(number: int, stopped: Stopped, tell: Tell) -> Run:
         run = crowds.simulate(plan._replace(places=places[number]), number, rate_hz, stopped)
         poses = walker_motion.moved(run.poses[:, :, :3].reshape(-1, 3), shift)
         return Run(run.times, poses.reshape(len(run.times), count, 3))
 
-    return on_threads(one, len(places))
+    return batch.every(one, len(places))
 
 
 def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
     """Runs in a plane, one from each of `places` (N, 3), at the mean speed of the card."""
 
-    def one(number: int, stopped: Callable[[], bool]) -> Run:
-        def tell(what: str, frames: int, total: int) -> None:
+    def one(number: int, stopped: Stopped, tell: Tell) -> Run:
+        def ending(what: str, frames: int, total: int) -> None:
             if stopped():
                 raise KeyboardInterrupt  # ends LAMMPS, on this thread
 
@@ -65,20 +64,8 @@ def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, ra
             seconds=seconds,
             rate_hz=rate_hz,
             seed=own,
-            progress=tell,
+            progress=ending,
         )
         return Run(run.times, run.poses)
 
-    return on_threads(one, len(places))
-
-
-def on_threads(one: Callable[[int, Callable[[], bool]], Made], count: int) -> list[Made]:
-    """Results of `one` for numbers from 0, on every core; it is told whether it is to stop."""
-    stop: list[bool] = []
-    pool = ThreadPoolExecutor(os.cpu_count() or 1)
-    try:
-        tasks = [pool.submit(one, number, lambda: bool(stop)) for number in range(count)]
-        return [task.result() for task in tasks]
-    finally:
-        stop.append(True)
-        pool.shutdown(cancel_futures=True)
+    return batch.every(one, len(places))

@@ -7,14 +7,15 @@ from evidence.crowds_published import numbers, report
 from evidence.crowds_published.cases import ALONE, Case, Size, alone, crowds
 from evidence.crowds_published.compared import Numbers, compared
 from walkergen.crowd import in_space
+from walkergen.crowd.job.make import simulate
 from walkergen.crowd.runs import Simulated
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.numerics.quantity import Quantity
-from walkergen.simulation import experiments
-from walkergen.simulation.experiments import Experiment
+from walkergen.points import walkers
+from walkergen.simulation.experiments import Walker
 from walkergen.walker import solids
 
 FEWEST_RUNS = 3
@@ -55,7 +56,7 @@ def simulated(size: Size, progress: Progress) -> Numbers:
     singles, many = alone(size), crowds(size)
     steps, found = 100 * (len(singles) + len(many)), dict[tuple[str, float], dict[str, Quantity]]()
     lonely = [
-        Experiment(case.scene, case.design, solids.mass_of(case.design), sample_interval=numbers.INTERVAL)
+        Walker(case.scene, case.design, solids.mass_of(case.design), sample_interval=numbers.INTERVAL)
         for case in singles
     ]
     titles = [f"alone, {case.series} {case.setting:g}" for case in singles]
@@ -63,7 +64,7 @@ def simulated(size: Size, progress: Progress) -> Numbers:
     def first(what: str, done: int, of: int) -> None:
         progress(what, 100 * len(singles) * done // of, steps)
 
-    for case, point in zip(singles, experiments.each(lonely, titles, first, None), strict=True):
+    for case, point in zip(singles, walkers.each(lonely, titles, first), strict=True):
         found[case.series, case.setting] = dict(numbers.of_alone(case, point.results))
     for number, case in enumerate(many, start=len(singles)):
 
@@ -77,7 +78,7 @@ def simulated(size: Size, progress: Progress) -> Numbers:
 def _crowd(case: Case, progress: Progress) -> Simulated:
     """All runs of a crowd; equal on any number of threads. Ctrl-C is raised again."""
     job = in_space.asked(case.scene, [case.design], None, RATE_HZ)
-    crowd = in_space.simulate(job, None, progress)
+    crowd = simulate(job, None, progress)
     if len(crowd.runs) < case.scene.run.runs:  # those that Ctrl-C left would be another sample
         raise KeyboardInterrupt
     return crowd

@@ -8,7 +8,6 @@ the mean of all ten.
 import io
 import json
 import math
-from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from evidence.tables import networks as nets
 from evidence.tables.networks import Values
 from walkergen.files.output import versions
+from walkergen.points import worker_pool
 from walkergen.theory import discrepancy, surrogate
 from walkergen.theory.discrepancy import Layer
 from walkergen.theory.surrogate import LINEAR_BELOW, Place, transformed
@@ -136,8 +136,8 @@ def networks(
     """The networks, and values at every row by those that have not seen it."""
     trained_on = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
     parts = [Values(*(column[rows] for column in training)) for rows in trained_on]
-    with ProcessPoolExecutor(cores) as pool:
-        trained = list(pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS)))
+    with worker_pool.local(cores) as pool:
+        trained = list(pool.executor.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS)))
     total = np.zeros(len(training.values))
     for layers, rows in zip(trained, trained_on, strict=True):
         outputs = discrepancy.evaluated(layers, training.inputs[~rows])

@@ -6,7 +6,6 @@ less than networks, which learn nothing of them from what plates have (docs/phys
 
 import json
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from evidence.tables.fit import TENTHS, Rows
 from evidence.tables.process import Values
 from walkergen.files.output import versions
 from walkergen.numerics.odd_process import Process
+from walkergen.points import worker_pool
 from walkergen.theory import motors, surrogate
 from walkergen.theory.surrogate import LINEAR_BELOW, transformed
 
@@ -81,8 +81,8 @@ def left_out(given: Values, cores: int, supports: int) -> Left:
     tenth = fit.tenths(len(given.values))
     parts = [Values(*(column[tenth != k] for column in given)) for k in range(TENTHS)]
     centre, variance = np.empty(len(tenth)), np.empty(len(tenth))
-    with ProcessPoolExecutor(cores) as pool:
-        processes = list(pool.map(_fitted, parts, [supports] * TENTHS, range(TENTHS)))
+    with worker_pool.local(cores) as pool:
+        processes = list(pool.executor.map(_fitted, parts, [supports] * TENTHS, range(TENTHS)))
     for k, other in enumerate(processes):
         out = tenth == k
         centre[out], variance[out] = other(given.inputs[out])

@@ -113,7 +113,7 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
     for tilt in tilts:
         plan = _plan(tilt, effort)
         case, walker = plan.case, plan.world.walker
-        experiment = experiments.Experiment(plan.scene, case.design, case.mass)
+        experiment = experiments.Walker(plan.scene, case.design, case.mass)
         point = simulated(experiment)
         ours = mean([result.speed for result in point.results])
         hinge = float(walker.stiffness[0]), float(walker.damping[0])

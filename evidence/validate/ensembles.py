@@ -11,6 +11,8 @@ from evidence.validate.claim import Effort
 from walkergen.analysis import lagged, landings
 from walkergen.analysis.values import Value, mean
 from walkergen.files import templates
+from walkergen.files.progress import silent
+from walkergen.points import walkers
 from walkergen.scene import GRAVITY, Scene, at_rest
 from walkergen.simulation import experiments, record, trajectory
 from walkergen.simulation.plan import prepare
@@ -77,7 +79,7 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
 
 
 def _measured(scene: Scene, design: Design) -> Measured:
-    point = simulated(experiments.Experiment(scene, design, solids.mass_of(design), impacts=True))
+    point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
     corners = 2 if point.model == "space" else 1
     impacts = [landings.impacts_in(impacts_of(result)) for result in point.results]
     landing = [landings.of_feet(run.time, run.foot // corners) for run in impacts]
@@ -89,9 +91,9 @@ def _measured(scene: Scene, design: Design) -> Measured:
     return Measured(speed, mean(shares), approach)
 
 
-def simulated(experiment: experiments.Experiment) -> experiments.Results:
+def simulated(experiment: experiments.Walker) -> experiments.Results:
     """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
-    (point,) = experiments.each([experiment], [""], lambda *progress: None, None)
+    (point,) = walkers.each([experiment], [""], silent)
     return point
 
 
@@ -114,7 +116,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     tables["contact"]["restitution"] = restitution
     tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
     design = paper_design(tilt_deg)
-    experiment = experiments.Experiment(
+    experiment = experiments.Walker(
         Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
     )
     point = simulated(experiment)

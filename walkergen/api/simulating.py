@@ -40,6 +40,6 @@ def simulate(
     values = {"run.seconds": seconds, "run.runs": runs, "legs.model": model, "run.seed": seed}
     keys = {key: value for key, value in values.items() if value is not None}
     ground, member = scene_of(scene).variant(**keys), one_of(design, tilt, legs)
-    experiment = make.asked(ground, member, solids.mass_of(member))
+    walker = make.asked(ground, member, solids.mass_of(member))
     wanted = None if error is None else parse(error)
-    return report.of(experiment, make.measure(experiment, progress or silent, wanted))
+    return report.of(make.measure(walker, progress or silent, wanted))

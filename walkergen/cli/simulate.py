@@ -117,7 +117,7 @@ def simulate(
             trajectories.write(trajectory, experiment._replace(scene=simulated.scene), simulated.point, progress)
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
-    show.report(report.of(experiment, simulated, whole), json, quiet)
+    show.report(report.of(simulated, whole), json, quiet)
     if trajectory is not None and done == wished and not (json or quiet):
         print(trajectory)
     if done < wished:

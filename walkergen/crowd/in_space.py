@@ -1,21 +1,21 @@
-"""A crowd in space: walkers placed, their runs on threads, and what the films of them say."""
+"""A crowd in space: walkers placed, their runs, and what the films of them say."""
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.crowd import members
 from walkergen.crowd import runs as jobs
-from walkergen.crowd.runs import Array, Job, Kind, Simulated
+from walkergen.crowd.runs import Array, Job, Kind
 from walkergen.crowd.space import run as crowds
 from walkergen.crowd.space.result import CrowdRun
 from walkergen.crowd.space.run import CrowdPlan
 from walkergen.crowd.statistics import CrowdFilm, measure
-from walkergen.crowd.statistics.film import of_places
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
+from walkergen.simulation.batch import OneRun, Stopped, Tell
 from walkergen.walker import seen_above, solids
 from walkergen.walker.design import Design
 
@@ -47,31 +47,42 @@ def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None,
     return jobs.checked(Job(scene, tuple(kinds), rate_hz, "space"))
 
 
-def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
-    """Place and simulate every run, on `threads` threads (None: every core), and measure them.
+class InSpace(NamedTuple):
+    """Crowd in space: an experiment (`points.measure`), a run a crowd from places of its own."""
 
-    Any number of threads gives equal bits. Ctrl-C gives the runs that were done, without any it is
-    raised again. Raises InputError where a crowd has no room, or contradicts the model in space.
-    """
-    progress("kernels", 0, 100)
-    plan, started = _plan(job), time.perf_counter()
-    about_C = _about_C(job, plan)
-    plans = [plan._replace(places=jobs.placed(job, about_C, number)) for number in range(job.scene.run.runs)]
-    _compile(plans[0], job.rate_hz)
+    job: Job
 
-    def one(number: int, stopped: Callable[[], bool], told: Callable[[float], None]) -> CrowdRun:
-        return crowds.simulate(plans[number], number, job.rate_hz, stopped, told)
+    def prepared(self) -> OneRun[CrowdRun]:
+        """What places and simulates the run of a number, with its kernels compiled.
 
-    runs = tuple(jobs.on_threads(one, job, threads, progress))
-    progress("measuring", 99, 100)
-    films = tuple(film_of(job, run) for run in runs)
-    return Simulated(job, films, runs, measure(films), time.perf_counter() - started)
+        Raises InputError where a crowd has no room, or contradicts the model in space.
+        """
+        job = self.job
+        plan = _plan(job)
+        about_C = _about_C(job, plan)
 
+        def placed(number: int) -> CrowdPlan:
+            return plan._replace(places=jobs.placed(job, about_C, number))
 
-def film_of(job: Job, run: CrowdRun) -> CrowdFilm:
-    """Film of a run, seen from above."""
-    outlines = {kind.name: kind.outline for kind in job.kinds}
-    return of_places(run.times, run.poses, run.kinds, outlines, job.scene.crowd.dish)
+        def one(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
+            def told(seconds: float) -> None:
+                tell(seconds / job.scene.run.seconds)
+
+            return crowds.simulate(placed(number), number, job.rate_hz, stopped, told)
+
+        _compile(placed(0), job.rate_hz)
+        return one
+
+    def film(self, run: CrowdRun) -> CrowdFilm:
+        """Film of a run, seen from above."""
+        return jobs.film_of(self.job, run.times, run.poses)
+
+    def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
+        """Statistics of the films of runs."""
+        return list(measure([self.film(run) for run in records]).numbers.values())
+
+    def finer(self) -> None:
+        """None: what a step leaves of a crowd is not known."""
 
 
 def _plan(job: Job) -> CrowdPlan:

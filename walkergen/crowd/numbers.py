@@ -4,6 +4,7 @@ A crowd takes minutes: its record holds every statistic, so that others may be s
 """
 
 from walkergen.crowd import in_space as crowd_space
+from walkergen.crowd.job import make
 from walkergen.crowd.members import RATE_HZ
 from walkergen.crowd.runs import Simulated
 from walkergen.crowd.statistics.measuring import TIMELESS, UNITS
@@ -29,7 +30,7 @@ def evaluate(point: Point) -> Record:
     are missing.
     """
     job = crowd_space.asked(point.scene, [point.design], None, RATE_HZ)
-    simulated = crowd_space.simulate(job, 1, silent)
+    simulated = make.simulate(job, 1, silent)
     if len(simulated.films) < point.scene.run.runs:
         raise KeyboardInterrupt
     measured = simulated.statistics

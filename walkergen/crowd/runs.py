@@ -1,10 +1,8 @@
-"""Crowd that is asked for, its runs on threads, and what came of it: in space and in a plane."""
+"""Crowd that is asked for, where its walkers begin, and what came of it: in space and in a plane."""
 
-import os
 from collections import Counter
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import Literal, NamedTuple, TypeVar
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +11,9 @@ from walkergen.crowd.card import Card
 from walkergen.crowd.space.placing import place
 from walkergen.crowd.space.result import CrowdRun
 from walkergen.crowd.statistics import CrowdFilm, CrowdStatistics
+from walkergen.crowd.statistics.film import of_places
 from walkergen.crowd.statistics.measuring import FEWEST_FRAMES
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.simulation.trajectory import check
@@ -24,7 +22,6 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
-Made = TypeVar("Made")
 
 Model = Literal["space", "flat"]
 
@@ -100,6 +97,13 @@ class Simulated(NamedTuple):
         return max((run.energy_error for run in self.runs), default=0.0)
 
 
+def film_of(job: Job, times: Array, poses: Array) -> CrowdFilm:
+    """Film of a run, seen from above, from times (F,) and places and headings (F, N, 3 or more)."""
+    outlines = {kind.name: kind.outline for kind in job.kinds}
+    names = [job.kinds[number].name for number in job.numbers]
+    return of_places(times, poses, names, outlines, job.scene.crowd.dish)
+
+
 def checked(job: Job) -> Job:
     """Return a job. Raises InputError for kinds of one name, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
@@ -122,42 +126,3 @@ def placed(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
     stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACING,))
     outlines = [contours[kind] for kind in job.numbers]
     return place(outlines, job.scene.crowd.dish, np.random.default_rng(stream), CLEARANCE_MM)
-
-
-def on_threads(
-    one: Callable[[int, Callable[[], bool], Callable[[float], None]], Made],
-    job: Job,
-    threads: int | None,
-    progress: Progress,
-) -> list[Made]:
-    """Runs that came to their end, by their numbers, on `threads` threads (None: every core).
-
-    `one` gets the number of a run, what tells whether it is to stop, and what it tells the seconds
-    done. Ctrl-C stops the runs under way; without a finished one it is raised again.
-    """
-    stop: list[bool] = []
-    run = job.scene.run
-    done, whole = np.zeros(run.runs), run.runs * run.seconds
-
-    def told(number: int) -> Callable[[float], None]:
-        def tell(seconds: float) -> None:
-            done[number] = seconds
-
-        return tell
-
-    finished: list[tuple[int, Made]] = []
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pending: dict[Future[Made], int] = {
-            pool.submit(one, n, lambda: bool(stop), told(n)): n for n in range(run.runs)
-        }
-        try:
-            while pending:
-                over, _ = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
-                finished += [(pending.pop(future), future.result()) for future in over]
-                progress("runs", int(99.0 * done.sum() / whole), 100)
-        except BaseException as error:
-            stop.append(True)
-            pool.shutdown(cancel_futures=True)
-            if not (isinstance(error, KeyboardInterrupt) and finished):
-                raise
-    return [result for _, result in sorted(finished, key=lambda pair: pair[0])]

@@ -5,9 +5,7 @@ comes up to h_2 again; the rebound is sqrt(h_2 / h_1), for a ball the restitutio
 """
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +15,7 @@ from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
 from walkergen.lab import resting
 from walkergen.scene import GRAVITY, Scene
-from walkergen.simulation import record
+from walkergen.simulation import batch, record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.space.state import HEIGHT
 from walkergen.simulation.world import OK, State, World
@@ -108,8 +106,8 @@ def seconds_of(height: float) -> float:
 def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     """Rebounds of a plan's walker from one height, flat and from the hand."""
     flat = Let(hand[0].height)
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        level, *others = pool.map(lambda let: rebound(plan, let), [flat, *hand])
+    lets = [flat, *hand]
+    level, *others = batch.every(lambda number, stopped, tell: rebound(plan, lets[number]), len(lets))
     ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
     mean = float(ratios.mean()) if len(ratios) else None

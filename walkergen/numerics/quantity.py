@@ -41,13 +41,15 @@ class Quantity(NamedTuple):
     se: float | None = None
     """Standard error; None where it is not known, 0 of a number without chance."""
     freedom: float = math.inf
-    """Degrees of freedom of the error: bounds follow Student's t."""
+    """Degrees of freedom of the error: bounds follow Student's t; 0: more values would tell none."""
     refused: str = ""
     """Reason why there is no value, or no error; "" where both are known."""
     noise: float | None = None
     """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
     root: bool = False
     """True for the root of such a variance."""
+    bias: float = 0.0
+    """Largest error (95 %) that no number of values makes less, as of a time step; infinite where it is not known."""
 
     @property
     def known(self) -> bool:
@@ -60,14 +62,26 @@ class Quantity(NamedTuple):
         return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
-        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None without an error."""
-        if self.value is None or self.se is None:
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None without an error.
+
+        A bias widens them in squares, by half of it below CONFIDENCE: as one standard deviation.
+        """
+        if self.value is None or self.se is None or math.isinf(self.bias):
             return None
+        if self.bias:
+            half = self._replace(bias=0.0).half_width(confidence)
+            wider = math.hypot(half, self.bias if confidence >= CONFIDENCE else 0.5 * self.bias)
+            return self.value - wider, self.value + wider
         if self.se == 0.0 and self.noise is None:
             return self.value, self.value
         if self.noise is not None:
             return self._of_variance(self.value, self.noise, confidence)
         return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
+
+    def half_width(self, confidence: float = CONFIDENCE) -> float:
+        """Half of the width of its bounds; infinite without an error."""
+        ends = self.interval(confidence)
+        return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _of_variance(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
         """Bounds of a variance, or of its root, to which noise adds."""
@@ -103,7 +117,8 @@ class Quantity(NamedTuple):
             return Quantity(self.key, self.unit, gap, None, refused=self.refused or other.refused)
         se = math.hypot(self.se, other.se)
         parts = self.se**4 / self.freedom + other.se**4 / other.freedom
-        return Quantity(self.key, self.unit, gap, se, se**4 / parts if parts > 0.0 else math.inf)
+        freedom, bias = se**4 / parts if parts > 0.0 else math.inf, math.hypot(self.bias, other.bias)
+        return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
 
     def over(self, other: "Quantity") -> "Quantity":
         """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
@@ -112,7 +127,9 @@ class Quantity(NamedTuple):
         quotient = self.value / other.value
         if self.se is None or other.se is None:
             return Quantity(self.key, "", quotient, None, refused=self.refused or other.refused)
-        return Quantity(self.key, "", quotient, math.hypot(self.se, quotient * other.se) / abs(other.value))
+        pairs = (self.se, other.se), (self.bias, other.bias)
+        se, bias = (math.hypot(above, quotient * below) / abs(other.value) for above, below in pairs)
+        return Quantity(self.key, "", quotient, se, bias=bias)
 
     def beside(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
         """How it stands beside another: their difference within `margin` of the other, or `allowed` in the unit.

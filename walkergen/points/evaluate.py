@@ -1,19 +1,15 @@
 """Evaluation of a point: masses, predicted speed, what a simulation says; or those of a crowd."""
 
-from collections.abc import Sequence
-
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import WalkergenError
-from walkergen.files.progress import silent
-from walkergen.points import measure
-from walkergen.points.measure import Measured
+from walkergen.points import walkers
 from walkergen.points.point import OK, STATUS, Point, Record
-from walkergen.points.runs import motion_of
+from walkergen.points.walkers import Met
 from walkergen.printing import checks
-from walkergen.scene import Scene
-from walkergen.simulation import experiments, observables
-from walkergen.simulation.ensemble import listed
-from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
+from walkergen.simulation import observables
+from walkergen.simulation.ensemble import Summary, listed
+from walkergen.simulation.experiments import Results, Walker
+from walkergen.simulation.run import ENDED_WELL, Outcome
 from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
@@ -76,37 +72,40 @@ def _evaluated(point: Point) -> Record:
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    experiment = experiments.Experiment(point.scene, point.design, mass)
-    measured = measure.measure(experiment, silent, point.wanted, threads=1)
-    simulated, scene = measured.results, measured.scene
-    summary = simulated.summary
-    if summary.runs < scene.run.runs:
+    walker, met = Walker(point.scene, point.design, mass), None
+    if point.wanted is None:
+        results = walkers.simulate(walker, threads=1)
+    else:
+        met = walkers.to_error(walker, point.wanted, threads=1)
+        results = met.results
+    if results.partial:
         raise KeyboardInterrupt
+    summary, scene = results.summary, results.walker.scene
     record: Record = {
-        STATUS: _status(measured),
+        STATUS: _status(summary, met),
         "speed_mm_s": summary.speed_mm_s,
         "se_mm_s": summary.speed_se_mm_s,
         "low_95_mm_s": summary.speed_low_95_mm_s,
         "high_95_mm_s": summary.speed_high_95_mm_s,
-        "step_error_mm_s": simulated.verdicts[observables.SPEED].error,
+        "step_error_mm_s": results.step_errors[observables.SPEED].error,
         "runs": summary.runs,
         "seconds": scene.run.seconds,
-        "model": simulated.model,
+        "model": results.model,
     }
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
             record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
     if "persistence" in point.keep:
-        record |= _motion(simulated.results, simulated.model, scene)
+        record |= _motion(results)
     return record
 
 
-def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
+def _motion(results: Results) -> Record:
     """Persistence and turning of runs in space; None where they are not known."""
-    good = [result for result in results if result.outcome in ENDED_WELL]
+    good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
-    if good and model == "space":
-        moved, _ = motion_of(good, scene.arena.kind == "lane")
+    if good and results.model == "space":
+        moved, _ = walkers.motion_of(good, results.walker.scene.arena.kind == "lane")
     record: Record = {}
     for name in MOTION:
         estimate = None if moved is None else moved.estimates.get(name)
@@ -115,9 +114,8 @@ def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
     return record
 
 
-def _status(measured: Measured) -> str:
+def _status(summary: Summary, met: Met | None) -> str:
     """How the runs of a point went."""
-    summary = measured.results.summary
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:
@@ -128,6 +126,6 @@ def _status(measured: Measured) -> str:
         return "error unknown: too few data; take more runs, or longer ones"
     if Outcome.ORBIT.value in summary.outcomes:
         return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
-    if measured.error > measured.allowed:
-        return f"error {measured.error:.3g} mm/s, not within the {measured.allowed:.3g} asked"
+    if met is not None and met.error > met.allowed:
+        return f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked"
     return OK

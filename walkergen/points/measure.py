@@ -1,180 +1,154 @@
-"""One simulated number: by the runs that a scene asks for, or by as many as an error needs.
+"""Measurement of experiments: their runs by seeds and threads, until enough of them are made.
 
-An error means the same wherever it is asked for: 95 % of the speed's bounds, by runs and step. A
-share counts of the speed, or of FEWEST_AT_ALL of the plate's peak speed where the walker is slower
-than that: no number of runs gives a walker that stands to a share of its speed.
+Whatever runs is an experiment: a walker in a scene, a crowd. An error means the same wherever it is
+asked for: half of the bounds of 95 %, by the runs and by what no number of runs makes less, as a
+time step. A share of it counts of the value, or of a floor where the value is smaller: no number of
+runs gives a walker that stands to a share of its speed.
 """
 
 import math
-from typing import NamedTuple
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar
 
-from walkergen.drive import Drive
-from walkergen.errors import InputError
-from walkergen.files import words
-from walkergen.files.progress import Progress
-from walkergen.numerics.statistics import Mean
-from walkergen.points.tolerance import Chosen, Tolerance
-from walkergen.scene import Scene
-from walkergen.simulation import experiments, observables, resolution
-from walkergen.simulation.experiments import Experiment, Results
-from walkergen.simulation.observables import SPEED
-from walkergen.simulation.run import Outcome
+from walkergen.files.progress import Progress, silent
+from walkergen.numerics.quantity import Quantity
+from walkergen.points.tolerance import Tolerance
+from walkergen.simulation import batch
+from walkergen.simulation.batch import OneRun
 
 FIRST_RUNS, MOST_RUNS = 8, 512
-"""Numbers of runs with which a walker that shall meet an error begins, and ends."""
-
-LONGEST_S = 4.0
-"""Measured time of a run for an error, at most: more runs tell more than longer ones."""
+"""Numbers of runs with which an experiment that shall meet an error begins, and ends."""
 
 SLACK = 1.2
 """Factor by which more runs are made than the estimated error needs, since it fluctuates."""
 
-STEPS_PART, FINEST_US = 0.8, 0.05
-"""Part of the error that a step in space may take up, else it is halved, and step (us) at which
-that ends."""
-
-FEWEST_AT_ALL = 0.2
-"""Speed over the plate's peak speed below which a share of error counts of this one."""
+BIAS_PART = 0.8
+"""Part of the error that a bias may take up, else the experiment is refined."""
 
 
-class Measured(NamedTuple):
-    """Walker that was simulated until its error was met, or no more runs could help."""
+class Experiment(Protocol):
+    """What runs: its runs are independent, and each the same bits whenever it is made."""
 
-    results: Results
-    scene: Scene
-    """Scene with the runs and the step that were taken."""
-    error: float
-    """Half-width of the bounds of 95 % by runs and step, in the observable's unit; infinite where
-    it is not known."""
-    allowed: float
-    """Error that was asked for, in the same unit; infinite for none."""
-    of: str = SPEED
-    """Name of the observable."""
+    def prepared(self) -> OneRun[Any]:
+        """What makes the run of a number, whose random stream that number begins, and returns its record.
 
-    def chosen(self) -> Chosen:
-        """What was taken to meet the error, and the error obtained."""
-        summary, verdict = self.results.summary, self.results.verdicts[self.of]
-        step = self.results.step_us
-        unit = "mm/s" if self.of == SPEED else f"of {self.of}"
-        within = "within" if self.error <= self.allowed else "NOT within"
-        stepping = "" if step is None else f", step {words.number(step, 3)} us"
-        seconds = self.scene.run.seconds
-        by_step = words.number(verdict.error or 0.0, 2)
-        lines = [
-            ("chosen", f"{summary.runs} x {seconds:g} s{stepping}"),
-            (
-                "error, 95 %",
-                f"{words.number(self.error, 2)} {unit}, {within} the "
-                f"{words.number(self.allowed, 2)} asked ({by_step} by the step)",
-            ),
-        ]
-        facts = {
-            "runs": summary.runs,
-            "seconds": seconds,
-            "step_us": step,
-            "step_error": verdict.error,
-            "of": self.of,
-            "error": None if math.isinf(self.error) else self.error,
-            "allowed": self.allowed,
-        }
-        return Chosen(lines, facts)
+        Whatever all runs share is made first, on this thread: kernels are compiled, inputs refused.
+        """
+
+    def quantities(self, records: Sequence[Any]) -> list[Quantity]:
+        """What records of one run or more say, each number with its error."""
+
+    def finer(self) -> Self | None:
+        """The same with smaller biases; None where there are none, or no smaller ones."""
 
 
-def check(tolerance: Tolerance, of: str) -> None:
-    """Refuse errors of observables that no run gives. Raises InputError."""
-    if of not in observables.NAMES:
-        names = ", ".join(observables.NAMES)
-        raise InputError(f"--of {of[:60]!r}: must be one of {names}")
-    if of != SPEED and not tolerance.relative:
-        raise InputError(f"--error {tolerance}: only a mean speed is in mm/s; write a share: 5%")
+AnExperiment = TypeVar("AnExperiment", bound=Experiment)
+
+
+class Measured(NamedTuple, Generic[AnExperiment]):
+    """Experiment and what its runs say."""
+
+    experiment: AnExperiment
+    """Experiment as it was run at last."""
+    records: list[Any]
+    """Records of the finished runs, by their numbers."""
+    runs: int
+    """Number of runs that were asked for."""
+    wall_s: float
+    """Time by the clock that the runs took, s."""
+
+    @property
+    def partial(self) -> bool:
+        """Whether Ctrl-C left runs out."""
+        return len(self.records) < self.runs
+
+    @property
+    def quantities(self) -> Mapping[str, Quantity]:
+        """What the runs say, by the names of columns."""
+        return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
+
+    def more(self, runs: int) -> "Measured[AnExperiment]":
+        """The same, of which so many runs in all are asked for."""
+        return self._replace(runs=runs)
+
+
+class Runs(NamedTuple):
+    """So many runs."""
+
+    first: int
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """Nothing more."""
+        return None
+
+
+class Budget(NamedTuple):
+    """As many runs as fit into so many seconds by the clock, but `first` of them in any case."""
+
+    seconds: float
+    first: int = FIRST_RUNS
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """Up to twice the runs, as many as there is time for."""
+        affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
+        return None if affordable <= measured.runs else measured.more(min(2 * measured.runs, affordable))
+
+
+class Error(NamedTuple):
+    """Runs until a quantity has an error, or no more runs could help."""
+
+    tolerance: Tolerance
+    of: str
+    """Column of the quantity."""
+    floor: float = 0.0
+    """Value of which a share counts where the quantity is smaller."""
+    first: int = FIRST_RUNS
+
+    def allowed(self, value: float | None) -> float:
+        """Error that the quantity may have, in its unit."""
+        wanted, relative = self.tolerance
+        return wanted * max(abs(value or 0.0), self.floor) if relative else wanted
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """More runs, or a finer experiment where its bias takes up more of the error than runs could make good."""
+        quantity = measured.quantities[self.of]
+        error, allowed, bias = quantity.half_width(), self.allowed(quantity.value), quantity.bias
+        if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
+            return None
+        if bias > BIAS_PART * allowed:
+            finer = measured.experiment.finer()
+            return None if finer is None else Measured(finer, [], measured.runs, 0.0)
+        if measured.runs >= MOST_RUNS:
+            return None
+        # Variances fall as runs are added; the scatter of few runs is itself known badly.
+        short = (error**2 - bias**2) / (allowed**2 - bias**2) if math.isfinite(error) else 2.0
+        more = math.ceil(measured.runs * min(max(SLACK * short, 1.5), 8.0))
+        return measured.more(min(MOST_RUNS, more))
 
 
 def measure(
-    experiment: Experiment,
-    progress: Progress,
-    tolerance: Tolerance | None = None,
-    of: str = SPEED,
-    threads: int | None = None,
-) -> Measured:
-    """Simulate a walker by its scene's runs, or by more and more of them until an error is met.
+    experiment: AnExperiment, until: Runs | Error | Budget, progress: Progress = silent, threads: int | None = None
+) -> Measured[AnExperiment]:
+    """Run an experiment on `threads` threads (None: every core), until enough runs are made.
 
-    With an error the step is halved where it takes up more of it than runs could make good, and
-    runs are short. After Ctrl-C the runs that are done. Raises InputError where the scene
-    contradicts itself or the design, and for an observable that the step does not resolve.
+    Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C gives the
+    runs that are done; without any it is raised again.
     """
-    if tolerance is not None:
-        check(tolerance, of)
-        seconds = min(experiment.scene.run.seconds, LONGEST_S)
-        experiment = experiment._replace(scene=with_runs(experiment.scene, runs=FIRST_RUNS, seconds=seconds))
-    while True:
-        scene = experiment.scene
-        results = experiments.measure(experiment, progress, threads)
-        verdict = results.verdicts[of]
-        if tolerance is None:
-            return Measured(results, scene, half_width(results, of), math.inf, of)
-        if verdict.error is None:
-            raise InputError(f"--error {tolerance}: {of} is {verdict.reason}")
-        most = _allowed(tolerance, results, experiment.shaken, of)
-        measured = Measured(results, scene, half_width(results, of), most, of)
-        if measured.error <= most or _more_is_no_help(results, scene):
+    step: Measured[AnExperiment] | None = Measured(experiment, [], until.first, 0.0)
+    while step is not None:
+        measured = step
+        if not measured.records:
+            progress("kernels", 0, 100)
+            one = measured.experiment.prepared()
+        started = time.perf_counter()
+        try:
+            fresh = batch.run(one, range(len(measured.records), measured.runs), progress, threads)
+        except KeyboardInterrupt:
+            if not measured.records:
+                raise
             return measured
-        finer = refined(scene, measured.error, most, verdict.error, results.step_us)
-        if finer is None:
-            return measured
-        experiment = experiment._replace(scene=finer)
-
-
-def half_width(results: Results, of: str = SPEED) -> float:
-    """Half of the bounds of 95 % of an observable, by runs and step; infinite where not known."""
-    summary = results.summary
-    if of == SPEED:
-        low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
-        return math.inf if low is None or high is None else 0.5 * (high - low)
-    se, step = summary.errors[of], results.verdicts[of].error
-    if se is None or step is None:
-        return math.inf
-    return math.hypot(Mean(0.0, se, summary.runs - 1.0).interval(0.95)[1], step)
-
-
-def allowed(tolerance: Tolerance, speed: float | None, shaken: Drive) -> float:
-    """Error that a speed may have, mm/s: a share counts of it, or FEWEST_AT_ALL of the drive's."""
-    if not tolerance.relative:
-        return tolerance.value
-    return tolerance.value * max(abs(speed or 0.0), FEWEST_AT_ALL * shaken.peak_speed)
-
-
-def _allowed(tolerance: Tolerance, results: Results, shaken: Drive, of: str) -> float:
-    """Error that an observable may have, in its unit."""
-    if of == SPEED:
-        return allowed(tolerance, results.summary.speed_mm_s, shaken)
-    return tolerance.value * abs(resolution.values(results.summary)[of])
-
-
-def _more_is_no_help(results: Results, scene: Scene) -> bool:
-    """Whether runs were left out after Ctrl-C, or more of them would end as these did."""
-    summary = results.summary
-    return summary.runs < scene.run.runs or summary.speed_mm_s is None or Outcome.ORBIT.value in summary.outcomes
-
-
-def refined(scene: Scene, error: float, most: float, step_error: float, step_us: float | None) -> Scene | None:
-    """Scene with more runs, or half the step, for errors that exceed `most`.
-
-    `step_error` is the step's own part, `step_us` a step that may be halved. None where neither
-    would help.
-    """
-    if step_error > STEPS_PART * most:
-        finest = step_us is None or step_us < 2.0 * FINEST_US
-        return None if finest or step_us is None else with_runs(scene, step_us=0.5 * step_us)
-    runs = scene.run.runs
-    if runs >= MOST_RUNS:
-        return None
-    # Variances fall as runs are added; the scatter of few runs is itself known badly.
-    finite = math.isfinite(error)
-    short = (error**2 - step_error**2) / (most**2 - step_error**2) if finite else 2.0
-    more = math.ceil(runs * min(max(SLACK * short, 1.5), 8.0))
-    return with_runs(scene, runs=min(MOST_RUNS, more))
-
-
-def with_runs(scene: Scene, **run: float) -> Scene:
-    """Scene with other settings of its runs."""
-    return scene.model_copy(update={"run": scene.run.model_copy(update=run)})
+        records = [*measured.records, *fresh.values()]
+        measured = measured._replace(records=records, wall_s=measured.wall_s + time.perf_counter() - started)
+        step = None if measured.partial else until.further(measured)
+    return measured

@@ -1,7 +1,6 @@
 """Errors that a person can bear, as they are written: 5% or 3mm/s."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import words
@@ -19,15 +18,6 @@ class Tolerance(NamedTuple):
 
     def __str__(self) -> str:
         return f"{100 * self.value:g} %" if self.relative else f"{self.value:g} mm/s"
-
-
-class Chosen(NamedTuple):
-    """What was chosen to meet an error, and the error obtained."""
-
-    lines: Sequence[tuple[str, str]]
-    """Names and values in words."""
-    facts: Mapping[str, Any]
-    """The same for JSON."""
 
 
 def parse(text: str) -> Tolerance:

@@ -6,18 +6,17 @@ Runs differ by height, pitch and phase of the drop, which each draws from its ow
 
 import functools
 import math
-import os
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
-from walkergen.simulation import observables, orbits, record
+from walkergen.simulation import batch, observables, orbits, record
+from walkergen.simulation.batch import OneRun
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate, with_impacts
 
@@ -66,32 +65,20 @@ def run(
     impacts: bool = False,
     sample_interval: float | None = None,
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs, sorted by number.
+    """Simulate scene.run.runs runs (see `runner`), sorted by number, as `batch.run` does."""
+    one = runner(plan, impacts, sample_interval)
+    return list(batch.run(one, range(plan.scene.run.runs), progress, threads).values())
+
+
+def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
+    """What simulates the run of a number.
 
     With `impacts` each keeps all its impacts; with a `sample_interval` (s) also samples of the
     entries of its state that a trajectory shows, `Model.columns`.
-    Ctrl-C stops the runs under way and returns the finished runs; without any it is raised again.
     """
-    count, simulate_one = plan.scene.run.runs, with_impacts if impacts else simulate
+    simulate_one = with_impacts if impacts else simulate
     shown = len(plan.model.columns)
-    stop: list[bool] = []
-    finished: list[RunResult] = []
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        pending: set[Future[RunResult]] = {
-            pool.submit(simulate_one, plan, number, lambda: bool(stop), sample_interval, shown)
-            for number in range(count)
-        }
-        try:
-            while pending:
-                done, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
-                finished += [future.result() for future in done]
-                progress("runs", len(finished), count)
-        except KeyboardInterrupt:
-            stop.append(True)
-            pool.shutdown(cancel_futures=True)
-            if not finished:
-                raise
-    return sorted(finished, key=lambda result: result.number)
+    return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, shown)
 
 
 def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:
@@ -125,10 +112,10 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         speed_low_95_mm_s=bounds[2],
         speed_high_95_mm_s=bounds[3],
         correlation_time_s=correlation_time(good),
-        impacts_per_s=observed[observables.IMPACTS].value,
+        impacts_per_s=observables.value_of(observed, observables.IMPACTS),
         type_fractions=table(observables.BY_NUMBER),
         type_fractions_by_impulse=table(observables.BY_IMPULSE),
-        contact_fraction=observed[observables.CONTACT].value,
+        contact_fraction=observables.value_of(observed, observables.CONTACT),
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
         energies_per_s=table(observables.POWERS),

@@ -1,36 +1,37 @@
-"""Points: a walker simulated in a scene, a pure function of inputs that a key names.
+"""A walker in a scene as an experiment: a pure function of inputs that a key names.
 
-Whatever needs a simulated speed asks for a point: families, sweeps, surveys and the command line.
-What is asked and what comes back can be sent to other processes, so that any executor of
-`concurrent.futures` may do the work.
+Whatever needs a simulated speed asks for one: families, sweeps, surveys and the command line.
 """
 
 import hashlib
 import json
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen import __version__
 from walkergen.drive import Drive
-from walkergen.files.progress import Progress, part
 from walkergen.numerics import kernels
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, resolution
+from walkergen.simulation.batch import OneRun
 from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.resolution import Verdict
-from walkergen.simulation.run import RunResult
+from walkergen.simulation.resolution import StepError
+from walkergen.simulation.run import RunResult, compile_kernels
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
+FINEST_US = 0.05
+"""Step (us) below which none is halved."""
 
-class Experiment(NamedTuple):
-    """Input of a point: all that its numbers depend on, apart from the kernels."""
+
+class Walker(NamedTuple):
+    """Walker in a scene: an experiment (`points.measure`) whose runs are independent drops of it."""
 
     scene: Scene
     design: Design
@@ -46,22 +47,66 @@ class Experiment(NamedTuple):
         """Drive of the plate, or of one that would move under the walker as its motor moves it."""
         return self.scene.drive.beneath(float(self.mass.total))
 
+    @property
+    def key(self) -> str:
+        """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
+        masses = _plain(self.mass)
+        kept = [self.impacts, self.sample_interval]
+        text = json.dumps([*facts(self.scene, self.design), masses, *kept], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+    def plan(self) -> Plan:
+        """Plan of the scene. Raises InputError where it contradicts itself or the design."""
+        return prepare(self.scene, self.design, self.mass)
+
+    def prepared(self) -> OneRun[RunResult]:
+        """What simulates the run of a number, with its kernels compiled."""
+        plan = self.plan()
+        compile_kernels(plan)
+        return ensemble.runner(plan, self.impacts, self.sample_interval)
+
+    def quantities(self, records: Sequence[RunResult]) -> list[Quantity]:
+        """Observables of runs, with what the step leaves of each as a bias."""
+        plan = self.plan()
+        summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
+        return resolution.quantities(resolution.judge(plan, summary), summary)
+
+    def finer(self) -> "Walker | None":
+        """The same by half the step; None for the finest, and where there is no step."""
+        step = _step_us(self.plan())
+        return None if step is None or step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
+
+    def with_run(self, **run: float) -> "Walker":
+        """The same with other values in its scene's [run]."""
+        return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
+
 
 class Results(NamedTuple):
-    """Result of a point: the ensemble of runs that the scene's [run] asks for."""
+    """Runs of a walker, and what they say."""
 
-    key: str
+    walker: Walker
+    """Walker, with the runs and the step that were taken in its scene."""
     model: ModelName
     summary: Summary
     """Statistics of the runs; the bounds of the speed hold the step's error as well."""
     results: Sequence[RunResult]
     """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
-    verdicts: Mapping[str, Verdict]
+    step_errors: Mapping[str, StepError]
     """What the step leaves of each observable, by the names of `observables.NAMES`."""
     warnings: Sequence[str]
     """Warnings on the step."""
     step_us: float | None
     """Step that was taken; None for a model that goes from event to event."""
+
+    @property
+    def partial(self) -> bool:
+        """Whether Ctrl-C left runs out."""
+        return self.summary.runs < self.walker.scene.run.runs
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Values of all observables, by the names of `observables.NAMES`."""
+        return resolution.values(self.summary)
 
     @property
     def method(self) -> str:
@@ -88,12 +133,26 @@ def facts(scene: Scene, design: Design) -> list[Any]:
     ]
 
 
-def key(experiment: Experiment) -> str:
-    """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
-    masses = _plain(experiment.mass)
-    kept = [experiment.impacts, experiment.sample_interval]
-    text = json.dumps([*facts(experiment.scene, experiment.design), masses, *kept], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
+def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
+    """What finished runs of a walker say, of so many that were asked for, which took `wall_s` seconds."""
+    plan = walker.plan()
+    summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
+    step_errors = resolution.judge(plan, summary)
+    return Results(
+        walker.with_run(runs=runs),
+        plan.resolved.model,
+        resolution.bounded(step_errors, summary),
+        records,
+        step_errors,
+        resolution.warnings(plan),
+        _step_us(plan),
+    )
+
+
+def _step_us(plan: Plan) -> float | None:
+    """Step of a plan; None for a model that goes from event to event."""
+    step = getattr(plan.world.options, "step", None)
+    return None if step is None else 1e6 * step
 
 
 def _plain(value: Any) -> Any:
@@ -103,60 +162,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     return value if value is None else np.asarray(value).tolist()
-
-
-def measure(experiment: Experiment, progress: Progress, threads: int | None = None) -> Results:
-    """Simulate a point on `threads` threads (None: every core); Ctrl-C gives the runs done.
-
-    Any number of threads gives equal bits. Raises InputError where the scene contradicts itself
-    or the design, and KeyboardInterrupt when no run was done.
-    """
-    plan = prepare(experiment.scene, experiment.design, experiment.mass)
-    summary, results = ensemble.measure(plan, progress, threads, experiment.impacts, experiment.sample_interval)
-    verdicts, step = resolution.judge(plan, summary), getattr(plan.world.options, "step", None)
-    return Results(
-        key(experiment),
-        plan.resolved.model,
-        resolution.bounded(verdicts, summary),
-        results,
-        verdicts,
-        resolution.warnings(plan),
-        None if step is None else 1e6 * step,
-    )
-
-
-def each(
-    wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress, executor: Executor | None
-) -> Iterator[Results]:
-    """Points in their order, yielded when done; progress is reported under their titles.
-
-    Without an executor points are simulated in turn, each on every core; with it each is a task on
-    a single thread. Raises KeyboardInterrupt rather than yield a point with runs missing.
-    """
-    if executor is not None:
-        tasks = [executor.submit(measure, experiment, _silent, 1) for experiment in wanted]
-        for number, task in enumerate(tasks):
-            progress(titles[number], number, len(tasks))
-            yield task.result()
-        return
-    for number, experiment in enumerate(wanted):
-        point = measure(experiment, part(progress, number, len(wanted), titles[number]))
-        if point.summary.runs < experiment.scene.run.runs:
-            raise KeyboardInterrupt
-        yield point
-
-
-def on_threads(wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
-    """Points in their order, each on a thread of its own: best for points of a single run.
-
-    Ends without those not yet begun when it is left or interrupted.
-    """
-    pool = ThreadPoolExecutor(os.cpu_count() or 1)
-    try:
-        yield from each(wanted, titles, progress, pool)
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _silent(what: str, done: int, total: int) -> None:
-    """Progress that reports nothing."""

@@ -6,11 +6,11 @@ prints, and what ladders of accuracy study.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.numerics.quantity import Quantity
 from walkergen.simulation import record
 from walkergen.simulation.run import RunResult
 
@@ -45,15 +45,7 @@ FEWEST_RUNS = 4
 """Number of runs from which their scatter is an error: of fewer it is itself off by half."""
 
 
-class Observed(NamedTuple):
-    """Value of an observable, and its standard error over the runs."""
-
-    value: float
-    se: float | None
-    """None with fewer than `FEWEST_RUNS` runs."""
-
-
-def observe(results: Sequence[RunResult]) -> dict[str, Observed]:
+def observe(results: Sequence[RunResult]) -> dict[str, Quantity]:
     """Observables over all time of the runs, by the names of NAMES, without the speed.
 
     Each is a quotient of sums: by time, by the number of impacts, or by their impulse. Shares of
@@ -68,10 +60,10 @@ def observe(results: Sequence[RunResult]) -> dict[str, Observed]:
     whole = impulses.sum(axis=1)
     per |= {f"{BY_IMPULSE}.{name}": (impulses[:, place], whole) for place, name in enumerate(record.KINDS)}
     per |= {f"{BY_NUMBER}.{name}": (counts[:, 1 + place], impacts) for place, name in enumerate(COUNTS)}
-    return {name: quotient(above, below) for name, (above, below) in per.items()}
+    return {name: quotient(name, above, below) for name, (above, below) in per.items()}
 
 
-def quotient(above: Array, below: Array) -> Observed:
+def quotient(key: str, above: Array, below: Array) -> Quantity:
     """Sum of `above` over the sum of `below`, shape (runs,), with the error of a ratio of means.
 
     The error is that of the residuals above - value below between independent runs.
@@ -79,16 +71,21 @@ def quotient(above: Array, below: Array) -> Observed:
     whole, runs = float(below.sum()), len(below)
     value = float(above.sum()) / whole if whole else 0.0
     if runs < FEWEST_RUNS:
-        return Observed(value, None)
+        return Quantity(key, "", value, None, runs - 1.0, f"fewer than {FEWEST_RUNS} runs tell no error")
     if not whole:
-        return Observed(value, 0.0)
+        return Quantity(key, "", value, 0.0)
     scatter = float(np.sum((above - value * below) ** 2)) * runs / (runs - 1)
-    return Observed(value, math.sqrt(scatter) / abs(whole))
+    return Quantity(key, "", value, math.sqrt(scatter) / abs(whole), runs - 1.0)
 
 
-def of_table(observed: Mapping[str, Observed], table: str) -> dict[str, float]:
+def of_table(observed: Mapping[str, Quantity], table: str) -> dict[str, float]:
     """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
-    return {
-        name.removeprefix(start): observable.value for name, observable in observed.items() if name.startswith(start)
-    }
+    return {name.removeprefix(start): value_of(observed, name) for name in observed if name.startswith(start)}
+
+
+def value_of(observed: Mapping[str, Quantity], name: str) -> float:
+    """Value of an observable, which all runs have."""
+    value = observed[name].value
+    assert value is not None
+    return value

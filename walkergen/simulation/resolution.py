@@ -7,10 +7,12 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from walkergen.numerics.quantity import Quantity
 from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import ENDED_WELL, Outcome
 
 LANDED, GROUPED, MOTION = "landings", "groups", "motion"
 """Names of what else a step moves in space: rates of landings of single corners and of groups of
@@ -75,8 +77,8 @@ TURNING = (
 COARSE = "not resolved by this step: --step {own:.2g} or less is"
 
 
-class Verdict(NamedTuple):
-    """Knowledge of how far a step leaves an observable off."""
+class StepError(NamedTuple):
+    """How far a step leaves an observable off, as far as that is known."""
 
     error: float | None
     """Largest error by the step (95 %), in the observable's unit; None where it is not known."""
@@ -84,8 +86,8 @@ class Verdict(NamedTuple):
     """Reason why it is not known, and what would resolve the observable; "" where it is."""
 
 
-def judge(plan: Plan, summary: Summary) -> dict[str, Verdict]:
-    """Verdicts on all observables of a summary, by the names of `observables.NAMES`.
+def judge(plan: Plan, summary: Summary) -> dict[str, StepError]:
+    """Errors by the step of all observables of a summary, by the names of `observables.NAMES`.
 
     In space also on landings of corners and of groups of corners per second, as shares of a rate,
     and on motion.
@@ -97,10 +99,10 @@ def judge(plan: Plan, summary: Summary) -> dict[str, Verdict]:
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
         names = [*values_of, LANDED, GROUPED, MOTION]
-        return dict.fromkeys(names, Verdict(None, COARSE.format(own=_down(1e6 * own))))
+        return dict.fromkeys(names, StepError(None, COARSE.format(own=_down(1e6 * own))))
     values_of |= {LANDED: 1.0, GROUPED: 1.0}
-    verdicts = {name: _in_space(plan, part, name, value) for name, value in values_of.items()}
-    return verdicts | {MOTION: Verdict(None, TURNING)}
+    step_errors = {name: _in_space(plan, part, name, value) for name, value in values_of.items()}
+    return step_errors | {MOTION: StepError(None, TURNING)}
 
 
 def values(summary: Summary) -> dict[str, float]:
@@ -120,35 +122,35 @@ def values(summary: Summary) -> dict[str, float]:
     return numbers
 
 
-def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
+def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> StepError:
     if name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}."):
-        return Verdict(None, ENDLESS)
+        return StepError(None, ENDLESS)
     if plan.resolved.model != "compliant":
-        return Verdict(0.0)
+        return StepError(0.0)
     from walkergen.simulation.compliant import lengths
 
     own = lengths.own_step(plan.world.walker)
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
-        return Verdict(None, COARSE.format(own=_down(1e6 * own)))
+        return StepError(None, COARSE.format(own=_down(1e6 * own)))
     if name == observables.SPEED:
         floor = SPEED_FLOOR * plan.shaken.peak_speed
-        return Verdict(part * (SPEED_SHARE * abs(values[name]) + floor))
+        return StepError(part * (SPEED_SHARE * abs(values[name]) + floor))
     share = part * IN_A_PLANE[name.partition(".")[0]]
     if name.startswith(f"{observables.POWERS}."):
-        return Verdict(share * abs(values[f"{observables.POWERS}.from_plate"]))
-    return Verdict(share)
+        return StepError(share * abs(values[f"{observables.POWERS}.from_plate"]))
+    return StepError(share)
 
 
-def _in_space(plan: Plan, part: float, name: str, value: float) -> Verdict:
-    """Verdict for a step that is `part` (at most 1) of the walker's own."""
+def _in_space(plan: Plan, part: float, name: str, value: float) -> StepError:
+    """Error by a step that is `part` (at most 1) of the walker's own."""
     if name == observables.SPEED:
         floor = IN_SPACE_FLOOR * plan.shaken.peak_speed
         share = PLASTIC_SHARE if plan.scene.contact.restitution < PLASTIC else IN_SPACE
-        return Verdict(part**2 * (share * abs(value) + floor))
+        return StepError(part**2 * (share * abs(value) + floor))
     if name in LIMITS:
-        return Verdict(part**2 * LIMITS[name] * abs(value))
-    return Verdict(part**2 * SHARES[name.partition(".")[2]] if value > 0.0 else 0.0)
+        return StepError(part**2 * LIMITS[name] * abs(value))
+    return StepError(part**2 * SHARES[name.partition(".")[2]] if value > 0.0 else 0.0)
 
 
 def own_step(plan: Plan) -> float:
@@ -189,12 +191,12 @@ def warnings(plan: Plan) -> list[str]:
     ]
 
 
-def bounded(verdicts: Mapping[str, Verdict], summary: Summary) -> Summary:
+def bounded(step_errors: Mapping[str, StepError], summary: Summary) -> Summary:
     """The summary with the step's error in the bounds of the speed; None where it is not known.
 
     Half-widths add in squares: the step's is a largest error, which leaves 95 % and more inside.
     """
-    speed, error = summary.speed_mm_s, verdicts[observables.SPEED].error
+    speed, error = summary.speed_mm_s, step_errors[observables.SPEED].error
     changed: dict[str, Any] = {}
     for level, part in (("68", 0.5), ("95", 1.0)):
         names = [f"speed_{end}_{level}_mm_s" for end in ("low", "high")]
@@ -206,7 +208,7 @@ def bounded(verdicts: Mapping[str, Verdict], summary: Summary) -> Summary:
     return summary._replace(**changed)
 
 
-def errors(verdicts: Mapping[str, Verdict], summary: Summary) -> dict[str, float | None]:
+def errors(step_errors: Mapping[str, StepError], summary: Summary) -> dict[str, float | None]:
     """Standard errors of the runs' scatter and the step together; None where either is unknown.
 
     Half of a largest error of 95 % counts as one standard deviation.
@@ -214,7 +216,29 @@ def errors(verdicts: Mapping[str, Verdict], summary: Summary) -> dict[str, float
     scatter = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
     both = {}
     for name, se in scatter.items():
-        verdict = verdicts[name]
-        unknown = se is None or verdict.error is None
-        both[name] = None if unknown else math.hypot(se or 0.0, 0.5 * (verdict.error or 0.0))
+        error = step_errors[name].error
+        both[name] = None if se is None or error is None else math.hypot(se, 0.5 * error)
     return both
+
+
+def quantities(step_errors: Mapping[str, StepError], summary: Summary) -> list[Quantity]:
+    """Observables with errors by the runs' scatter, and what the step leaves of them as a bias.
+
+    Runs that share an orbit have no freedom: no number of them would tell an error.
+    """
+    scatter = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
+    well = sum(summary.outcomes.get(outcome.value, 0) for outcome in ENDED_WELL)
+    locked = Outcome.ORBIT.value in summary.outcomes
+    every = []
+    for name, value in values(summary).items():
+        error, reason = step_errors[name]
+        speed = name == observables.SPEED
+        key, unit = name.removesuffix("_mm_s"), "mm_s" if speed else ""
+        runs = well if speed else summary.runs
+        refused = Outcome.ORBIT.value if locked else reason
+        if speed and not well:
+            every.append(Quantity(key, unit, None, refused="no run ended well"))
+        else:
+            freedom, bias = 0.0 if locked else runs - 1.0, math.inf if error is None else error
+            every.append(Quantity(key, unit, value, scatter[name], freedom, refused, bias=bias))
+    return every

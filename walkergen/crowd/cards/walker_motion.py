@@ -14,10 +14,11 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.numerics.quantity import Quantity
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import ensemble, experiments, trajectory
+from walkergen.simulation import ensemble, trajectory
 from walkergen.simulation.effects.resolve import resolve
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import mass as masses
 from walkergen.walker.design import Design
@@ -65,11 +66,11 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
             "a card needs the model in space, in which a walker turns: leave out --model, "
             "legs.model and effects.roll_and_yaw"
         )
-    experiment = Experiment(scene, design, mass)
+    experiment = Walker(scene, design, mass)
     interval = 1.0 / experiment.shaken.frequency
     trajectory.check(scene, interval, scene.run.runs)
-    results = experiments.measure(experiment._replace(sample_interval=interval), progress)
-    if results.summary.runs < scene.run.runs:
+    results = walkers.simulate(experiment._replace(sample_interval=interval), progress)
+    if results.partial:
         raise KeyboardInterrupt
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     ended = ensemble.listed(results.summary.outcomes)

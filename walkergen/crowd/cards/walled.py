@@ -14,7 +14,7 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import seen_above
 from walkergen.walker.design import Design
@@ -62,7 +62,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Known, 
     seconds = min(scene.run.seconds, LONGEST_S)
     kept = scene.run.model_copy(update={"discard_seconds": LANDED_S, "seconds": seconds})
     scene = scene.model_copy(update={"run": kept})
-    interval = 1.0 / Experiment(scene, design, mass).shaken.frequency
+    interval = 1.0 / Walker(scene, design, mass).shaken.frequency
     runs = []
     for number, angle in enumerate(np.linspace(-WIDEST, WIDEST, scene.run.runs)):
         progress("walls", number, scene.run.runs)

@@ -1,12 +1,22 @@
 """A crowd by its model: walkers in space, or cards in a plane."""
 
-from walkergen.crowd import in_space as crowd_space
-from walkergen.crowd.job import plane
+from walkergen.crowd import statistics
+from walkergen.crowd.in_space import InSpace
+from walkergen.crowd.job.plane import InPlane
 from walkergen.crowd.runs import Job, Simulated
 from walkergen.files.progress import Progress
+from walkergen.points.measure import Runs, measure
 
 
 def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
-    """Place, simulate and measure the runs of a crowd. Raises as its model does."""
-    simulate_by = plane.simulate if job.model == "flat" else crowd_space.simulate
-    return simulate_by(job, threads, progress)
+    """Place and simulate every run, on `threads` threads (None: every core), and measure them.
+
+    Any number of threads gives equal bits. Ctrl-C gives the runs that were done, without any it is
+    raised again. Raises as the experiment of its model does.
+    """
+    crowd: InSpace | InPlane = InPlane(job) if job.model == "flat" else InSpace(job)
+    measured = measure(crowd, Runs(job.scene.run.runs), progress, threads)
+    progress("measuring", 99, 100)
+    films = tuple(map(crowd.film, measured.records))
+    runs = () if job.model == "flat" else tuple(measured.records)
+    return Simulated(job, films, runs, statistics.measure(films), measured.wall_s)

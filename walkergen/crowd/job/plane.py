@@ -1,8 +1,7 @@
 """A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
 
-import time
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,11 +9,11 @@ from walkergen.crowd import members
 from walkergen.crowd import runs as jobs
 from walkergen.crowd.card import Card
 from walkergen.crowd.flat import crowd as flat
-from walkergen.crowd.runs import Array, Job, Kind, Simulated
+from walkergen.crowd.runs import Job, Kind
 from walkergen.crowd.statistics import CrowdFilm, measure
-from walkergen.crowd.statistics.film import of_places
-from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
+from walkergen.simulation.batch import OneRun, Stopped, Tell
 from walkergen.walker import seen_above
 
 CONTACT = ("restitution", "friction")
@@ -37,29 +36,41 @@ def asked(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rat
     return jobs.checked(Job(scene, tuple(kinds), rate_hz, "flat"))
 
 
-def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
-    """Place and simulate every run, a LAMMPS on each of `threads` threads, and measure them.
+class InPlane(NamedTuple):
+    """Crowd in a plane: an experiment (`points.measure`), a run a LAMMPS from places of its own."""
 
-    Any number of threads gives equal bits. Ctrl-C gives the runs that were done, without any it is
-    raised again. Raises InputError where a crowd has no room, and where LAMMPS is absent.
-    """
-    progress("placing", 0, 100)
-    started, whole = time.perf_counter(), _seconds(job)
+    job: Job
 
-    def one(number: int, stopped: Callable[[], bool], told: Callable[[float], None]) -> CrowdFilm:
-        def tell(what: str, frames: int, total: int) -> None:
-            if stopped():
-                raise KeyboardInterrupt  # ends LAMMPS, on this thread
-            told(job.scene.run.seconds * frames / total)
+    def prepared(self) -> OneRun[CrowdFilm]:
+        """What places and simulates the run of a number.
 
-        run = flat.simulate(**_arguments(job, number), progress=tell)
-        kept = run.times >= job.scene.run.discard_seconds - 1e-9 * whole
-        times = run.times[kept] - run.times[kept][0]
-        return _film(job, times, run.poses[kept])
+        Such a run raises InputError where a crowd has no room, and where LAMMPS is absent.
+        """
+        job = self.job
+        whole = _seconds(job)
 
-    films = tuple(jobs.on_threads(one, job, threads, progress))
-    progress("measuring", 99, 100)
-    return Simulated(job, films, (), measure(films), time.perf_counter() - started)
+        def one(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
+            def advance(what: str, frames: int, total: int) -> None:
+                if stopped():
+                    raise KeyboardInterrupt  # ends LAMMPS, on this thread
+                tell(frames / total)
+
+            run = flat.simulate(**_arguments(job, number), progress=advance)
+            kept = run.times >= job.scene.run.discard_seconds - 1e-9 * whole
+            return jobs.film_of(job, run.times[kept] - run.times[kept][0], run.poses[kept])
+
+        return one
+
+    def film(self, run: CrowdFilm) -> CrowdFilm:
+        """Film of a run, seen from above, which is all that is kept of it."""
+        return run
+
+    def quantities(self, records: Sequence[CrowdFilm]) -> list[Quantity]:
+        """Statistics of the films of runs."""
+        return list(measure(records).numbers.values())
+
+    def finer(self) -> None:
+        """None: what a step leaves of a crowd is not known."""
 
 
 def inputs(job: Job) -> dict[str, bytes]:
@@ -89,10 +100,3 @@ def _arguments(job: Job, number: int) -> dict[str, Any]:
         "rate_hz": job.rate_hz,
         "seed": seed,
     }
-
-
-def _film(job: Job, times: Array, poses: Array) -> CrowdFilm:
-    """Film of a run, seen from above."""
-    outlines = {kind.name: kind.outline for kind in job.kinds}
-    names = [job.kinds[number].name for number in job.numbers]
-    return of_places(times, poses, names, outlines, job.scene.crowd.dish)

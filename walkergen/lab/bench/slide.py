@@ -10,9 +10,7 @@ walker chatters down; where it does not, the other foot holds on to nearly the a
 """
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +19,7 @@ from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
 from walkergen.lab import resting
 from walkergen.scene import Scene
-from walkergen.simulation import record
+from walkergen.simulation import batch, record
 from walkergen.simulation.effects import slope
 from walkergen.simulation.model import Plan
 from walkergen.simulation.space.state import C_X, C_Y, C_Z, Q_0, Q_Z, QUIET
@@ -181,6 +179,11 @@ class Incline(NamedTuple):
         return float(np.abs(curve.seen - np.degrees(np.arctan(curve.at))).max())
 
 
+def _angles(plans: Sequence[Plan], heading_deg: float) -> list[Slid]:
+    """Angles at which the walkers of plans give way, side by side."""
+    return batch.every(lambda number, stopped, tell: friction_angle(plans[number], heading_deg), len(plans))
+
+
 def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     """Tilt the plate under a walker, at every friction and facing every way that it may run.
 
@@ -191,11 +194,9 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     lean = sum(math.tan(limb.tilt) for limb in design.limbs)
     backward = 180.0 if lean < 0.0 else 0.0  # it runs toward -x
     by_heading: dict[str, list[Slid]] = {}
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for number, (facing, heading) in enumerate(HEADINGS.items()):
-            progress(f"facing {facing}", number, len(HEADINGS))
-            turned = [heading + backward] * len(plans)
-            by_heading[facing] = list(pool.map(friction_angle, plans, turned))
+    for number, (facing, heading) in enumerate(HEADINGS.items()):
+        progress(f"facing {facing}", number, len(HEADINGS))
+        by_heading[facing] = _angles(plans, heading + backward)
     tilt = design.limbs[0].tilt
     slips = [
         first_slip(plan, tilt, friction)

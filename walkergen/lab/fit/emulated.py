@@ -13,14 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.lab.fit.parameters import ModelName, Unknown, values
 from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
+from walkergen.points import walkers
 from walkergen.points.store import Store
 from walkergen.scene import Drive, Scene
-from walkergen.simulation import experiments
-from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.experiments import Walker
 from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
@@ -109,20 +109,21 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
         run = scene.run.model_copy(update={"seed": seed})
         mine = scene.model_copy(update={"run": run})
         inputs = dict(zip(names, row, strict=True))
-        runs.append(Experiment(*uncertain.applied(mine, setting.design, inputs)))
-    keys = [experiments.key(run) for run in runs]
+        runs.append(Walker(*uncertain.applied(mine, setting.design, inputs)))
+    keys = [run.key for run in runs]
     store = Store()
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
-    titles = [f"simulating tilt {setting.tilt:g}"] * len(wanted)
     try:
-        for place, point in zip(missing, experiments.on_threads(wanted, titles, progress), strict=True):
-            speeds[keys[place]] = point.summary.speed_mm_s
+        made = walkers.at_once(wanted, part(progress, 0, 1, f"simulating tilt {setting.tilt:g}")) if wanted else {}
+        fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
+        store.put((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
+        if len(made) < len(wanted):
+            raise KeyboardInterrupt
     finally:
-        fresh = [keys[place] for place in missing if keys[place] in speeds]
-        store.put((key, {"speed_mm_s": speeds[key]}) for key in fresh)
         store.close()
+    speeds |= fresh
     return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
 
 

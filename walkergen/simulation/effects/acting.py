@@ -1,6 +1,6 @@
-"""Effects on a walker: their verdicts, the parameters of those that act, their total force.
+"""Effects on a walker: their rules, the parameters of those that act, their total force.
 
-A new effect is a file of its own and four lines here: verdict, field, parameters, `+` (a sum for
+A new effect is a file of its own and four lines here: rule, field, parameters, `+` (a sum for
 each of force, potential and bound, where a force has a place).
 """
 
@@ -27,35 +27,35 @@ from walkergen.simulation.effects import (
     walls,
 )
 from walkergen.simulation.effects.air_drag import Air
-from walkergen.simulation.effects.effect import Case, Verdict
+from walkergen.simulation.effects.effect import Case, Rule
 from walkergen.simulation.effects.motor import Rotor
 from walkergen.simulation.effects.noise import Noise
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.effects.tether import Spring
 
-VERDICTS: tuple[Verdict, ...] = (
-    Verdict(tensor.verdict),
-    Verdict(compliance.verdict),
-    Verdict(parts.sticking),
-    Verdict(parts.sustained),
-    Verdict(parts.pitch),
-    harmonic.VERDICT,
-    slope.VERDICT,
-    Verdict(turning.verdict),
-    Verdict(twist.verdict),
-    walls.VERDICT,
-    Verdict(local_contact.verdict),
-    unevenness.VERDICT,
-    noise.VERDICT,
-    roughness.VERDICT,
-    Verdict(parts.neighbours),
-    Verdict(air_drag.verdict),
-    tether.VERDICT,
-    motor.VERDICT,
-    motor.SPIN_VERDICT,
+RULES: tuple[Rule, ...] = (
+    Rule(tensor.judge),
+    Rule(compliance.judge),
+    Rule(parts.sticking),
+    Rule(parts.sustained),
+    Rule(parts.pitch),
+    harmonic.RULE,
+    slope.RULE,
+    Rule(turning.judge),
+    Rule(twist.judge),
+    walls.RULE,
+    Rule(local_contact.judge),
+    unevenness.RULE,
+    noise.RULE,
+    roughness.RULE,
+    Rule(parts.neighbours),
+    Rule(air_drag.judge),
+    tether.RULE,
+    motor.RULE,
+    motor.SPIN_RULE,
 )
-"""Verdicts on each effect, in the order in which `explain` shows them."""
+"""Rules of each effect, in the order in which `explain` shows them."""
 
 _drag, _drag_in_space = air_drag.force, air_drag.force_in_space
 _tethered, _pull, _tether_energy = tether.acts, tether.pull, tether.potential

@@ -47,8 +47,8 @@ def parameters(case: Case) -> Air:
     return Air(*(scale * face for face in (*faces, size.length * size.thickness)))
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: off unless forced. The number is drag over friction, for a fast walker.
+def judge(case: Case) -> Effect:
+    """Rule: off unless forced. The number is drag over friction, for a fast walker.
 
     Raises InputError for models whose flights are exact only without drag.
     """

@@ -31,8 +31,8 @@ SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, 
 the pseudo-rigid-body pair, or its first natural frequency (docs/physics.md section 5)."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on for the compliant model and in space.
+def judge(case: Case) -> Effect:
+    """Rule: on for the compliant model and in space.
 
     The number is the frequency of the slowest leg over the drive's.
     """

@@ -1,4 +1,4 @@
-"""Verdicts on effects: whether a scene calls for each, and the number that decides."""
+"""Rules of effects: whether a scene calls for each, and the number that decides."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -17,7 +17,7 @@ METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant":
 
 
 class Case(NamedTuple):
-    """Scene, walker and model of the legs that a verdict judges."""
+    """Scene, walker and model of the legs that a rule judges."""
 
     scene: Scene
     design: Design
@@ -32,7 +32,7 @@ class Case(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """Effect with its size in a scene and the verdict on it."""
+    """Effect with its size in a scene and what its rule decides."""
 
     name: str
     on: bool
@@ -46,7 +46,7 @@ class Effect(NamedTuple):
     """Key of the scene that forces the effect; "" when nothing does."""
 
 
-class Verdict(NamedTuple):
+class Rule(NamedTuple):
     """How an effect is judged, and where it is known."""
 
     judge: Callable[[Case], Effect]
@@ -61,7 +61,7 @@ class Verdict(NamedTuple):
 
 
 def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
-    """Verdict and reason after the scene's switch `wanted`, which overrules them unless None."""
+    """Decision and reason after the scene's switch `wanted`, which overrules them unless None."""
     if wanted is None:
         return decided, reason
     return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"

@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 
 NAME, SWITCH = "second harmonic", "effects.second_harmonic"
 
@@ -26,15 +26,15 @@ OFF = Harmonic(0.0, 0.0)
 """A plain sine."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when the scene's drive has a second harmonic."""
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's drive has a second harmonic."""
     ratio = case.scene.drive.second_harmonic_ratio
     reason = "drive.second_harmonic_ratio" + (" > 0" if ratio > 0 else " = 0")
     on, reason = forced(case.scene.effects.second_harmonic, ratio > 0, reason)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, away={"drive.second_harmonic_ratio": 0.0})
+RULE = Rule(judge, SWITCH, away={"drive.second_harmonic_ratio": 0.0})
 
 
 def parameters(case: Case) -> Harmonic:

@@ -9,8 +9,8 @@ from walkergen.simulation.effects.effect import Case, Effect, forced
 NAME, SWITCH = "local contact stiffness", "effects.local_stiffness"
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when the scene gives its ratio. The number is the part of the stiffness left."""
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene gives its ratio. The number is the part of the stiffness left."""
     ratio = case.scene.feet.local_stiffness_ratio
     reason = "feet.local_stiffness_ratio is " + ("not given" if ratio is None else "given")
     on, reason = forced(case.scene.effects.local_stiffness, ratio is not None, reason)

@@ -18,7 +18,7 @@ import numpy as np
 from walkergen.drive import GRAVITY
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 from walkergen.walker.mass import from_centre
 
 NAME = "motor"
@@ -98,8 +98,8 @@ def gyroscopic(case: Case) -> Effect:
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
-VERDICT = Verdict(judge, planar=False)
-SPIN_VERDICT = Verdict(gyroscopic, SWITCH)
+RULE = Rule(judge, planar=False)
+SPIN_RULE = Rule(gyroscopic, SWITCH)
 
 
 def _inertia(case: Case) -> float:

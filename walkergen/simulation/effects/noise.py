@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
 
 NAME, SWITCH = "plate noise", "effects.plate_noise"
 
@@ -50,8 +50,8 @@ OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
 """No noise: no samples."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when the scene's plate is noisy. Raises InputError for planar models."""
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's plate is noisy. Raises InputError for planar models."""
     ratio = case.scene.plate.noise_ratio
     on, reason = forced(
         case.scene.effects.plate_noise, ratio > 0, "plate.noise_ratio" + (" > 0" if ratio > 0 else " = 0")
@@ -62,7 +62,7 @@ def verdict(case: Case) -> Effect:
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, planar=False, away={"plate.noise_ratio": 0.0})
+RULE = Rule(judge, SWITCH, planar=False, away={"plate.noise_ratio": 0.0})
 
 
 def _grid(case: Case) -> tuple[int, float, int, int]:

@@ -10,7 +10,7 @@ RARE = 50.0
 
 
 def sticking(case: Case) -> Effect:
-    """Verdict on sticking of a foot within an impact (docs/physics.md section 3)."""
+    """Rule of sticking of a foot within an impact (docs/physics.md section 3)."""
     scenes = case.scene.contact.friction
     ratios = [
         (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
@@ -26,14 +26,14 @@ def sticking(case: Case) -> Effect:
 
 
 def sustained(case: Case) -> Effect:
-    """Verdict on contact that lasts: always on."""
+    """Rule of contact that lasts: always on."""
     gamma = case.shaken.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
 def pitch(case: Case) -> Effect:
-    """Verdict on turning in the plane: always on."""
+    """Rule of turning in the plane: always on."""
     number = case.design.foot_span / case.design.size.length
     return Effect("pitch", True, number, "contact spacing over body length", _number(case), "")
 
@@ -45,7 +45,7 @@ def _number(case: Case) -> str:
 
 
 def neighbours(case: Case) -> Effect:
-    """Verdict on other walkers: bodies of a crowd meet, legs never, which its number judges."""
+    """Rule of other walkers: bodies of a crowd meet, legs never, which its number judges."""
     size, beyond = case.design.size, 0.0
     for limb in case.design.limbs:
         ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation.effects import compliance
-from walkergen.simulation.effects.acting import VERDICTS, Acting, acting
+from walkergen.simulation.effects.acting import RULES, Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -33,7 +33,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design, mass))
     _check_elastic(scene, design, case.model)
-    effects = tuple(verdict.judge(case) for verdict in VERDICTS)
+    effects = tuple(rule.judge(case) for rule in RULES)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
     return Resolved(case.model, effects, acts)
@@ -41,15 +41,15 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
 
 def without_space(scene: Scene) -> Scene:
     """Scene without the effects that planar models refuse, as far as a switch leaves them out."""
-    off = {verdict.switch: False for verdict in VERDICTS if verdict.switch and not verdict.planar}
+    off = {rule.switch: False for rule in RULES if rule.switch and not rule.planar}
     return _with(scene, off)
 
 
 def on_still_plate(scene: Scene) -> Scene:
     """Scene without the effects that are no part of a still plate."""
-    for verdict in VERDICTS:
-        if verdict.away:
-            scene = _with(scene, {**verdict.away, verdict.switch: None})
+    for rule in RULES:
+        if rule.away:
+            scene = _with(scene, {**rule.away, rule.switch: None})
     return scene
 
 

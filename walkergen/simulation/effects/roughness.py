@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
 
 NAME, SWITCH = "plate roughness", "effects.plate_roughness"
 
@@ -35,8 +35,8 @@ OFF = Roughness(np.zeros((0, 4)))
 """A flat plate: no waves."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when the scene's plate is rough. Raises InputError for planar models."""
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's plate is rough. Raises InputError for planar models."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
     rough = plate.roughness_um > 0
@@ -52,7 +52,7 @@ def verdict(case: Case) -> Effect:
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, planar=False)
+RULE = Rule(judge, SWITCH, planar=False)
 
 
 def draw(case: Case, rng: np.random.Generator) -> Roughness:

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.scene import GRAVITY
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 
 NAME, SWITCH = "plate slope", "effects.plate_slope"
 
@@ -23,8 +23,8 @@ class Gravity(NamedTuple):
     """Component of gravity along the plate, toward +x."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when the scene's plate is not level."""
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's plate is not level."""
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
@@ -33,7 +33,7 @@ def verdict(case: Case) -> Effect:
     return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, away={"plate.slope_deg": 0.0})
+RULE = Rule(judge, SWITCH, away={"plate.slope_deg": 0.0})
 
 
 def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:

@@ -8,8 +8,8 @@ from walkergen.simulation.effects.effect import Case, Effect
 NAME, SWITCH = "flexible foot tensor", "legs.model"
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on for flexible legs unless their model is rigid. The number is m/M."""
+def judge(case: Case) -> Effect:
+    """Rule: on for flexible legs unless their model is rigid. The number is m/M."""
     if case.design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
     heaviest = max(float(leg.m) for leg in case.mass.legs)

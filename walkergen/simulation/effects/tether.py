@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from walkergen.numerics.kernels import lean
 from walkergen.scene import GRAVITY, Tether
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
 
 NAME, SWITCH = "tether", "effects.tether"
 
@@ -50,7 +50,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, number, meaning, reason, SWITCH)
 
 
-VERDICT = Verdict(judge, SWITCH, planar=False, away={"tether": Tether()})
+RULE = Rule(judge, SWITCH, planar=False, away={"tether": Tether()})
 
 
 def parameters(case: Case) -> Spring:

@@ -9,8 +9,8 @@ from walkergen.simulation.effects.effect import Case, Effect, forced
 NAME, SWITCH = "yaw and roll", "effects.roll_and_yaw"
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on in space unless forced off. The number is depth over contact spacing."""
+def judge(case: Case) -> Effect:
+    """Rule: on in space unless forced off. The number is depth over contact spacing."""
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     if case.model != "space":

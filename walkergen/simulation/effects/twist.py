@@ -15,8 +15,8 @@ POISSON_RATIO = 0.36
 """Poisson's ratio of PLA, assumed."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on in space for flexible legs.
+def judge(case: Case) -> Effect:
+    """Rule: on in space for flexible legs.
 
     The number is the least frequency of a leg's twist over the drive's.
     """

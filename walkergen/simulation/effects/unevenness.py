@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
 
 NAME, SWITCH = "unevenness", "effects.unevenness"
 
@@ -16,8 +16,8 @@ TALLEST = 0.1
 """Largest standard deviation over the length of a leg."""
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on when corners differ. The number is their standard deviation over the amplitude.
+def judge(case: Case) -> Effect:
+    """Rule: on when corners differ. The number is their standard deviation over the amplitude.
 
     Raises InputError for planar models, and for corners that differ as much as legs are long.
     """
@@ -38,7 +38,7 @@ def verdict(case: Case) -> Effect:
     return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, planar=False)
+RULE = Rule(judge, SWITCH, planar=False)
 
 
 def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:

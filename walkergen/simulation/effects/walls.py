@@ -9,7 +9,7 @@ import math
 from walkergen.errors import InputError
 from walkergen.scene import Arena
 from walkergen.simulation.effects import turning
-from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 
 NAME, SWITCH = "lane walls", "effects.lane_walls"
 
@@ -36,19 +36,19 @@ def gap(case: Case) -> float:
     return wanted
 
 
-def verdict(case: Case) -> Effect:
-    """Verdict: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
+def judge(case: Case) -> Effect:
+    """Rule: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane" or case.model != "space":
-        reason = "the arena is a plane" if arena.kind != "lane" else turning.verdict(case).reason
+        reason = "the arena is a plane" if arena.kind != "lane" else turning.judge(case).reason
         return Effect(NAME, False, 0.0, meaning, reason, "")
     play = gap(case) - size.depth
     turn = min(play / size.length, 0.5 * math.pi)
-    loose = turning.verdict(case).on
+    loose = turning.judge(case).on
     reason = "the walker yaws" if loose else "the walker is held in its plane"
     on, reason = forced(case.scene.effects.lane_walls, loose, reason)
     return Effect(NAME, on and loose, turn, meaning, reason, SWITCH)
 
 
-VERDICT = Verdict(verdict, SWITCH, away={"arena": Arena(kind="plane")})
+RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")})

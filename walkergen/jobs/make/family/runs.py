@@ -26,13 +26,14 @@ SMALL = 0.5
 
 def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:
     """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
-    from walkergen.simulation import experiments
+    from walkergen.points import walkers
     from walkergen.simulation.ensemble import listed
+    from walkergen.simulation.experiments import Walker
 
-    wanted = [experiments.Experiment(scene, member.design, member.mass) for member in members]
+    wanted = [Walker(scene, member.design, member.mass) for member in members]
     titles = [f"simulating {member.name}" for member in members]
-    walkers = []
-    for member, point in zip(members, experiments.each(wanted, titles, progress, None), strict=True):
+    with_speeds = []
+    for member, point in zip(members, walkers.each(wanted, titles, progress), strict=True):
         summary = point.summary
         runs = Simulated(
             summary.speed_mm_s,
@@ -44,8 +45,8 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
             listed(summary.outcomes),
             verdict(member.row, summary),
         )
-        walkers.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
-    return walkers
+        with_speeds.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
+    return with_speeds
 
 
 def verdict(row: Prediction, summary: "Summary") -> str:

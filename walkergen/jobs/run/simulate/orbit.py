@@ -8,7 +8,7 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.simulation import orbits
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.experiments import Experiment, Results
+from walkergen.simulation.experiments import Results
 from walkergen.simulation.run import ENDED_WELL
 
 if TYPE_CHECKING:
@@ -31,14 +31,14 @@ class Orbit(NamedTuple):
     """Reason why it is not known; "" where it is."""
 
 
-def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | None:
+def of(point: Results, progress: Progress) -> Orbit | None:
     """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
 
     Nothing is drawn after Ctrl-C, which left runs out.
     """
-    scene = experiment.scene
+    walker, scene = point.walker, point.walker.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    kind = orbits.shared(np.array(good), experiment.shaken.peak_speed)
+    kind = orbits.shared(np.array(good), walker.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
     from walkergen.jobs.run.simulate import uncertain
@@ -46,7 +46,7 @@ def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | No
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
     short = scene.model_copy(update={"run": run})
     try:
-        drawn = uncertain.simulated(short, experiment.design, DRAWS, progress)
+        drawn = uncertain.simulated(short, walker.design, DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, None, str(error))
     ends = uncertain.bounds(drawn.halves.mean(axis=1), uncertain.statistical_error(drawn.halves))

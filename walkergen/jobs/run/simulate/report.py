@@ -12,10 +12,9 @@ from walkergen.files.progress import Progress, silent
 from walkergen.files.report import Report, Table
 from walkergen.jobs.run.simulate import tables, trajectories
 from walkergen.jobs.run.simulate.make import Simulated
-from walkergen.points.runs import tracks_of
+from walkergen.points.walkers import tracks_of
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.run import ENDED_WELL, Outcome
 from walkergen.theory.prediction import Speed, speed_of
 from walkergen.walker.design import Design
@@ -56,8 +55,6 @@ FIRST = (
 class SimulationReport(Report):
     """Runs of one walker in a scene, and what they say of its speed and motion."""
 
-    asked: Experiment
-    """Walker and scene, with the runs and the step that were taken."""
     simulated: Simulated
     """Everything that was measured."""
 
@@ -88,18 +85,18 @@ class SimulationReport(Report):
         """
         if not 1e-3 <= rate_hz <= 1e7:
             raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
-        experiment = self.asked._replace(sample_interval=1.0 / rate_hz)
-        states = trajectories.of(experiment, self.simulated.point, progress or silent)
+        walker = self.simulated.point.walker._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.of(walker, self.simulated.point, progress or silent)
         title = f"trajectories of {self.summary.runs} runs"
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
 
-def of(experiment: Experiment, simulated: Simulated, whole: bool = False) -> SimulationReport:
+def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
     """Report of the runs of a walker in a scene, and of what an error that was asked for took.
 
     People read the first lines of the summary, or the `whole` of it.
     """
-    scene, design = simulated.scene, experiment.design
+    scene, design = simulated.scene, simulated.point.walker.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
     first = None if whole else _first(lines, simulated)
     return SimulationReport(
@@ -110,7 +107,6 @@ def of(experiment: Experiment, simulated: Simulated, whole: bool = False) -> Sim
         facts=_facts(simulated, scene),
         warnings=simulated.point.warnings,
         figures=_figures(simulated, design),
-        asked=experiment._replace(scene=scene),
         simulated=simulated,
     )
 
@@ -183,7 +179,7 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
     data: dict[str, Any]
     data = tables.model_as_dict(simulated, scene) | simulated.point.summary._asdict()
-    data["partial"] = simulated.point.summary.runs < scene.run.runs
+    data["partial"] = simulated.point.partial
     if simulated.motion is not None:
         data["motion"] = facts.of(simulated.motion)
     if simulated.untold:

@@ -7,11 +7,10 @@ from walkergen.files import report, words
 from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.run.simulate import orbit, tables
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments
 from walkergen.simulation.ensemble import listed
-from walkergen.simulation.experiments import Experiment
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import Outcome
 from walkergen.theory import prediction
 from walkergen.walker import names, solids
@@ -44,23 +43,23 @@ class Row(NamedTuple):
     """Orbit that all runs share, so that they tell no error; None where they differ."""
 
 
-def asked(scene: Scene, members: Sequence[Design]) -> list[Experiment]:
+def asked(scene: Scene, members: Sequence[Design]) -> list[Walker]:
     """Points of walkers in a scene, weighed. Raises InputError for one that cannot be simulated."""
-    experiments_of = [Experiment(scene, member, solids.mass_of(member)) for member in members]
+    experiments_of = [Walker(scene, member, solids.mass_of(member)) for member in members]
     for experiment in experiments_of:
-        prepare(*experiment[:3])
+        experiment.plan()
     return experiments_of
 
 
-def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
+def each(wanted: Sequence[Walker], progress: Progress) -> Iterator[Row]:
     """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
 
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
     titles = [names.part(experiment.design) for experiment in wanted]
-    for experiment, name, point in zip(wanted, titles, experiments.each(wanted, titles, progress, None), strict=True):
+    for experiment, name, point in zip(wanted, titles, walkers.each(wanted, titles, progress), strict=True):
         summary = point.summary
-        shared = orbit.of(point, experiment, progress)
+        shared = orbit.of(point, progress)
         if shared is not None:
             summary = orbit.of_prints(summary, shared)
         predicted = prediction.predict(experiment.design, experiment.mass, experiment.scene)
@@ -83,7 +82,7 @@ def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
         )
 
 
-def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Experiment]) -> Report:
+def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Walker]) -> Report:
     """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
     title = f"{wanted[0].design.name} on {scene.name}, {tables.plate_in_words(scene)}"
     facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(wanted)}

@@ -114,10 +114,10 @@ def _exponents(motion: Motion) -> str:
 
 def speed_by_step(simulated: Simulated) -> str:
     """Addition to the mean speed and its statistical error: what the step may do to it."""
-    verdict = simulated.verdicts[observables.SPEED]
-    if verdict.error is None:
-        return f" {_marks(simulated)[verdict.reason]}"
-    return f" ± {words.number(verdict.error, 2)} by the step (95 %)" if verdict.error else ""
+    error, reason = simulated.point.step_errors[observables.SPEED]
+    if error is None:
+        return f" {_marks(simulated)[reason]}"
+    return f" ± {words.number(error, 2)} by the step (95 %)" if error else ""
 
 
 def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
@@ -165,9 +165,9 @@ def statistic_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
 
 def _told(simulated: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
     """An observable with its error, or with the mark of the reason why it has none."""
-    verdict, value = simulated.verdicts[name], scale * simulated.values[name]
-    if verdict.error is None:
-        return f"{words.number(value, 4)}{unit} {_marks(simulated)[verdict.reason]}"
+    step, value = simulated.point.step_errors[name], scale * simulated.point.values[name]
+    if step.error is None:
+        return f"{words.number(value, 4)}{unit} {_marks(simulated)[step.reason]}"
     if simulated.orbit is not None:
         return f"{words.number(value, 4)}{unit}"
     error = simulated.errors[name]
@@ -177,18 +177,18 @@ def _told(simulated: Simulated, name: str, scale: float = 1.0, unit: str = "") -
 
 def _marks(simulated: Simulated) -> dict[str, str]:
     """Marks (a), (b) ... of the reasons why observables are not resolved."""
-    reasons = dict.fromkeys(verdict.reason for verdict in simulated.verdicts.values() if verdict.reason)
+    reasons = dict.fromkeys(step.reason for step in simulated.point.step_errors.values() if step.reason)
     return {reason: f"({letter})" for reason, letter in zip(reasons, "abc", strict=False)}
 
 
 def _shares(simulated: Simulated, table: str) -> str:
     """Shares of the types that are not rare, in percent; a reason common to all comes once."""
-    own = (name for name in simulated.values if name.startswith(f"{table}."))
-    names = [name for name in own if simulated.values[name] >= RARE]
+    own = (name for name in simulated.point.values if name.startswith(f"{table}."))
+    names = [name for name in own if simulated.point.values[name] >= RARE]
     short = [name.partition(".")[2] for name in names]
-    reason = simulated.verdicts[f"{table}.I"].reason
+    reason = simulated.point.step_errors[f"{table}.I"].reason
     if reason:
-        shares = (f"{100 * simulated.values[name]:.1f} %" for name in names)
+        shares = (f"{100 * simulated.point.values[name]:.1f} %" for name in names)
         rows = ", ".join(f"{name_of} {share}" for name_of, share in zip(short, shares, strict=True))
         return f"{rows} {_marks(simulated)[reason]}" if rows else "none"
     text = (f"{name_of} {_told(simulated, name, 100.0, ' %')}" for name_of, name in zip(short, names, strict=True))
@@ -265,11 +265,12 @@ def _rates(simulated: Simulated) -> Mapping[str, tuple[float, float | None]]:
     rates = {}
     for name, (single, count) in counted(simulated.legs).items():
         numbers = np.array([count(landings) for landings in simulated.landings], dtype=float)
-        value, se = observables.quotient(numbers, time)
+        rate = observables.quotient(name, numbers, time)
         kind = resolution.LANDED if single else resolution.GROUPED
-        step = simulated.verdicts[kind].error
-        bounded = se is not None and step is not None
-        error = math.hypot(se or 0.0, 0.5 * value * (step or 0.0)) if bounded else None
+        step = simulated.point.step_errors[kind].error
+        bounded = rate.se is not None and step is not None
+        value = rate.value or 0.0
+        error = math.hypot(rate.se or 0.0, 0.5 * value * (step or 0.0)) if bounded else None
         rates[name] = (value, error)
     return rates
 
@@ -283,12 +284,12 @@ def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
 
 def step_as_dict(simulated: Simulated) -> dict[str, Any]:
     """What the step leaves of each observable, for JSON: its error, or the reason of none."""
-    errors = {name: simulated.verdicts[name].error for name in observables.NAMES}
+    errors = {name: simulated.point.step_errors[name].error for name in observables.NAMES}
     errors = {name: error for name, error in errors.items() if error is not None}
     reasons: dict[str, list[str]] = {}
-    for name, verdict in simulated.verdicts.items():
-        if verdict.reason:
-            reasons.setdefault(verdict.reason, []).append(name)
+    for name, step in simulated.point.step_errors.items():
+        if step.reason:
+            reasons.setdefault(step.reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
     return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.point.warnings)}
 

@@ -18,8 +18,9 @@ from walkergen.errors import InputError
 from walkergen.files import extended_xyz, output
 from walkergen.files.extended_xyz import Bodies
 from walkergen.files.progress import Progress
-from walkergen.simulation import experiments, trajectory
-from walkergen.simulation.experiments import Experiment, Results
+from walkergen.points import walkers
+from walkergen.simulation import trajectory
+from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker.design import Design
@@ -40,7 +41,7 @@ class Written(NamedTuple):
     design: Design
 
 
-def of(experiment: Experiment, point: Results, progress: Progress) -> Trajectory:
+def of(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
     """Trajectories of all runs, again simulated where `point` kept no samples.
 
     Raises InputError when there would be too many samples to keep.
@@ -49,7 +50,7 @@ def of(experiment: Experiment, point: Results, progress: Progress) -> Trajectory
     kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
         trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
-        (point,) = experiments.each([experiment], ["samples"], progress, None)
+        (point,) = walkers.each([experiment], ["samples"], progress)
     columns = prepare(experiment.scene, experiment.design, experiment.mass).model.columns
     return with_film(trajectory.tracks(columns, point.results), experiment.sample_interval)
 
@@ -116,7 +117,7 @@ def check(path: Path) -> None:
         )
 
 
-def write(path: Path, experiment: Experiment, point: Results, progress: Progress) -> None:
+def write(path: Path, experiment: Walker, point: Results, progress: Progress) -> None:
     """Write the trajectories of all runs in the format that the file's suffix names."""
     written = Written(of(experiment, point, progress), experiment.design)
     output.write(path, FORMATS[path.suffix.lower()](written))

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.numerics import emulator, statistics
+from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import experiments, observables, resolution
-from walkergen.simulation.experiments import Experiment, Results
+from walkergen.simulation import observables, resolution
+from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory import uncertain
@@ -134,20 +135,22 @@ def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
     return low2, low1, high1, high2
 
 
-def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Experiment:
+def _asked(scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int) -> Walker:
     """Results of one draw: a single run whose drop and corner heights are its own."""
     names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
-    return Experiment(changed.model_copy(update={"run": run}), printed, mass)
+    return Walker(changed.model_copy(update={"run": run}), printed, mass)
 
 
-def _simulated(wanted: Sequence[Experiment], progress: Progress) -> list[Results]:
+def _simulated(wanted: Sequence[Walker], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
     progress("kernels", 0, len(wanted))
-    (first,) = experiments.each(wanted[:1], [""], lambda what, done, total: None, None)
-    titles = [f"print {number} of {len(wanted)}" for number in range(2, len(wanted) + 1)]
-    return [first, *experiments.on_threads(wanted[1:], titles, progress)]
+    first = walkers.simulate(wanted[0])
+    others = walkers.at_once(wanted[1:], part(progress, 0, 1, f"{len(wanted)} prints"))
+    if first.partial or len(others) < len(wanted) - 1:
+        raise KeyboardInterrupt
+    return [first, *others.values()]
 
 
 def _halves(point: Results) -> tuple[float, float]:

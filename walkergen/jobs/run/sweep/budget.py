@@ -7,11 +7,12 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.points import run
-from walkergen.points.measure import FIRST_RUNS, LONGEST_S, with_runs
+from walkergen.points.measure import FIRST_RUNS
 from walkergen.points.point import CROWD, PREDICTION, Point, Record, key
 from walkergen.points.request import Request
 from walkergen.points.run import Asked
 from walkergen.points.store import Store
+from walkergen.points.walkers import LONGEST_S
 from walkergen.points.worker_pool import WorkerPool
 
 BATCH = 4
@@ -73,10 +74,9 @@ def _doubled(point: Asked, times: int) -> Asked:
     if not isinstance(point, Point):
         return point
     run_ = point.scene.run
-    if times == 0:
-        seconds = min(run_.seconds, LONGEST_S)
-        return point._replace(scene=with_runs(point.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None)
-    return point._replace(scene=with_runs(point.scene, runs=run_.runs * 2**times))
+    changed = {"runs": run_.runs * 2**times} if times else {"runs": FIRST_RUNS, "seconds": min(run_.seconds, LONGEST_S)}
+    scene = point.scene.model_copy(update={"run": run_.model_copy(update=changed)})
+    return point._replace(scene=scene, wanted=point.wanted if times else None)
 
 
 def _resumed(point: Asked, store: Store) -> Asked:

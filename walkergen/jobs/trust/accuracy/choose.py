@@ -10,8 +10,8 @@ from walkergen.jobs.trust.accuracy import models, short_scenes
 from walkergen.jobs.trust.accuracy.budget import RUNS, SHORTEST
 from walkergen.jobs.trust.accuracy.setting import Measured, Setting
 from walkergen.jobs.trust.accuracy.survey import Survey
-from walkergen.points.measure import allowed
 from walkergen.points.tolerance import Tolerance
+from walkergen.points.walkers import error_of_speed
 
 SLACK = 1.2
 """Factor by which more time is bought than the estimated error needs, since it fluctuates."""
@@ -50,7 +50,7 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice | st
     """
     measurements = survey.measure(survey.steps, progress)
     reference = survey.reference(progress)
-    error = allowed(wanted, reference.speed.value, survey.scene.drive)
+    error = error_of_speed(wanted, survey.scene.drive).allowed(reference.speed.value)
     offers = (
         _offer(survey, candidate, reference, error)
         for candidate in measurements

@@ -13,6 +13,7 @@ from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.trust.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
 from walkergen.jobs.trust.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
 from walkergen.numerics.quantity import Quantity
+from walkergen.points import walkers
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import ensemble, experiments, observables, resolution
 from walkergen.simulation.effects.effect import ModelName
@@ -238,8 +239,8 @@ class Survey:
 
     def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
         scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
-        experiment = experiments.Experiment(scene, self.design, self.mass)
-        (point,) = experiments.each([experiment], [setting.label], progress, None)
+        experiment = experiments.Walker(scene, self.design, self.mass)
+        (point,) = walkers.each([experiment], [setting.label], progress)
         took, discard = point.summary.wall_s, scene.run.discard_seconds
         self.budget.pay_runs(runs, self.rate(setting), discard, took)
         return point

@@ -14,6 +14,7 @@ from walkergen.analysis.values import Value, mean
 from walkergen.files.progress import Progress
 from walkergen.jobs.trust.reproduce.sweeps import Assumption, on_plane
 from walkergen.numerics import statistics
+from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.simulation.run import ENDED_WELL, RunResult
@@ -79,13 +80,13 @@ def along_tilts(assumptions: Sequence[Assumption], designs: Sequence[Design], pr
     """Simulate walkers on a plane under every assumption, but ensembles without two good runs."""
     cases = [(assumption.name, on_plane(assumption.scene), design) for assumption in assumptions for design in designs]
     requests = [
-        experiments.Experiment(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
+        experiments.Walker(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
         for _, scene, design in cases
     ]
     tilts = [design.tilt_deg for *_, design in cases]
     names = [name for name, *_ in cases]
     titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
-    simulated = experiments.each(requests, titles, progress, None)
+    simulated = walkers.each(requests, titles, progress)
     ensembles = [measured(name, tilt, point.results) for name, tilt, point in zip(names, tilts, simulated, strict=True)]
     return [runs for runs in ensembles if runs is not None]
 

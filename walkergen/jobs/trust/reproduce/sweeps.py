@@ -9,6 +9,7 @@ import numpy.typing as npt
 from walkergen.analysis import landings
 from walkergen.analysis.values import Value, mean
 from walkergen.files.progress import Progress
+from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation import experiments, record
 from walkergen.simulation.effects.effect import ModelName
@@ -148,9 +149,9 @@ def driven(scene: Scene, gamma: float) -> Scene:
 
 def measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
-    requests = [experiments.Experiment(*_asked(case), impacts=True) for case in cases]
+    requests = [experiments.Walker(*_asked(case), impacts=True) for case in cases]
     titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases]
-    for case, point in zip(cases, experiments.each(requests, titles, progress, None), strict=True):
+    for case, point in zip(cases, walkers.each(requests, titles, progress), strict=True):
         yield _point(case, point)
 
 

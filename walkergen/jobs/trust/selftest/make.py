@@ -5,12 +5,9 @@ a single thread at a time.
 """
 
 import difflib
-import multiprocessing
-import os
-import signal
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from typing import NamedTuple
 
@@ -18,6 +15,7 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.trust.selftest import catalogue
 from walkergen.jobs.trust.selftest.case import METHODS, Case, Check
+from walkergen.points import worker_pool
 
 
 class Job(NamedTuple):
@@ -88,7 +86,7 @@ def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
     """Run jobs; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     results: dict[int, Result] = {}
     progress("kernels", 0, len(jobs))
-    workers = min(os.cpu_count() or 1, len(jobs))
+    workers = min(worker_pool.cores(), len(jobs))
     try:
         for index, result in _in_process(jobs) if workers == 1 else _in_processes(jobs, workers):
             results[index] = result
@@ -104,22 +102,17 @@ def _in_process(jobs: Sequence[Job]) -> Iterator[tuple[int, Result]]:
 
 
 def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Result]]:
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"), initializer=_ignore_interrupts)
-    try:
+    with worker_pool.local(workers) as pool:
         futures: dict[Future[Result], int] = {}
         for index in _compilers_first(jobs):
             job = jobs[index]
-            futures[pool.submit(_run_named, job.case.name, job.model)] = index
+            futures[pool.executor.submit(_run_named, job.case.name, job.model)] = index
         for future in as_completed(futures):
             index = futures[future]
             try:
                 yield index, future.result()
             except BrokenProcessPool:
                 yield index, _result(jobs[index], (), "its process, or one beside it, died", 0.0)
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for child in multiprocessing.active_children():
-            child.terminate()
 
 
 def _compilers_first(jobs: Sequence[Job]) -> list[int]:
@@ -130,10 +123,6 @@ def _compilers_first(jobs: Sequence[Job]) -> list[int]:
         (rest if job.model in compiled else first).append(index)
         compiled.add(job.model)
     return first + rest
-
-
-def _ignore_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C belongs to the parent process
 
 
 def _run_named(name: str, model: str) -> Result:

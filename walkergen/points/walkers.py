@@ -1,0 +1,156 @@
+"""Simulated walkers: by the runs that their scenes ask for, or by as many as an error needs; their motion.
+
+An error of the speed counts of FEWEST_AT_ALL of the plate's peak speed where a walker is slower.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from walkergen.analysis import motion
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.tracks import Tracks, of_places
+from walkergen.drive import Drive
+from walkergen.errors import InputError
+from walkergen.files import words
+from walkergen.files.progress import Progress, part, silent
+from walkergen.numerics.statistics import Mean
+from walkergen.points.measure import FIRST_RUNS, Error, Measured, Runs, measure
+from walkergen.points.tolerance import Tolerance
+from walkergen.simulation import batch, experiments, observables, trajectory
+from walkergen.simulation.experiments import Results, Walker
+from walkergen.simulation.observables import SPEED
+from walkergen.simulation.run import RunResult
+
+LONGEST_S = 4.0
+"""Measured time of a run for an error, at most: more runs tell more than longer ones."""
+
+FEWEST_AT_ALL = 0.2
+"""Speed over the plate's peak speed below which a share of error counts of this one."""
+
+
+def simulate(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Results:
+    """Simulate the runs of a walker's scene, as `measure` does. Raises InputError where it contradicts itself."""
+    return _results(measure(walker, Runs(walker.scene.run.runs), progress, threads))
+
+
+def each(walkers: Sequence[Walker], titles: Sequence[str], progress: Progress) -> Iterator[Results]:
+    """Results of walkers in turn, yielded when done; progress is reported under their titles.
+
+    Raises KeyboardInterrupt rather than yield a walker with runs missing.
+    """
+    for number, walker in enumerate(walkers):
+        results = simulate(walker, part(progress, number, len(walkers), titles[number]))
+        if results.partial:
+            raise KeyboardInterrupt
+        yield results
+
+
+def at_once(walkers: Sequence[Walker], progress: Progress = silent) -> dict[int, Results]:
+    """Results of walkers by their places, each on a thread of its own: best for walkers of a single run.
+
+    Ctrl-C leaves those out that are not done.
+    """
+    return batch.run(lambda number, stopped, tell: simulate(walkers[number], silent, 1), range(len(walkers)), progress)
+
+
+class Met(NamedTuple):
+    """Walker that was simulated until its error was met, or no more runs could help."""
+
+    results: Results
+    of: str
+    """Name of the observable that has the error."""
+    error: float
+    """Half-width of the bounds of 95 % by runs and step, in its unit; infinite where it is not known."""
+    allowed: float
+    """Error that was asked for, in the same unit."""
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What was taken to meet the error, and the error obtained: names and values in words."""
+        summary, step, run = self.results.summary, self.results.step_us, self.results.walker.scene.run
+        unit = "mm/s" if self.of == SPEED else f"of {self.of}"
+        within = "within" if self.error <= self.allowed else "NOT within"
+        stepping = "" if step is None else f", step {words.number(step, 3)} us"
+        by_step = words.number(self.results.step_errors[self.of].error or 0.0, 2)
+        obtained = f"{words.number(self.error, 2)} {unit}, {within} the {words.number(self.allowed, 2)} asked"
+        return [
+            ("chosen", f"{summary.runs} x {run.seconds:g} s{stepping}"),
+            ("error, 95 %", f"{obtained} ({by_step} by the step)"),
+        ]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The same for JSON."""
+        return {
+            "runs": self.results.summary.runs,
+            "seconds": self.results.walker.scene.run.seconds,
+            "step_us": self.results.step_us,
+            "step_error": self.results.step_errors[self.of].error,
+            "of": self.of,
+            "error": None if math.isinf(self.error) else self.error,
+            "allowed": self.allowed,
+        }
+
+
+def to_error(
+    walker: Walker, wanted: Tolerance, of: str = SPEED, progress: Progress = silent, threads: int | None = None
+) -> Met:
+    """Simulate short runs of a walker, and more of them until an observable has an error.
+
+    The step is halved where it takes up more of the error than runs could make good. After Ctrl-C
+    the runs that are done. Raises InputError where the scene contradicts itself or the design, and
+    for an observable that no run gives, or that the step does not resolve.
+    """
+    if of not in observables.NAMES:
+        raise InputError(f"--of {of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
+    if of != SPEED and not wanted.relative:
+        raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
+    short = walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
+    until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
+    results = _results(measure(short, until, progress, threads))
+    if results.step_errors[of].error is None:
+        raise InputError(f"--error {wanted}: {of} is {results.step_errors[of].reason}")
+    value = results.summary.speed_mm_s if of == SPEED else results.values[of]
+    return Met(results, of, _half_width(results, of), until.allowed(value))
+
+
+def error_of_speed(wanted: Tolerance, shaken: Drive) -> Error:
+    """Error of the speed of a walker on a plate that is shaken so."""
+    return Error(wanted, SPEED, FEWEST_AT_ALL * shaken.peak_speed)
+
+
+def _results(measured: Measured[Walker]) -> Results:
+    return experiments.results(measured.experiment, measured.records, measured.runs, measured.wall_s)
+
+
+def _half_width(results: Results, of: str) -> float:
+    """Half of the bounds of 95 % of an observable, by runs and step, as the summary states them."""
+    summary = results.summary
+    if of == SPEED:
+        low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
+        return math.inf if low is None or high is None else 0.5 * (high - low)
+    se, step = summary.errors[of], results.step_errors[of].error
+    if se is None or step is None:
+        return math.inf
+    return math.hypot(Mean(0.0, se, summary.runs - 1.0).interval(0.95)[1], step)
+
+
+def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
+    """Tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
+
+    In a lane only the way along it counts, as in a film of one.
+    """
+    if interval is None:
+        return of_places([result.places for result in results], results[0].block_s, lane)
+    return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
+
+
+def motion_of(results: Sequence[RunResult], lane: bool, interval: float | None = None) -> tuple[Motion | None, str]:
+    """Motion of at least one run in space; None for runs too short to tell, with the reason."""
+    tracks = tracks_of(results, lane, interval)
+    longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
+    least = max(motion.LAG_S, tracks.interval)
+    if longest > 1.001 * least:
+        return motion.analyse(tracks), ""
+    return None, f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
