@@ -15,12 +15,13 @@ from walkergen.analysis import motion, relaxation
 from walkergen.analysis.tracks import of_places
 from walkergen.cli import command_line
 from walkergen.crowd import card as cards
-from walkergen.crowd.card import Card, Known
-from walkergen.crowd.cards import inputs, overdamped, walker_card, walled
+from walkergen.crowd.card import Card
+from walkergen.crowd.cards import inputs, make, overdamped, walled
 from walkergen.crowd.cards import walker_motion as measured
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -30,12 +31,12 @@ CARD = Card(
     mass_g=0.9,
     inertia_g_mm2=60.0,
     outline_mm=[[[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]],
-    speed_mm_s=Known(value=60.0, se=0.2, runs=16),
-    velocity_relaxation_s=Known(value=0.07, se=0.003, runs=16),
-    turning_rad_s=Known(value=0.5, se=0.02, runs=16),
-    turning_relaxation_s=Known(value=0.04, se=0.002, runs=16),
-    rotational_diffusion_rad2_s=Known(value=0.2, se=0.02, runs=16),
-    translational_diffusion_mm2_s=Known(value=3.0, se=0.3, runs=16),
+    speed_mm_s=cards.measured("speed_mm_s", 60.0, 0.2, 16),
+    velocity_relaxation_s=cards.measured("velocity_relaxation_s", 0.07, 0.003, 16),
+    turning_rad_s=cards.measured("turning_rad_s", 0.5, 0.02, 16),
+    turning_relaxation_s=cards.measured("turning_relaxation_s", 0.04, 0.002, 16),
+    rotational_diffusion_rad2_s=cards.measured("rotational_diffusion_rad2_s", 0.2, 0.02, 16),
+    translational_diffusion_mm2_s=cards.measured("translational_diffusion_mm2_s", 3.0, 0.3, 16),
 )
 
 
@@ -138,7 +139,7 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
     ):
         known = getattr(card, key)
         assert abs(known.value - expected) < 4.0 * known.se, (key, known)
-        assert known.runs == 8
+        assert cards.runs_of(known) == 8
     assert card.overdamped.enough is False
     assert card.outline_mm[0][0] == pytest.approx([-14.0, -4.0], abs=0.1)
     for path in (tmp_path / "a").iterdir():
@@ -213,10 +214,10 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
     speed = motion.analyse(own).estimates["speed"]
     card = CARD.model_copy(
         update={
-            "speed_mm_s": Known(value=speed.value),
-            "turning_rad_s": Known(value=turn),
-            "velocity_relaxation_s": Known(value=one.relaxation),
-            "rotational_diffusion_rad2_s": Known(value=one.rotation),
+            "speed_mm_s": cards.measured("speed_mm_s", speed.value),
+            "turning_rad_s": cards.measured("turning_rad_s", turn),
+            "velocity_relaxation_s": cards.measured("velocity_relaxation_s", one.relaxation),
+            "rotational_diffusion_rad2_s": cards.measured("rotational_diffusion_rad2_s", one.rotation),
         }
     )
     raised = card.propulsion_mm_s / speed.value
@@ -228,7 +229,7 @@ def judged(speed, turning, relaxed, relaxed_se=1e-4):
     known = relaxation.velocity(tracks(1, Inertial(), walkers=8, seconds=2.0), True)[0]
     time = known.time._replace(value=relaxed, se=relaxed_se)
     velocity = known._replace(time=time, deviation=1.0)
-    numbers = (Known(value=value, se=0.01) for value in (speed, turning, 0.01))
+    numbers = (Quantity("number", "", value, 0.01) for value in (speed, turning, 0.01))
     return overdamped.judge(*numbers, velocity, 28.0).enough
 
 
@@ -275,13 +276,13 @@ def test_pymunk_collides_with_the_card_s_restitution(tmp_path):
     """Two walkers without propulsion and friction, head on."""
     card = CARD.model_copy(
         update={
-            "speed_mm_s": Known(value=0.0),
-            "velocity_relaxation_s": Known(value=1e6),
-            "turning_relaxation_s": Known(value=1e6),
-            "turning_rad_s": Known(value=0.0),
-            "translational_diffusion_mm2_s": Known(value=0.0),
+            "speed_mm_s": cards.measured("speed_mm_s", 0.0),
+            "velocity_relaxation_s": cards.measured("velocity_relaxation_s", 1e6),
+            "turning_relaxation_s": cards.measured("turning_relaxation_s", 1e6),
+            "turning_rad_s": cards.measured("turning_rad_s", 0.0),
+            "translational_diffusion_mm2_s": cards.measured("translational_diffusion_mm2_s", 0.0),
             "restitution": 0.6,
-            "rotational_diffusion_rad2_s": Known(value=0.0),
+            "rotational_diffusion_rad2_s": cards.measured("rotational_diffusion_rad2_s", 0.0),
         }
     )
     script, draws, space = scripts(tmp_path, card), random.Random(1), pymunk.Space()
@@ -317,7 +318,7 @@ def test_numbers_that_every_card_has_are_asked_for():
     own = measured.of_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     with pytest.raises(InputError, match="is not known"):
-        walker_card.of(scene, walker, solids.mass_of(walker), own)
+        make.card_of(scene, walker, solids.mass_of(walker), own)
 
 
 @pytest.mark.slow

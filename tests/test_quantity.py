@@ -20,6 +20,9 @@ def test_bounds_are_students_and_of_a_variance_chi_squared():
     assert root.interval(0.95) == pytest.approx((math.sqrt(low), math.sqrt(high)))
     assert exact("g", "mm_s2", 9806.65).interval() == (9806.65, 9806.65)
     assert Quantity("turning", "rad2_s", None, refused="no headings").interval() is None
+    assert speed.number == 56.5
+    with pytest.raises(ValueError, match="no headings"):
+        _ = Quantity("turning", "rad2_s", None, refused="no headings").number
 
 
 def test_a_bias_widens_bounds_in_squares_and_stays_in_differences():

@@ -14,7 +14,7 @@ from evidence.crowd_checks.runs import Array, Run
 from evidence.crowd_checks.setting import COUNT, CROWD_RATE_HZ, DISH, RATE_HZ, Size
 from walkergen.analysis import tracks
 from walkergen.crowd.card import Card
-from walkergen.crowd.cards import walker_card, walker_motion
+from walkergen.crowd.cards import make, walker_motion
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.space.placing import place
 from walkergen.crowd.statistics import measure
@@ -71,13 +71,13 @@ def alone_in_space(size: Size, design: Design, mass: MassProperties) -> tuple[Ca
     """Card of the walker, and its quantities."""
     scene = setting.scene(size, size.alone_seconds, FORGOTTEN_S, size.alone_runs)
     measured = walker_motion.simulated(scene, design, mass, silent)
-    return walker_card.of(scene, design, mass, measured), of_motion(measured)
+    return make.card_of(scene, design, mass, measured), of_motion(measured)
 
 
 def alone_in_plane(size: Size, card: Card) -> Cases:
     """Quantities of walkers of a card in a plane, so far apart that none meets another."""
     seconds = FORGOTTEN_S + size.alone_seconds
-    apart = 4.0 * (card.length_mm + abs(card.speed_mm_s.value) * seconds)
+    apart = 4.0 * (card.length_mm + abs(card.speed_mm_s.number) * seconds)
     line = (np.arange(SIDE) - 0.5 * (SIDE - 1)) * apart
     x, y = np.meshgrid(line, line)
     rng = np.random.default_rng(np.random.SeedSequence(size.seed, spawn_key=(3,)))

@@ -5,14 +5,24 @@ flat model of a crowd. Its frame is the walker seen from above: heading along +x
 """
 
 import json
+import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    PlainSerializer,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+    model_validator,
+)
 
 from walkergen.errors import InputError
 from walkergen.files import config, reading
 from walkergen.files.config import Fraction, Name, Section
+from walkergen.numerics.quantity import Quantity
 
 Size = Annotated[float, Field(gt=0, le=1e9)]
 Value = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -24,14 +34,48 @@ SMALLEST_MM2 = 1e-6
 """Least area of a contour, mm^2."""
 
 
-class Known(Section):
-    """A measured number."""
+UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "s")
+"""Units that keys of a card end in, those first that end in others."""
+
+
+class _Number(Section):
+    """A measured number as the file has it."""
 
     value: Value
     se: Annotated[float, Field(ge=0, le=1e9)] | None = None
     """Standard error; None where nothing tells it."""
     runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
-    """Independent runs or films that it is from."""
+    """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
+
+
+def _read(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
+    """Quantity of a number of the file, by the key of its field."""
+    if isinstance(data, Quantity):
+        return data
+    number: _Number = validate(data)
+    return measured(str(info.field_name), number.value, number.se, number.runs)
+
+
+def _written(quantity: Quantity) -> dict[str, Any]:
+    """Number as the file has it."""
+    return {"value": quantity.value, "se": quantity.se, "runs": runs_of(quantity)}
+
+
+if TYPE_CHECKING:
+    Measured = Quantity
+else:  # what a file has is a table, of which a quantity is made
+    Measured = Annotated[_Number, WrapValidator(_read), PlainSerializer(_written)]
+
+
+def measured(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
+    """Quantity of a field of a card, from so many independent runs."""
+    unit = next((unit for unit in UNITS if field.endswith(f"_{unit}")), "")
+    return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
+
+
+def runs_of(quantity: Quantity) -> int | None:
+    """Independent runs that a card's number is from; None where it does not say."""
+    return None if math.isinf(quantity.freedom) else round(quantity.freedom) + 1
 
 
 class Overdamped(Section):
@@ -55,35 +99,35 @@ class Card(Section):
     """Outer contours seen from above, counter-clockwise, from C."""
     corner_radius_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.0
     """Radius of the rounding of corners, inside the outline."""
-    speed_mm_s: Known
+    speed_mm_s: Measured
     """Mean speed along the heading, of a walker alone."""
-    velocity_relaxation_s: Known
+    velocity_relaxation_s: Measured
     """Time in which the velocity forgets a push: mass over friction coefficient."""
-    turning_rad_s: Known
+    turning_rad_s: Measured
     """Mean turning rate."""
-    turning_sd_rad_s: Known | None = None
+    turning_sd_rad_s: Measured | None = None
     """Spread of that rate from print to print."""
-    turning_relaxation_s: Known | None = None
+    turning_relaxation_s: Measured | None = None
     """Time in which the turning rate forgets a push."""
-    rotational_diffusion_rad2_s: Known
+    rotational_diffusion_rad2_s: Measured
     """D_R: the heading's squared change grows by 2 D_R t."""
-    translational_diffusion_mm2_s: Known
+    translational_diffusion_mm2_s: Measured
     """D_T across and along the heading: the part of the spread that no heading explains."""
-    delay_s: Known | None = None
+    delay_s: Measured | None = None
     """Mean time by which the velocity lags behind the heading."""
-    sideways_mm_s: Known | None = None
+    sideways_mm_s: Measured | None = None
     """Mean velocity to the left of the heading."""
     restitution: Fraction = 0.5
     friction: Annotated[float, Field(ge=0, le=1e6)] = 0.3
     """Restitution and friction of body on body."""
     wall_restitution: Fraction = 0.5
     wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    wall_alignment: Known | None = None
+    wall_alignment: Measured | None = None
     """Mean of -cos(2 angle) by a wall, of the angle from the way out to the heading: 1 along the
     wall, 0 for any direction alike, -1 head on."""
-    wall_turning_rad_s: Known | None = None
+    wall_turning_rad_s: Measured | None = None
     """Mean rate at which a wall turns a walker along itself that runs against it askew."""
-    wall_torque_g_mm2_s2: Known | None = None
+    wall_torque_g_mm2_s2: Measured | None = None
     """Torque of the wall that does this."""
     overdamped: Overdamped | None = None
 
@@ -112,9 +156,9 @@ class Card(Section):
 
         Of active Brownian particles with inertia, whose turning forgets at once.
         """
-        lost = self.rotational_diffusion_rad2_s.value * self.velocity_relaxation_s.value
-        turned = self.turning_rad_s.value * self.velocity_relaxation_s.value
-        return self.speed_mm_s.value * ((1.0 + lost) ** 2 + turned**2) / (1.0 + lost)
+        lost = self.rotational_diffusion_rad2_s.number * self.velocity_relaxation_s.number
+        turned = self.turning_rad_s.number * self.velocity_relaxation_s.number
+        return self.speed_mm_s.number * ((1.0 + lost) ** 2 + turned**2) / (1.0 + lost)
 
     @model_validator(mode="after")
     def _possible(self) -> "Card":
@@ -126,8 +170,8 @@ class Card(Section):
             "turning_sd_rad_s",
         ):
             number = getattr(self, key)
-            if number is not None and number.value < 0:
-                raise ValueError(f"{key}.value = {number.value:g} must be >= 0")
+            if number is not None and number.number < 0:
+                raise ValueError(f"{key}.value = {number.number:g} must be >= 0")
         return self
 
 

@@ -57,6 +57,13 @@ class Quantity(NamedTuple):
         return self.value is not None and self.se is not None
 
     @property
+    def number(self) -> float:
+        """Value of a quantity that has one. Raises ValueError for others."""
+        if self.value is None:
+            raise ValueError(f"{self.key}: {self.refused or 'no value'}")
+        return self.value
+
+    @property
     def column(self) -> str:
         """Name of its column, with the unit."""
         return f"{self.key}_{self.unit}" if self.unit else self.key

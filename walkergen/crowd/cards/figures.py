@@ -43,9 +43,9 @@ def _spread(axes: Axes, card: Card, measured: Measured) -> None:
     fine = np.geomspace(at[0], at[-1], 200)
     run = walks.squared(
         fine,
-        Spread(card.speed_mm_s.value**2, card.rotational_diffusion_rad2_s.value, 0.0, 0.0, card.turning_rad_s.value),
+        Spread(card.speed_mm_s.number**2, card.rotational_diffusion_rad2_s.number, 0.0, 0.0, card.turning_rad_s.number),
     )
-    pushed = 4.0 * card.translational_diffusion_mm2_s.value * _late(fine, card)
+    pushed = 4.0 * card.translational_diffusion_mm2_s.number * _late(fine, card)
     axes.plot(fine, run + pushed, color=ORANGE, label="card: sum")
     axes.plot(fine, run, "--", color=GREY, label="run, turning")
     axes.plot(fine, pushed, ":", color=GREY, label="pushes")
@@ -64,7 +64,7 @@ def _spread(axes: Axes, card: Card, measured: Measured) -> None:
 
 def _late(lag: Array, card: Card) -> Array:
     """Lags, shortened by the time in which pushes are remembered."""
-    time = card.velocity_relaxation_s.value
+    time = card.velocity_relaxation_s.number
     return walks.late(lag, time) if time > 0.0 else lag
 
 
@@ -120,10 +120,10 @@ def _delay(axes: Axes, card: Card, measured: Measured) -> None:
     axes.errorbar(
         curve.at, curve.value, curve.se, fmt="o", color=BLUE, markersize=2.5, elinewidth=0.8, label="measured"
     )
-    time = card.velocity_relaxation_s.value
+    time = card.velocity_relaxation_s.number
     if time > 0.0:
         fine = np.linspace(0.0, float(curve.at[-1]), 300)
-        rate, turn = card.rotational_diffusion_rad2_s.value, card.turning_rad_s.value
+        rate, turn = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
         expected = delay.expected(fine, card.propulsion_mm_s, rate, turn, time)
         axes.plot(fine, expected, color=ORANGE, label="card: inertia alone")
     low, high = axes.get_ylim()

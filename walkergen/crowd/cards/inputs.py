@@ -39,12 +39,12 @@ def numbers_of(card: Card) -> dict[str, float]:
         "MASS": card.mass_g,
         "INERTIA": card.inertia_g_mm2,
         "PROPULSION": card.propulsion_mm_s,
-        "RELAXATION": card.velocity_relaxation_s.value,
-        "DIFFUSION": card.translational_diffusion_mm2_s.value,
-        "TURNING": card.turning_rad_s.value,
-        "TURNING_SD": 0.0 if sd is None else sd.value,
-        "TURNING_RELAXATION": 0.0 if late is None else late.value,
-        "ROTATION": card.rotational_diffusion_rad2_s.value,
+        "RELAXATION": card.velocity_relaxation_s.number,
+        "DIFFUSION": card.translational_diffusion_mm2_s.number,
+        "TURNING": card.turning_rad_s.number,
+        "TURNING_SD": 0.0 if sd is None else sd.number,
+        "TURNING_RELAXATION": 0.0 if late is None else late.number,
+        "ROTATION": card.rotational_diffusion_rad2_s.number,
         "RESTITUTION": card.restitution,
         "FRICTION": card.friction,
         "WALL_RESTITUTION": card.wall_restitution,
@@ -54,7 +54,7 @@ def numbers_of(card: Card) -> dict[str, float]:
 
 def _variables(card: Card, numbers: Mapping[str, float]) -> str:
     """Variables of LAMMPS: `include card.lammps` in a script, then ${propulsion} and so on."""
-    time = max(card.velocity_relaxation_s.value, 1e-3)
+    time = max(card.velocity_relaxation_s.number, 1e-3)
     drag, spread = card.mass_g / time, math.sqrt(numbers["DIFFUSION"] / time)
     more = {"DRAG": drag, "THRUST": drag * card.propulsion_mm_s, "VELOCITY_SD": spread}
     lines = [

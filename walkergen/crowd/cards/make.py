@@ -1,25 +1,37 @@
 """Card of a walker: measured, judged, and written as JSON, a page and inputs for other programs."""
 
+import base64
 from collections.abc import Mapping
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from walkergen.analysis.tracks import Units
 from walkergen.crowd import card as cards
-from walkergen.crowd.card import Card
-from walkergen.crowd.cards import inputs, page, report, walker_card, walled
-from walkergen.crowd.cards import walker_motion as measured
+from walkergen.crowd.card import Card, measured
+from walkergen.crowd.cards import inputs, overdamped, report, walker_motion, walled
 from walkergen.crowd.cards.report import CardReport
 from walkergen.crowd.cards.walker_motion import Measured
-from walkergen.crowd.cards.walled import Walled
+from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
-from walkergen.walker import names, solids
+from walkergen.walker import names, seen_above, solids
 from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 FILE = "card.json"
+
+STYLE = (
+    "body{font:16px/1.4 sans-serif;max-width:46em;margin:2em auto;padding:0 1em;color:#222}"
+    "table{border-collapse:collapse;margin:1em 0}td{padding:.2em .8em .2em 0;"
+    "border-bottom:1px solid #ddd;vertical-align:top}img{max-width:100%}h2{font-size:1.1em}"
+)
+"""Style of the page."""
 
 
 def folder_of(design: Design) -> Path:
@@ -35,19 +47,24 @@ def of_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> 
     mass = solids.mass_of(design)
     if walls:
         walled.check(scene.crowd.dish)
-    numbers = measured.simulated(scene, design, mass, progress)
-    card = walker_card.of(scene, design, mass, numbers)
+    motion = walker_motion.simulated(scene, design, mass, progress)
+    card = card_of(scene, design, mass, motion)
     if not walls:
-        return report.of(card, numbers)
-    against = walled.simulated(scene, design, mass, card.speed_mm_s, progress)
-    return report.of(with_walls(card, against, numbers), numbers, against)
+        return report.of(card, motion)
+    by_wall = walled.simulated(scene, design, mass, card.speed_mm_s, progress)
+    numbers = {
+        "wall_alignment": by_wall.by_wall.alignment,
+        "wall_turning_rad_s": by_wall.by_wall.turning,
+        "wall_torque_g_mm2_s2": walled.torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
+    }
+    known = {field: _known(field, number, by_wall.runs) for field, number in numbers.items()}
+    return report.of(card.model_copy(update=known), motion, by_wall)
 
 
 def of_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
     """Card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
-    mass = solids.mass_of(design)
-    numbers = measured.filmed(path, units, scene)
-    return report.of(walker_card.of(scene, design, mass, numbers), numbers)
+    motion = walker_motion.filmed(path, units, scene)
+    return report.of(card_of(scene, design, solids.mass_of(design), motion), motion)
 
 
 def of_file(path: Path) -> CardReport:
@@ -55,17 +72,56 @@ def of_file(path: Path) -> CardReport:
     return report.of(cards.read(path), None)
 
 
-def with_walls(card: Card, against: Walled, numbers: Measured) -> Card:
-    """Card that says how walls turn the walker."""
-    by_wall, runs = against.by_wall, against.runs
-    torque = walled.torque(by_wall.turning, numbers.turning.time, card.inertia_g_mm2)
-    return card.model_copy(
-        update={
-            "wall_alignment": walker_card.known(by_wall.alignment, runs),
-            "wall_turning_rad_s": walker_card.known(by_wall.turning, runs),
-            "wall_torque_g_mm2_s2": walker_card.known(torque, runs),
-        }
+def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
+    """Card of a walker whose motion was measured.
+
+    Raises InputError where one of the numbers that every card has is not known.
+    """
+    found = motion.motion.estimates
+    needed = {
+        "speed_mm_s": ("speed", found["speed"]),
+        "velocity_relaxation_s": ("relaxation", motion.velocity.time),
+        "turning_rad_s": ("mean turning", found["turning_bias"]),
+        "rotational_diffusion_rad2_s": ("rotational diffusion", found["rotational_diffusion"]),
+        "translational_diffusion_mm2_s": ("translational diffusion", motion.translation),
+    }
+    other = {
+        "turning_sd_rad_s": found["turning_scatter"],
+        "turning_relaxation_s": motion.turning.time,
+        "delay_s": motion.delay.mean,
+        "sideways_mm_s": found["sideways_speed"],
+    }
+    for what, number in needed.values():
+        if number.value is None:
+            raise InputError(f"the {what} is not known: {number.refused}; --runs 16, or more tracks")
+    numbers: dict[str, Any] = {
+        field: _known(field, number, motion.runs)
+        for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]
+    }
+    away = walker_motion.centre(mass)
+    outline = [contour - away for contour in seen_above.outline_of(design, mass)]
+    length = float(np.ptp(np.concatenate(outline)[:, 0]))
+    speed, turning, rotation = (found[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
+    return Card(
+        name=design.name,
+        scene=scene.name,
+        mass_g=float(mass.total),
+        inertia_g_mm2=walker_motion.inertia(mass),
+        outline_mm=[[[float(x), float(y)] for x, y in contour] for contour in outline],
+        restitution=scene.crowd.restitution,
+        friction=scene.crowd.friction,
+        wall_restitution=scene.arena.wall_restitution,
+        wall_friction=scene.arena.wall_friction,
+        overdamped=overdamped.judge(speed, turning, rotation, motion.velocity, length),
+        **numbers,
     )
+
+
+def _known(field: str, number: Quantity, runs: int) -> Quantity | None:
+    """Number of a field of a card; None where it is not known."""
+    if number.value is None:
+        return None
+    return measured(field, float(number.value), None if number.se is None else float(number.se), runs)
 
 
 def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
@@ -74,8 +130,27 @@ def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: 
     with Folder(folder) as target:
         target.write(FILE, cards.to_json(result.card))
         result.write(target, pictures)
-        target.write("card.html", page.html(result, pictures))
+        target.write("card.html", page(result, pictures))
         for name, text in inputs.all_of(result.card).items():
             target.write(name, text)
         target.finish(dict(asked))
     return result
+
+
+def page(result: CardReport, pictures: bool) -> bytes:
+    """One HTML file with tables, figures if `pictures` are wanted, and notes, that loads nothing."""
+    parts = [f"<h1>{escape(result.title)}</h1><p>{escape(result.caption)}</p>"]
+    for table in result.shown():
+        rows = [[column.cell(row) for column in table.columns] for row in table.rows]
+        cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+        parts.append(f"<h2>{escape(table.title)}</h2><table>{cells}</table>")
+    if pictures:
+        from walkergen.files import figures  # brings matplotlib
+
+        for draw in result.figures.values():
+            data = base64.b64encode(figures.png(draw())).decode()
+            parts.append(f'<img alt="{escape(result.title)}: figure" src="data:image/png;base64,{data}">')
+    parts += [f"<p>{escape(line)}</p>" for line in result.lines]
+    head = f'<meta charset="utf-8"><title>{escape(result.title)}</title><style>{STYLE}</style>'
+    body = "".join(parts)
+    return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'.encode()

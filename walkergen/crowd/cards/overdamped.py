@@ -6,19 +6,15 @@ places, and walkers that meet stop as if they had no mass.
 """
 
 import math
-from typing import NamedTuple
 
 from walkergen.analysis.relaxation import Relaxation
-from walkergen.crowd.card import Known, Overdamped
+from walkergen.crowd.card import Overdamped
 from walkergen.files import words
-from walkergen.numerics.quantity import Quantity
+from walkergen.numerics.quantity import Quantity, Verdict
 
 LIMIT = 0.1
 """Share of a direction or a length below which it is neglected: our choice, about the error of the
 numbers themselves."""
-
-ERRORS = 2.0
-"""Standard errors by which a share must be off the limit to decide."""
 
 SOURCES = (
     "Scholz, Jahanshahi, Ldov, Loewen (Nat. Commun. 9, 5156, 2018) saw velocities of printed "
@@ -29,45 +25,40 @@ SOURCES = (
 """What was found of printed walkers, by those who filmed them."""
 
 
-class Share(NamedTuple):
-    """Share of a direction, or of a length, that passes while a velocity relaxes."""
-
-    words: str
-    value: float
-    se: float
-
-
-def judge(speed: Known, turning: Known, rotation: Known, velocity: Relaxation, length_mm: float) -> Overdamped:
+def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float) -> Overdamped:
     """Judge by what a walker turns and coasts while its velocity relaxes."""
     shares = shares_of(speed, turning, rotation, velocity, length_mm)
-    told = "; ".join(
-        f"{share.words} {words.with_error(share.value, share.se)}, "
-        f"{'above' if share.value > LIMIT else 'below'} {LIMIT:g}"
-        for share in shares
-    )
-    if any(share.value - ERRORS * share.se > LIMIT for share in shares):
-        return Overdamped(enough=False, reason=told)
-    if all(share.value + ERRORS * share.se < LIMIT for share in shares):
-        return Overdamped(enough=True, reason=told)
-    return Overdamped(enough=None, reason=f"{told}: too near to tell")
+    reason = "; ".join(map(_stated, shares))
+    verdicts = {share.within(-math.inf, LIMIT) for share in shares}
+    if Verdict.DISAGREE in verdicts:
+        return Overdamped(enough=False, reason=reason)
+    if verdicts == {Verdict.AGREE}:
+        return Overdamped(enough=True, reason=reason)
+    return Overdamped(enough=None, reason=f"{reason}: too near to tell")
 
 
 def shares_of(
-    speed: Known, turning: Known, rotation: Known, velocity: Relaxation, length_mm: float
-) -> tuple[Share, Share]:
+    speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
+) -> tuple[Quantity, Quantity]:
     """Share of its direction by which a walker turns, and of its length over which it coasts."""
-    time, time_se = _value(velocity.time), velocity.time.se or 0.0
-    rate = rotation.value + abs(turning.value)
+    time, time_se = velocity.time.number, velocity.time.se or 0.0
+    rate = rotation.number + abs(turning.number)
     rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
-    pace = math.hypot(speed.value, math.sqrt(2.0) * velocity.deviation)
-    pace_se = abs(speed.value) / pace * (speed.se or 0.0) if pace else 0.0
-    turned = Share("turned while its velocity relaxes, rad:", rate * time, math.hypot(rate_se * time, rate * time_se))
-    coasted = Share(
-        "coasted meanwhile, in lengths of its body:",
-        pace * time / length_mm,
-        math.hypot(pace_se * time, pace * time_se) / length_mm,
+    pace = math.hypot(speed.number, math.sqrt(2.0) * velocity.deviation)
+    pace_se = abs(speed.number) / pace * (speed.se or 0.0) if pace else 0.0
+    turned_se = math.hypot(rate_se * time, rate * time_se)
+    coasted_se = math.hypot(pace_se * time, pace * time_se) / length_mm
+    freedom = velocity.time.freedom
+    return (
+        Quantity("turned while its velocity relaxes, rad", "", rate * time, turned_se, freedom),
+        Quantity("coasted meanwhile, in lengths of its body", "", pace * time / length_mm, coasted_se, freedom),
     )
-    return turned, coasted
+
+
+def _stated(share: Quantity) -> str:
+    """Share with its error, and on which side of the limit it is."""
+    side = "above" if share.number > LIMIT else "below"
+    return f"{share.key}: {words.with_error(share.number, share.se or 0.0)}, {side} {LIMIT:g}"
 
 
 def in_words(verdict: Overdamped) -> str:
@@ -78,8 +69,3 @@ def in_words(verdict: Overdamped) -> str:
         None: "may or may not be enough for this walker",
     }[verdict.enough]
     return f"a model without inertia {answer}: {verdict.reason}"
-
-
-def _value(estimate: Quantity) -> float:
-    assert estimate.value is not None
-    return estimate.value

@@ -1,13 +1,13 @@
 """Report of a card: its numbers with errors, how they were found, and what is assumed."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from walkergen.analysis import walls
-from walkergen.crowd.card import Card, Known
+from walkergen.crowd.card import Card, runs_of
 from walkergen.crowd.cards import overdamped
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.cards.walled import Walled
@@ -17,7 +17,7 @@ from walkergen.files.report import Column, Report, Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-QUANTITIES = {
+NUMBERS = {
     "speed_mm_s": ("speed along the heading", "mm/s"),
     "sideways_mm_s": ("velocity to its left", "mm/s"),
     "velocity_relaxation_s": ("velocity relaxes within", "s"),
@@ -31,23 +31,9 @@ QUANTITIES = {
     "wall_turning_rad_s": ("turning along it", "rad/s"),
     "wall_torque_g_mm2_s2": ("torque of the wall", "g mm²/s²"),
 }
-"""Names and units that people read, by the keys of a card."""
-
-BY_WALL = tuple(key for key in QUANTITIES if key.startswith("wall_"))
-"""Keys of what only runs against a wall tell."""
+"""Names and units that people read, by the keys of a card; those of a wall only where runs against it tell them."""
 
 CONTACTS = ("restitution", "friction", "wall_restitution", "wall_friction")
-
-
-class Row(NamedTuple):
-    """Number of a card; the field names are the columns of card.csv."""
-
-    quantity: str
-    value: float | None
-    se: float | None
-    runs: int | None
-    note: str
-    """Reason why it is not known, or why less is known of it."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -61,49 +47,29 @@ class CardReport(Report):
     """None for a walker that did not run against walls."""
 
 
-COLUMNS = (
-    Column("", lambda row: QUANTITIES[row.quantity][0]),
-    Column("", lambda row: QUANTITIES[row.quantity][1]),
-    Column("value ± standard error", lambda row: _value(row)),
-    report.number("runs", "runs", 6),
-)
-
-
 def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
     """Report of a card; of one that was measured also how."""
-    known = [key for key in QUANTITIES if key not in BY_WALL or getattr(card, key) is not None]
-    rows = [_row(card, key, measured) for key in known]
-    contacts = [(key, getattr(card, key)) for key in CONTACTS]
+    about = [card.scene] if card.scene else []
+    about += [
+        f"{words.number(card.mass_g)} g",
+        f"{words.number(card.inertia_g_mm2)} g mm² about the vertical axis",
+        f"{words.number(card.length_mm)} mm long",
+    ]
     draw: dict[str, Callable[[], Figure]] = {}
     if measured is not None:
-        draw = {"card": partial(_draw, card, measured)}
-    notes = [*_notes(card, measured)]
+        draw["card"] = partial(_draw, card, measured)
     if walled is not None:
         draw["walls"] = partial(_draw_walls, card, walled)
-        notes.insert(-1, _of_walls(walled))
+    notes = list(_notes(card, measured, walled))
+    contacts = [(key, getattr(card, key)) for key in CONTACTS]
+    assumed = report.every(("quantity", "assumed"), ("quantity",))
     return CardReport(
         name="card",
         title=f"Card of {card.name}",
-        caption=", ".join(
-            filter(
-                None,
-                (
-                    card.scene,
-                    f"{words.number(card.mass_g)} g",
-                    f"{words.number(card.inertia_g_mm2)} g mm² about the vertical axis",
-                    f"{words.number(card.length_mm)} mm long",
-                ),
-            )
-        ),
+        caption=", ".join(about),
         tables=[
-            Table("card", rows, Row._fields, COLUMNS, "Motion of a walker alone"),
-            Table(
-                "contacts",
-                contacts,
-                ("quantity", "assumed"),
-                report.every(("quantity", "assumed"), ("quantity",)),
-                "Contacts, as the scene has them",
-            ),
+            _table(card, measured),
+            Table("contacts", contacts, ("quantity", "assumed"), assumed, "Contacts, as the scene has them"),
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
         lines=[f"{note}." for note in notes],
@@ -114,87 +80,92 @@ def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> C
     )
 
 
-def _row(card: Card, key: str, measured: Measured | None) -> Row:
-    known: Known | None = getattr(card, key)
-    note = _reason(key, measured)
-    if known is None:
-        return Row(key, None, None, None, note or "not known")
-    return Row(key, known.value, known.se, known.runs, note)
+def _table(card: Card, measured: Measured | None) -> Table:
+    """Numbers of a card; a note says why one is not known, or why less is known of it."""
+    notes = {} if measured is None else _reasons(measured)
+    rows = []
+    for key in NUMBERS:
+        number, note = getattr(card, key), notes.get(key, "")
+        if number is not None:
+            rows.append((key, number.value, number.se, runs_of(number), note))
+        elif not key.startswith("wall_"):
+            rows.append((key, None, None, None, note or "not known"))
+
+    def value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
+        _, value, se, _, note = row
+        if value is None:
+            return note
+        return words.with_error(value, se or 0.0) + (f" ({note})" if note else "")
+
+    columns = (
+        Column("", lambda row: NUMBERS[row[0]][0]),
+        Column("", lambda row: NUMBERS[row[0]][1]),
+        Column("value ± standard error", value),
+        Column("runs", lambda row: "" if row[3] is None else str(row[3]), right=True),
+    )
+    return Table("card", rows, ("quantity", "value", "se", "runs", "note"), columns, "Motion of a walker alone")
 
 
-def _reason(key: str, measured: Measured | None) -> str:
-    """Why a number is not known, or what bounds it; '' where nothing is to be said."""
-    if measured is None:
-        return ""
-    found, shortest = measured.motion.estimates, f"{words.number(measured.interval)} s"
+def _reasons(measured: Measured) -> dict[str, str]:
+    """Why numbers are not known, or what bounds them."""
+    found = measured.motion.estimates
     reasons = {
         "delay_s": measured.delay.mean.refused,
         "turning_sd_rad_s": found["turning_scatter"].refused,
         "sideways_mm_s": found["sideways_speed"].refused,
         "turning_relaxation_s": measured.turning.time.refused,
     }
-    for own, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
+    for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:
-            reasons[own] = f"not resolved: below {shortest}"
-    return reasons.get(key, "")
+            reasons[key] = f"not resolved: below {words.number(measured.interval)} s"
+    return reasons
 
 
-def _value(row: Row) -> str:
-    if row.value is None:
-        return row.note
-    known = words.with_error(row.value, 0.0 if row.se is None else row.se)
-    return f"{known} ({row.note})" if row.note else known
-
-
-def _notes(card: Card, measured: Measured | None) -> Iterator[str]:
+def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iterator[str]:
+    """Whether a model without inertia is enough, how numbers were measured, and what is assumed."""
     if card.overdamped is not None:
         yield overdamped.in_words(card.overdamped)
         yield overdamped.SOURCES
     if measured is not None:
         yield from measured.notes
         yield from _of_motion(measured)
+    if walled is not None:
+        low, high = (round(math.degrees(angle)) for angle in walls.ASKEW)
+        yield (
+            f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
+            "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
+            f"turning and torque are those of walkers that run against it at {low} to {high} degrees"
+        )
     yield (
         "restitution and friction of contacts are those of the scene ([crowd], [arena]), assumed, "
         "not measured; outlines are those of bodies, legs left out"
     )
 
 
-def _of_motion(measured: Measured) -> Sequence[str]:
+def _of_motion(measured: Measured) -> Iterator[str]:
     """Method of speeds and their errors, and what a delay was found with."""
-    own, delayed, leaning = [measured.motion.method], measured.delay.mean, measured.leaning
-    spread = measured.velocity.deviation
-    own.append(
-        f"velocities fluctuate by {words.number(spread)} mm/s along each axis; the relaxation is "
+    yield measured.motion.method
+    yield (
+        f"velocities fluctuate by {words.number(measured.velocity.deviation)} mm/s along each axis; the relaxation is "
         "that of their correlation, once what the heading explains is taken off"
     )
-    if delayed.value is not None:
-        own.append(f"the delay is from the delay function up to {words.number(measured.delay.until)} s")
+    if measured.delay.mean.value is not None:
+        yield f"the delay is from the delay function up to {words.number(measured.delay.until)} s"
+    leaning = measured.leaning
     if leaning.value is not None and leaning.se is not None:
-        sideways = words.with_error(leaning.value, leaning.se)
-        own.append(
-            f"pushes that turn it by 1 rad/s move it by {sideways} mm/s to "
+        yield (
+            f"pushes that turn it by 1 rad/s move it by {words.with_error(leaning.value, leaning.se)} mm/s to "
             "the same side: above 0 its velocity leads the heading by them, which the delay counts"
         )
-    return own
-
-
-def _of_walls(walled: Walled) -> str:
-    """How motion by a wall was measured, and what an alignment means."""
-    low, high = (round(math.degrees(angle)) for angle in walls.ASKEW)
-    return (
-        f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
-        "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
-        f"turning and torque are those of walkers that run against it at {low} to {high} degrees"
-    )
-
-
-def _draw_walls(card: Card, walled: Walled) -> "Figure":
-    from walkergen.crowd.cards import figures
-
-    return figures.of_walls(card, walled)
 
 
 def _draw(card: Card, measured: Measured) -> "Figure":
     from walkergen.crowd.cards import figures
 
     return figures.of_card(card, measured)
+
+
+def _draw_walls(card: Card, walled: Walled) -> "Figure":
+    from walkergen.crowd.cards import figures
+
+    return figures.of_walls(card, walled)

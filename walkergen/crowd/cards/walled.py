@@ -7,7 +7,6 @@ import numpy as np
 
 from walkergen.analysis import walls
 from walkergen.analysis.walls import ByWall
-from walkergen.crowd.card import Known
 from walkergen.crowd.space import run as crowd
 from walkergen.dish import Dish
 from walkergen.errors import InputError
@@ -47,7 +46,7 @@ def check(dish: Dish) -> None:
         raise InputError(f"--arena {dish.words}: has no walls; give disc:120 or ring:160,60")
 
 
-def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Known, progress: Progress) -> Walled:
+def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Quantity, progress: Progress) -> Walled:
     """Let a walker of this mean speed run against the wall of the scene's dish, alone.
 
     Raises InputError for a dish too small for it.
@@ -55,7 +54,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Known, 
     dish = scene.crowd.dish
     outline = np.concatenate(seen_above.outline_of(design, mass))
     reach = float(np.hypot(*outline.T).max())
-    place = 0.5 * dish.sizes[0] - reach - FREE_MM - max(speed.value, 0.0) * LANDED_S
+    place = 0.5 * dish.sizes[0] - reach - FREE_MM - max(speed.number, 0.0) * LANDED_S
     within = 0.5 * dish.sizes[1] if dish.kind == "ring" else -0.5 * dish.sizes[0]
     if place - reach < within or min(dish.box) < 2.0 * (reach + FREE_MM):
         raise InputError(f"--arena {dish.words}: too small for a walker that reaches {reach:.3g} mm: give a larger one")

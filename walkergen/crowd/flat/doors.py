@@ -74,14 +74,14 @@ def wrong(name: str, value: object, allowed: str) -> InputError:
 def _turning(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> Array:
     """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
     generator = np.random.default_rng([seed, 1])
-    means = np.array([card.turning_rad_s.value for card in cards])
-    spreads = np.array([one.turning_sd_rad_s.value if one.turning_sd_rad_s else 0.0 for one in cards])
+    means = np.array([card.turning_rad_s.number for card in cards])
+    spreads = np.array([one.turning_sd_rad_s.number if one.turning_sd_rad_s else 0.0 for one in cards])
     return np.asarray(means[kinds] + spreads[kinds] * generator.standard_normal(len(kinds)))
 
 
 def _check_rate(asked: deck.Crowd) -> None:
     """Raise InputError where a heading may turn by more than half a turn between frames."""
-    spread = max(card.rotational_diffusion_rad2_s.value for card in asked.cards)
+    spread = max(card.rotational_diffusion_rad2_s.number for card in asked.cards)
     interval = 1.0 / asked.rate_hz
     turn = float(np.abs(asked.turning).max()) * interval + 4.0 * math.sqrt(2.0 * spread * interval)
     if turn > math.pi:

@@ -45,11 +45,11 @@ class Motion(NamedTuple):
 
 def of(card: Card) -> Motion:
     """Forces and noise of a card. Raises InputError where a relaxation time is zero."""
-    tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.value)
+    tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
     own = card.turning_relaxation_s
-    tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.value)
-    spread, turning = card.rotational_diffusion_rad2_s.value, card.turning_rad_s.value
-    drive = card.speed_mm_s.value / remembered(tau, tau_r, spread, turning)
+    tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.number)
+    spread, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
+    drive = card.speed_mm_s.number / remembered(tau, tau_r, spread, turning)
     return Motion(
         mass=card.mass_g,
         inertia=card.inertia_g_mm2,
@@ -57,9 +57,9 @@ def of(card: Card) -> Motion:
         turn=card.inertia_g_mm2 * turning / tau_r,
         relaxation=tau,
         turning_relaxation=tau_r,
-        heat=card.translational_diffusion_mm2_s.value * card.mass_g / tau,
+        heat=card.translational_diffusion_mm2_s.number * card.mass_g / tau,
         spin_heat=spread * card.inertia_g_mm2 / tau_r,
-        speed=card.speed_mm_s.value,
+        speed=card.speed_mm_s.number,
         turning=turning,
     )
 
