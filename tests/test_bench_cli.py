@@ -1,6 +1,5 @@
 """`bench drop`, `bench slide` and `bench pluck` as a user meets them."""
 
-import csv
 import json
 import math
 
@@ -30,14 +29,10 @@ def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
     assert level["branches"][0]["value"] == pytest.approx(0.745, abs=0.03)
     assert "no foot restitution gives that at 10 deg" in hand["told"]
     assert data["settings"] == {}
-    with (tmp_path / "a" / "drop.csv").open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    assert [float(row["restitution"]) for row in rows] == list(drops.LABELS)
-    assert np.all(np.diff([float(row["flat"]) for row in rows]) > 0)
-    names = {path.name for path in (tmp_path / "a").iterdir()}
-    assert {"drop.md", "drop.png", "drop.pdf", "tilts.csv", "manifest.json"} <= names
-    page = (tmp_path / "a" / "drop.md").read_text(encoding="utf-8")
-    assert "foot restitution 0.7" in page
+    rows = data["tables"]["drop"]
+    assert [row["restitution"] for row in rows] == list(drops.LABELS)
+    assert np.all(np.diff([row["flat"] for row in rows]) > 0)
+    assert {"drop.csv", "drop.md", "drop.png", "tilts.csv"} <= {path.name for path in (tmp_path / "a").iterdir()}
 
 
 def test_a_flat_drop_sets_the_scene(run):
@@ -58,9 +53,6 @@ def test_an_incline_and_a_pluck_set_their_keys(run):
     found = json.loads(run("pluck", *words, "--decrement-sd", "0.05", "--json").stdout)["settings"]
     assert found["material.youngs_modulus_gpa"] == pytest.approx(2.72, abs=0.01)
     assert found["legs.damping_ratio"] == pytest.approx(0.0635, abs=1e-4)
-    text = run("pluck").stdout
-    assert "hold the body" in text
-    assert "bench_pluck" in text
 
 
 @pytest.mark.slow

@@ -21,8 +21,8 @@ from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.lab import drops
 from walkergen.lab.calibrate import contact, form, make, modulus, parts, specimens
-from walkergen.lab.calibrate.modulus import Density
 from walkergen.lab.calibrate.specimens import BENDS, RINGS
+from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -33,7 +33,7 @@ PRINTER = templates.load("prusa-mk3s", "printers", Printer)
 STRIPS = parts.strips(PAPER, PRINTER)
 MODULUS, DENSITY = 2.7e9, 1.22e-3
 """Hidden modulus, Pa, and density, g/mm^3."""
-
+WEIGHED = Quantity("density", "g_cm3", 1.22, 0.02)
 
 AIR = 0.05
 """Share of the strips that the slicer says is air; a print differs by 2 %, all strips alike."""
@@ -49,8 +49,7 @@ class Person:
         self.rows = []
 
     def reads(self, part, name, value, *beside, error=None):
-        quantity = form.quantities(part)[name]
-        error = quantity.error if error is None else error
+        error = form.kinds(part)[name].error if error is None else error
         seen = value + error * self.random.normal()
         self.rows.append((part, name, seen, error, *(beside or ("", "", ""))))
 
@@ -107,8 +106,14 @@ def crowd(tmp_path_factory):
 def fitted(readings):
     strips, notes = specimens.read(readings)
     assert notes == []
-    density = contact.density(readings)
-    return modulus.fit(strips, Density(density.value, density.sd))
+    return modulus.fit(strips, contact.density(readings).number)
+
+
+def assert_honest(numbers, hidden):
+    """Errors are those of the numbers' scatter about what was hidden."""
+    pulls = np.array([(value - hidden) / sd for value, sd in (number.pair for number in numbers)])
+    assert abs(pulls.mean()) < 3.0 / math.sqrt(len(pulls))
+    assert 0.6 < pulls.std() < 1.4
 
 
 @pytest.mark.parametrize("load", [0.05, 0.2])
@@ -129,43 +134,36 @@ def test_closed_forms_are_the_elastica_and_the_elements(strip, load):
 
 def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
     fits = [fitted(one) for one in crowd]
-    pulls = np.array([(1e9 * one.modulus - MODULUS) / (1e9 * one.sd) for one in fits])
-    assert abs(pulls.mean()) < 3.0 / math.sqrt(len(pulls))
-    assert 0.6 < pulls.std() < 1.4
-    assert np.mean([one.sd / one.modulus for one in fits]) < 0.05  # it tells 5 %
+    assert_honest([one.number for one in fits], 1e-9 * MODULUS)
+    assert np.mean([one.number.se / one.number.value for one in fits]) < 0.05  # it tells 5 %
     assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
     assert sum(one.agrees for one in fits) >= 13
-    by = [
-        modulus.fit(specimens.only(specimens.read(crowd[0])[0], method), Density(1.22, 0.02))
-        for method in (BENDS, RINGS)
-    ]
-    assert all(abs(1e9 * one.modulus - MODULUS) < 3e9 * one.sd for one in by)
+    strips, _ = specimens.read(crowd[0])
+    for method in (BENDS, RINGS):
+        value, sd = modulus.fit(specimens.only(strips, method), WEIGHED).number.pair
+        assert abs(value - 1e-9 * MODULUS) < 3.0 * sd
 
 
 @pytest.mark.parametrize("times", [1e-2, 10.0])
 def test_any_plastic_is_found_and_all_scales(crowd, times):
     # Weights times k: a modulus times k; swings as fast as its root
-    readings = {part: dict(own) for part, own in crowd[0].items() if part.startswith("strip")}
-    for own in readings.values():
-        own["deflection_mm"] = [one._replace(weight_g=times * one.weight_g) for one in own["deflection_mm"]]
-        own["swings_20_s"] = [
-            one._replace(value=one.value / times**0.5, error=one.error / times**0.5) for one in own["swings_20_s"]
-        ]
-    strips, density = specimens.read(readings)[0], Density(1.22, 0.02)
-    first = modulus.fit(specimens.read(crowd[0])[0], density)
-    found = modulus.fit(strips, density)
-    assert found.modulus == pytest.approx(times * first.modulus, rel=1e-4)
-    assert found.sd == pytest.approx(times * first.sd, rel=1e-3)
+    strips, _ = specimens.read(crowd[0])
+    scaled = [
+        strip._replace(
+            bends=[bend._replace(weight_g=times * bend.weight_g) for bend in strip.bends],
+            rings=[ring._replace(number=specimens.times(ring.number, times**0.5)) for ring in strip.rings],
+        )
+        for strip in strips
+    ]
+    first, found = (modulus.fit(each, WEIGHED).number.pair for each in (strips, scaled))
+    assert found == pytest.approx((times * first[0], times * first[1]), rel=1e-3)
 
 
 def test_density_and_friction_are_recovered_and_averaged(crowd):
     for what, hidden in ((contact.density, 1e3 * DENSITY), (contact.friction, 0.25)):
-        found = [what(one) for one in crowd]
-        pulls = np.array([(one.value - hidden) / one.sd for one in found])
-        assert abs(pulls.mean()) < 3.0 / math.sqrt(len(pulls))
-        assert 0.6 < pulls.std() < 1.4
+        assert_honest([what(one).number for one in crowd], hidden)
     angle = math.radians(1.0) * (1.0 + 0.25**2) / math.sqrt(6.0)
-    assert np.median([contact.friction(one).sd for one in crowd]) == pytest.approx(angle, rel=0.2)
+    assert np.median([contact.friction(one).number.se for one in crowd]) == pytest.approx(angle, rel=0.2)
 
 
 def test_creep_and_ridges_are_named(tmp_path):
@@ -174,60 +172,63 @@ def test_creep_and_ridges_are_named(tmp_path):
         person = Person(3, **choices)
         person.measures_strips()
         readings[name] = form.read(person.writes(tmp_path))
-    found = {}
-    for name, one in readings.items():
-        given = specimens.read(one)[0], Density(1.22, 0.02)
-        found[name] = modulus.ring_over_bend(*given), modulus.offset(*given), modulus.fit(*given)
-    ring, _, fit = found["creep"]
-    assert ring.seen
-    assert ring.value == pytest.approx(1.0 / 0.7 - 1.0, abs=3.0 * ring.sd)
-    assert not fit.agrees
-    _, offset, _ = found["ridges"]
-    assert offset.seen
-    assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.sd)
+    strips, _ = specimens.read(readings["creep"])
+    ring = modulus.ring_over_bend(strips, WEIGHED)
+    assert ring.within(0.0, 0.0) is Verdict.DISAGREE
+    assert ring.value == pytest.approx(100.0 * (1.0 / 0.7 - 1.0), abs=3.0 * ring.se)
+    assert not modulus.fit(strips, WEIGHED).agrees
+    offset = modulus.offset(specimens.read(readings["ridges"])[0], WEIGHED)
+    assert offset.within(0.0, 0.0) is Verdict.DISAGREE
+    assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.se)
+
+
+def read(folder, *rows):
+    """Readings of a form with these rows."""
+    path = folder / "m.csv"
+    path.write_text(csv_text(form.HEADER, rows))
+    return form.read(path)
 
 
 def test_scatter_beyond_the_stated_error_counts(tmp_path):
-    path = tmp_path / "m.csv"
     angles = (10.0, 18.0, 12.0, 16.0)
-    path.write_text(csv_text(form.HEADER, [("block", "slides_deg", a, 0.5, "", "", "") for a in angles]))
-    found = contact.friction(form.read(path))
-    assert found.value == pytest.approx(math.tan(math.radians(14.0)))
-    expected = np.radians(np.std(angles, ddof=1) / 2.0) * (1.0 + found.value**2)
-    assert found.sd == pytest.approx(expected)
+    value, sd = contact.friction(
+        read(tmp_path, *(("block", "slides_deg", a, 0.5, "", "", "") for a in angles))
+    ).number.pair
+    assert value == pytest.approx(math.tan(math.radians(14.0)))
+    assert sd == pytest.approx(np.radians(np.std(angles, ddof=1) / 2.0) * (1.0 + value**2))
+
+
+def test_parts_that_disagree_are_said_and_have_the_error_of_their_disagreement(tmp_path):
+    rows = [(part, "slides_deg", angle, 0.5, "", "", "") for part, angle in (("block", 12.0), ("walker", 16.0))]
+    found = contact.friction(read(tmp_path, *rows))
+    assert not found.agrees
+    tangents = [math.tan(math.radians(angle)) for angle in (12.0, 16.0)]
+    assert found.number.se == pytest.approx(0.5 * (tangents[1] - tangents[0]), rel=0.01)  # Birge, of two
 
 
 def test_a_rebound_is_that_of_a_ball_in_free_flight(tmp_path):
     # h = 10 mm, e = 0.5: the flight between landings lasts 2 e sqrt(2 h / g)
     flight = 2.0 * 0.5 * math.sqrt(2.0 * 10.0 / 9806.65)
-    path = tmp_path / "m.csv"
-    path.write_text(csv_text(form.HEADER, [("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4))
-    seen = contact.rebound(form.read(path))
-    assert seen.measured.value == pytest.approx(0.5)
-    assert seen.measured.tries == 4
-    assert seen.measured.sd == pytest.approx(0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0))
-    path.write_text(csv_text(form.HEADER, [("walker", "flight_s", 0.2, 0.001, "", "", 10.0)]))
+    seen = contact.rebound(read(tmp_path, *[("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4)).measured
+    sd = 0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0)
+    assert seen.number.pair == pytest.approx((0.5, sd))
+    assert seen.tries == 4
     with pytest.raises(InputError, match="slow motion"):
-        contact.rebound(form.read(path))
+        contact.rebound(read(tmp_path, ("walker", "flight_s", 0.2, 0.001, "", "", 10.0)))
 
 
 @pytest.mark.parametrize("heights", [(10.0,) * 6, (10.0, 10.4, 9.6, 10.2, 9.9, 9.8)])
 def test_drops_that_scatter_have_the_error_of_their_scatter(tmp_path, heights):
     ratios = 0.4 + 0.066 * np.array([-1.2, 1.0, -0.7, 1.3, 0.4, -0.8])
     flights = 2.0 * ratios * np.sqrt(2.0 * np.array(heights) / 9806.65)
-    rows = [
-        ("walker", "flight_s", flight, 0.002, "", "", height) for flight, height in zip(flights, heights, strict=True)
-    ]
-    path = tmp_path / "m.csv"
-    path.write_text(csv_text(form.HEADER, rows))
-    seen = contact.rebound(form.read(path))
+    rows = [("walker", "flight_s", flight, 0.002, "", "", at) for flight, at in zip(flights, heights, strict=True)]
+    se = contact.rebound(read(tmp_path, *rows)).estimate.number.se
     scatter = ratios.std(ddof=1) / math.sqrt(6)
     ruler = 0.4 * 0.5 * modulus.AT_SD_MM / 10.0
     # Heights that are told apart have rulers' errors of their own
-    assert math.hypot(scatter, ruler / 6**0.5) <= seen.sd * 1.001
-    assert seen.sd <= 1.001 * math.hypot(scatter, ruler)
-    path.write_text(csv_text(form.HEADER, rows[:1]))
-    assert contact.rebound(form.read(path)).spread == 0.0
+    assert math.hypot(scatter, ruler / 6**0.5) <= se * 1.001
+    assert se <= 1.001 * math.hypot(scatter, ruler)
+    assert contact.rebound(read(tmp_path, rows[0])).spread == 0.0
 
 
 MISTAKES = {
@@ -304,8 +305,7 @@ def whole(folder):
 
 def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
     elastic = Elastic(monkeypatch)
-    path = whole(tmp_path)
-    result = calibrated(path, tmp_path / "a", "--tilt", "10")
+    result = calibrated(whole(tmp_path), tmp_path / "a", "--tilt", "10")
     assert result.exit_code == 0, result.output
     folder = tmp_path / "a" / "calibrate"
     design = templates.load(folder / "design.toml", "walkers", Design)
@@ -329,21 +329,8 @@ def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
     assert elastic.heights == [10.0]
     assert design.name == "koumakis2016-measurements"
     names = {one.name for one in folder.iterdir()}
-    assert names == {
-        "calibration.csv",
-        "calibration.md",
-        "strips.csv",
-        "strips.png",
-        "strips.pdf",
-        "design.toml",
-        "scene.toml",
-        "manifest.json",
-    }
-    again = calibrated(path, tmp_path / "b", "--tilt", "10", "--quiet", "--no-pictures")
-    assert again.exit_code == 0
-    for name in names - {"strips.png", "strips.pdf", "manifest.json"}:
-        one, other = (tmp_path / each / "calibrate" / name for each in "ab")
-        assert one.read_bytes() == other.read_bytes()
+    tables = {"calibration.csv", "calibration.md", "strips.csv", "strips.png", "strips.pdf"}
+    assert names == tables | {"design.toml", "scene.toml", "manifest.json"}
 
 
 def test_what_is_missing_stays_and_is_said(tmp_path):
@@ -446,11 +433,9 @@ def test_a_bad_option_is_one_line(tmp_path, words, told):
 def test_what_the_readings_leave_open_is_not_told(crowd):
     strips, _ = specimens.read(crowd[0])
     twins = [strips[0], strips[0]._replace(name="strip_9")]
-    density = Density(1.22, 0.02)
+    density = WEIGHED
     assert modulus.offset(specimens.only(twins, RINGS), density) is None  # equal thicknesses
     assert modulus.offset(strips[:1], density) is None
     assert modulus.ring_over_bend(specimens.only(strips, BENDS), density) is None
     alone = modulus.fit(specimens.only(strips[:1], RINGS), density)
-    assert alone.dof == 0
-    assert alone.probability is None
-    assert alone.agrees
+    assert (alone.dof, alone.probability, alone.agrees) == (0, None, True)

@@ -6,8 +6,9 @@ import pytest
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.lab.fit import emulated, parameters, posterior, request, tabled, weighed
+from walkergen.lab.fit import emulated, make, parameters, posterior, tabled, weighed
 from walkergen.lab.fit.posterior import Observed
+from walkergen.lab.fit.request import Request
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
 from walkergen.theory.prediction import MODEL, PRINT
@@ -58,8 +59,8 @@ def fitted(folder, speeds, errors=True, **choices):
     rows = [(tilt, one, FILM_NOISE)[: 2 + errors] for tilt, one in zip(TILTS, speeds, strict=True)]
     path = folder / "speeds.csv"
     path.write_text(csv_text(header, rows), encoding="utf-8")
-    wish = request.Request(PAPER, LANE, **{"pictures": False} | choices)
-    return request.fit(path, wish, folder / "out", silent)
+    wish = Request(PAPER, LANE, **{"pictures": False} | choices)
+    return make.fit(path, wish, folder / "out", silent)
 
 
 def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp_path):
@@ -151,7 +152,7 @@ def test_weighted_draws_are_the_posterior_of_a_grid(error):
 def test_speeds_that_no_contact_has_are_called_so_and_walkers_outside_are_named(tmp_path):
     found = fitted(tmp_path, [20.0, 5.0, 90.0, 5.0, 60.0])
     assert any("does not describe these speeds" in note for note in found.notes)
-    rough = request.Request(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
+    rough = Request(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
     with pytest.raises(InputError, match=r"tilt 5 deg: .*--model space"):
-        request.fit(tmp_path / "speeds.csv", rough, tmp_path / "no", silent)
+        make.fit(tmp_path / "speeds.csv", rough, tmp_path / "no", silent)
     assert not (tmp_path / "no").exists()

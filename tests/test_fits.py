@@ -44,7 +44,7 @@ def test_intervals_of_68_percent_cover_the_truth_in_as_many_cases(held):
 
 @pytest.mark.parametrize("law", ["poisson", "newton", "stronge"])
 def test_without_noise_the_parameters_come_back_exactly(law):
-    speeds = measured(np.random.default_rng(0), se=1e-6, law=law)
+    speeds = measured(np.random.default_rng(0), se=1e-6, law=law, plate=np.linspace(20, 40, len(TILTS)))
     found = fits.fit_contact(speeds, {"restitution": 0.8}, profiles=False)
     for name, value in TRUE.items():
         assert found.values[name] == pytest.approx(value, rel=1e-4)
@@ -106,13 +106,6 @@ def test_absurdly_sharp_or_vague_speeds_end_in_a_note(se):
     found = fits.fit_contact(speeds._replace(se=np.full(len(TILTS), se)), {"restitution": 0.8})
     assert found.notes
     assert np.isfinite(found.predicted).all()
-
-
-def test_speeds_at_several_plate_speeds_scale_with_them():
-    speeds = measured(np.random.default_rng(6), plate=np.linspace(20, 40, len(TILTS)))
-    found = fits.fit_contact(speeds, {"restitution": 0.8}, profiles=False)
-    error = found.errors["impact_speed_factor"]
-    assert found.values["impact_speed_factor"] == pytest.approx(0.5, abs=4 * error)
 
 
 def test_too_few_speeds_and_rigid_legs_are_refused():

@@ -69,36 +69,10 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     assert found["particles"] == 10
     assert found["lag_s"] == pytest.approx(0.04)
     folder = tmp_path / "out" / "film" / "analysis"
-    names = {path.name for path in folder.iterdir()}
-    figures = {
-        f"{name}.{form}"
-        for name in ("trajectories", "msd", "density", "correlation", "walkers")
-        for form in ("png", "pdf")
-    }
-    assert names == figures | {
-        "analysis.csv",
-        "analysis.md",
-        "msd.csv",
-        "density.csv",
-        "correlation.csv",
-        "walkers.csv",
-        "manifest.json",
-    }
     with (folder / "analysis.csv").open(encoding="utf-8", newline="") as stream:
         rows = {row["quantity"]: row for row in csv.DictReader(stream)}
     assert float(rows["speed_mm_s"]["value"]) == found["speed_mm_s"]
     assert rows["motion_speed_mm_s"]["refused"]
-
-
-@pytest.mark.slow
-def test_equal_files_give_equal_bytes(run, tmp_path):
-    as_trackpy_writes(tmp_path / "film.csv", film(12, 8, 3.0, WALKER), 0.05)
-    kept = []
-    for out in ("one", "two"):
-        assert run("analyse", "film.csv", *FILM, "--out", out, "--quiet").output == ""
-        folder = tmp_path / out / "analysis"
-        kept.append({path.name: path.read_bytes() for path in sorted(folder.iterdir())})
-    assert kept[0] == kept[1]
 
 
 def test_table_names_bad_rows_and_what_the_errors_rest_on(run, tmp_path):
@@ -143,19 +117,6 @@ def test_a_file_name_never_becomes_a_path(run, tmp_path):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["results"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("fewer", [False, True])
-def test_results_of_an_earlier_run_are_replaced_and_others_stay(run, tmp_path, fewer):
-    as_trackpy_writes(tmp_path / "film.csv", film(13, 2, 3.0, WALKER), 0.05)
-    mine = tmp_path / "out" / "film" / "notes.txt"
-    mine.parent.mkdir(parents=True)
-    mine.write_text("mine")
-    run("analyse", "film.csv", *FILM)
-    run("analyse", "film.csv", *FILM, *(["--no-pictures"] if fewer else []))
-    assert mine.read_text() == "mine"
-    assert (mine.parent / "analysis" / "msd.png").exists() is not fewer
-
-
 SPEEDS = """tilt_deg,speed_mm_s,speed_se_mm_s,legs
 2.5,67.9,0.5,flexible
 5,78.4,0.5,flexible
@@ -181,16 +142,6 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     assert "2 bad rows" in told
     assert "legs is 'brased', not one of flexible, braced" in told
     folder = tmp_path / "out" / "speeds" / "fit"
-    assert {path.name for path in folder.iterdir()} == {
-        "design.toml",
-        "fit.csv",
-        "fit.md",
-        "fit.pdf",
-        "fit.png",
-        "manifest.json",
-        "scene.toml",
-        "speeds.csv",
-    }
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]
     assert row["theory_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
@@ -200,13 +151,6 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     with (folder / "speeds.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["legs"] for row in rows] == ["flexible"] * 6 + ["braced"]
-
-
-def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
-    (tmp_path / "speeds.csv").write_text(SPEEDS)
-    text = " ".join(run(*THEORY).stdout.split())
-    assert "restitution and impact_speed_factor cannot be told apart" in text
-    assert "68 % interval" in text
 
 
 @pytest.mark.parametrize(
@@ -223,13 +167,11 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("fit", "film.csv"), "no column 'tilt_deg'"),
         ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
         ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
-        ((*THEORY, "--fix", "friction=x"), "not a number"),
         ((*THEORY, "--mode", "paper", "--law", "newton"), "poisson only"),
         (("fit", "few.csv", "--model", "theory"), "2 speeds for 3 parameters"),
         (("fit", "steep.csv"), "tilt up to"),
         (("fit", "semicolons.csv"), "separate cells by commas"),
         (("fit", "behind.csv"), "Turn the sign"),
-        (("fit", "behind.csv", "--model", "space"), "Turn the sign"),
         (("fit", "metres.csv"), "in m/s instead of mm/s"),
         (("fit", "micrometres.csv"), "µm/s or pixels"),
     ],

@@ -13,6 +13,9 @@ def test_bounds_are_students_and_of_a_variance_chi_squared():
     speed = Quantity("speed", "mm_s", 56.5, 0.5, freedom=7)
     assert speed.interval(0.95) == pytest.approx(stats.t.interval(0.95, 7, 56.5, 0.5))
     assert speed.column == "speed_mm_s"
+    assert speed.pair == (56.5, 0.5)
+    with pytest.raises(ValueError, match="no headings"):
+        _ = Quantity("turning", "rad2_s", None, refused="no headings").pair
     variance = Quantity("scatter", "mm2", 4.0, 1.0, freedom=9, noise=1.0)
     low, high = variance.interval(0.95)
     assert (low + 1.0, high + 1.0) == pytest.approx((45.0 / stats.chi2.ppf(0.975, 9), 45.0 / stats.chi2.ppf(0.025, 9)))

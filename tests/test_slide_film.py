@@ -45,7 +45,7 @@ def test_hidden_frictions_are_found_within_their_errors(tmp_path, friction):
     for seed in range(200):
         path = write(tmp_path / "t.csv", lambda t: 900.0 * t + 0.5 * gain(friction) * t**2, frames=30, seed=seed)
         found.append(filmed.friction(path, ANGLE, 1e-6))
-    values, errors = np.array(found).T
+    values, errors = np.array([one.pair for one in found]).T
     assert values.mean() == pytest.approx(friction, abs=4.0 * values.std() / math.sqrt(200))
     # noise here is independent from frame to frame, of which ten are taken to err alike
     ratio = errors.mean() / values.std() / math.sqrt(filmed.INDEPENDENT)
@@ -61,9 +61,9 @@ def test_angle_and_scale_have_their_part_of_the_error(tmp_path):
     plain = filmed.friction(exact, ANGLE, 1e-9)
     assert plain.value == pytest.approx(0.3, abs=1e-9)
     steeper = filmed.friction(exact, ANGLE + 0.1, 1e-9).value - plain.value
-    assert filmed.friction(exact, ANGLE, 0.1).error == pytest.approx(steeper, rel=0.01)
+    assert filmed.friction(exact, ANGLE, 0.1).se == pytest.approx(steeper, rel=0.01)
     off = plain.value - filmed.friction(longer, ANGLE, 1e-9).value
-    assert filmed.friction(scaled, ANGLE, 1e-9).error == pytest.approx(off, rel=0.01)
+    assert filmed.friction(scaled, ANGLE, 1e-9).se == pytest.approx(off, rel=0.01)
 
 
 def resting(t):
@@ -120,6 +120,5 @@ def test_a_filmed_block_with_a_cap_tells_its_friction(tmp_path):
     path = films.film(tmp_path / "slide.mp4", ways, 45, shot)
     wg.track(path, markers="aruco", marker_mm="7.2+-0.05", fps=120.0, folder=tmp_path / "t")
     found = filmed.friction(tmp_path / "t" / "tracks.csv", ANGLE, 0.1)
-    print(found)
     assert found.value == pytest.approx(hidden, abs=0.002)
-    assert 0.001 < found.error < 0.004
+    assert 0.001 < found.se < 0.004

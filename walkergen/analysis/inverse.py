@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
+from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
@@ -33,33 +34,44 @@ class Curve(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """Number seen on a real bench."""
+    """Number seen on a real bench, and the number of tries whose mean it is."""
 
-    value: float
-    sd: float
+    number: Quantity
     tries: int = 1
-    """Number of tries whose mean it is."""
+
+    @property
+    def facts(self) -> dict[str, float | None]:
+        """What manifests hold of it."""
+        return {"value": self.number.value, "sd": self.number.se, "tries": self.tries}
 
 
 class Branch(NamedTuple):
-    """Interval of what the model needs that agrees with the measured within one error."""
+    """Range of what the model needs that agrees with the measured within one error."""
 
     value: float
     low: float
     high: float
 
 
-class Inverse(NamedTuple):
-    """Branches that agree with a measured number, and the place of the curve nearest to it."""
+class Answer(NamedTuple):
+    """What a measured number tells of a number that the model needs."""
 
+    told: str
     branches: Sequence[Branch]
-    nearest: float
-    shows: float
-    """What is seen at `nearest`."""
-    misses: float
-    """Distance there, in errors of the measured number and of the tries together."""
-    everywhere: bool
+    """Ranges that agree with it."""
+    everywhere: bool = False
     """True when the whole curve agrees: the test does not tell."""
+    nearest: float = math.nan
+    """Place of the curve nearest to it."""
+    misses: float = 0.0
+    """Distance there, in errors of the measured number and of the tries together."""
+
+    def number(self, key: str) -> Quantity:
+        """The one range that agrees, with half its width as the error; refused where it is not one."""
+        if self.everywhere or len(self.branches) != 1:
+            return Quantity(key, "", None, refused=self.told)
+        (branch,) = self.branches
+        return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
 
 def measured(
@@ -79,11 +91,11 @@ def measured(
             raise InputError(f"{name} {number:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
-    return Measured(float(value), float(sd), tries)
+    return Measured(Quantity(flag.removeprefix("--"), "", float(value), float(sd)), tries)
 
 
-def invert(curve: Curve, number: Measured) -> Inverse:
-    """Branches of a curve that agree with a measured number.
+def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
+    """What a measured number tells of `what`, by a curve; `where` ends what is said of no branch.
 
     Between its points the curve is cubic, and monotone. Errors are those of the number, and the
     scatter of so many tries and of the simulated ones, in quadrature; a branch ends where the
@@ -91,42 +103,49 @@ def invert(curve: Curve, number: Measured) -> Inverse:
     """
     from scipy.interpolate import PchipInterpolator
 
+    value, sd = seen.number.pair
     at = np.linspace(curve.at[0], curve.at[-1], FINE)
-    seen = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
+    shown = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
     spread = np.interp(at, curve.at, curve.spread)
-    scatter = spread * np.sqrt(1.0 / number.tries + 1.0 / np.interp(at, curve.at, curve.tries))
-    away = (seen - number.value) / np.hypot(number.sd, scatter)
+    scatter = spread * np.sqrt(1.0 / seen.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    away = (shown - value) / np.hypot(sd, scatter)
     inside = np.abs(away) <= 1.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     branches = []
     for first, past in edges.reshape(-1, 2):
-        part = slice(first, past)
-        best = first + int(np.argmin(np.abs(away[part])))
+        best = first + int(np.argmin(np.abs(away[first:past])))
         branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
     best = int(np.argmin(np.abs(away)))
-    misses = float(abs(away[best]))
-    return Inverse(branches, float(at[best]), float(seen[best]), misses, bool(inside.all()))
-
-
-def in_words(inverse: Inverse, what: str, ends: tuple[float, float], where: str = "") -> str:
-    """Answer of an inverse in words; `ends` are those of the curve."""
-    if inverse.everywhere:
-        return f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
-    if not inverse.branches:
-        within = "" if inverse.misses > FAR else " within one error"
-        return (
-            f"no {what} gives that{within}{where}: nearest is {inverse.shows:.2f} at "
-            f"{inverse.nearest:.2f}, {inverse.misses:.1f} errors away"
+    nearest, misses, everywhere = float(at[best]), float(abs(away[best])), bool(inside.all())
+    ends = float(curve.at[0]), float(curve.at[-1])
+    if everywhere:
+        told = f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
+    elif branches:
+        told = f"{what} " + ", or ".join(_in_words(branch, ends) for branch in branches)
+    else:
+        within = "" if misses > FAR else " within one error"
+        told = (
+            f"no {what} gives that{within}{where}: nearest is {shown[best]:.2f} at {nearest:.2f}, "
+            f"{misses:.1f} errors away"
         )
-    return f"{what} " + ", or ".join(_branch_in_words(branch, ends) for branch in inverse.branches)
+    return Answer(told, branches, everywhere, nearest, misses)
 
 
-def _branch_in_words(branch: Branch, ends: tuple[float, float]) -> str:
+def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
+    """Range of a curve with these ends."""
     cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
     up, down = branch.high - branch.value, branch.value - branch.low
     digits = digits_of(max(up, down))
     text = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
     return text + (f", cut off at {' and '.join(cut)}" if cut else "")
+
+
+def with_error(what: str, number: Quantity, unit: str) -> Answer:
+    """Answer in closed form: a number with its symmetric error, in a unit as people write it."""
+    value, sd = number.pair
+    digits = digits_of(sd)
+    told = f"{what} {value:.{digits}f} ± {sd:.{digits}f} {unit}".rstrip()
+    return Answer(told, [Branch(value, value - sd, value + sd)], nearest=value)
 
 
 def digits_of(error: float) -> int:

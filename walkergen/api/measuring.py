@@ -15,11 +15,11 @@ from walkergen.jobs.make.weigh import make as weighing
 from walkergen.jobs.make.weigh import report as weigh_report
 from walkergen.jobs.make.weigh.report import WeighReport
 from walkergen.lab.bench import make as benches
-from walkergen.lab.bench.report import BenchReport
 from walkergen.lab.calibrate import make as calibrations
-from walkergen.lab.calibrate.report import CalibrationReport
+from walkergen.lab.fit import make as fitting
 from walkergen.lab.fit import request
 from walkergen.lab.fit.report import FitReport
+from walkergen.lab.report import LabReport
 from walkergen.theory.speed import Mode
 from walkergen.walker.limbs import Kind
 
@@ -53,7 +53,7 @@ def fit(
     held = [f"{name}={value!r}" for name, value in (fix or {}).items()]
     ahead = None if predict is None else [float(tilt) for tilt in predict]
     wish = request.Request(walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures)
-    return request.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
+    return fitting.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
 
 
 def calibrate(
@@ -69,7 +69,7 @@ def calibrate(
     folder: Name | None = None,
     pictures: bool = True,
     progress: Progress | None = None,
-) -> CalibrationReport:
+) -> LabReport:
     """Estimate Young's modulus, density, friction, damping and restitution from a filled form.
 
     The form is that of `walkergen plate --calibration`; `by` says what Young's modulus is by;
@@ -104,7 +104,7 @@ def bench(
     folder: Name | None = None,
     pictures: bool = True,
     progress: Progress | None = None,
-) -> BenchReport:
+) -> LabReport:
     """Simulate a test on a bench, and invert what was `measured`, with its standard error.
 
     Of a "drop" that is the rebound, root of height over height, the mean of `tries`; of a "slide"

@@ -55,7 +55,7 @@ def fit(
     eq. 15, is found by least squares. All write scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
-    from walkergen.lab.fit import request
+    from walkergen.lab.fit import make, request
 
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":
@@ -73,5 +73,5 @@ def fit(
     )
     folder = output.results(file, out, "fit")
     with show.progress("fit", wanted=not quiet) as progress:
-        result = request.fit(file, wish, folder, progress)
+        result = make.fit(file, wish, folder, progress)
     show.report(result, json, quiet)

@@ -64,6 +64,13 @@ class Quantity(NamedTuple):
         return self.value
 
     @property
+    def pair(self) -> tuple[float, float]:
+        """Value and standard error of a quantity that has both. Raises ValueError for others."""
+        if self.value is None or self.se is None:
+            raise ValueError(f"{self.key}: {self.refused or 'no error'}")
+        return self.value, self.se
+
+    @property
     def column(self) -> str:
         """Name of its column, with the unit."""
         return f"{self.key}_{self.unit}" if self.unit else self.key

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.analysis.inverse import Curve
+from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
 from walkergen.lab import drops, resting
 from walkergen.lab.drops import Let, Rebounds, rebound, rebounds
@@ -62,16 +63,14 @@ def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: in
     hand = drops.from_hand(height, turn_deg, tries, scene.run.seed)
     by_label = drops.by_label(scene, design, hand, progress)
     few = hand[:FEW]
-    rows: list[tuple[str, float, Scene, Design, Sequence[Let]]] = []
-    rows += [("tilt", tilt, scene, variant, few) for tilt, variant in _tilted(design)]
+    rows = [("tilt", tilt, resting.plan_of(scene, variant), few) for tilt, variant in _tilted(design)]
     for friction in FRICTIONS:
-        rows.append(("friction", friction, resting.with_contact(scene, friction=friction), design, few))
-    for other in HEIGHTS:
-        rows.append(("height", other, scene, design, [let._replace(height=other) for let in few]))
+        plan = resting.plan_of(resting.with_contact(scene, friction=friction), design)
+        rows.append(("friction", friction, plan, few))
+    rows += [("height", other, own, [let._replace(height=other) for let in few]) for other in HEIGHTS]
     by_condition: dict[str, list[tuple[float, Rebounds]]] = {}
-    for number, (what, at, surroundings, walker, chosen) in enumerate(rows):
+    for number, (what, at, plan, chosen) in enumerate(rows):
         progress(f"{what} {at:g}", number, len(rows) + 1)
-        plan = resting.plan_of(surroundings, walker)
         by_condition.setdefault(what, []).append((at, rebounds(plan, chosen)))
     progress("first turn", len(rows), len(rows) + 1)
     return Dropped(by_label, by_condition, _by_turn(own, height))
@@ -79,11 +78,8 @@ def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: in
 
 def _tilted(design: Design) -> list[tuple[float, Design]]:
     """The design at those of TILTS that can be built, and at its own."""
-    from walkergen.errors import GeometryError
-
-    tilts = sorted({*TILTS, design.tilt_deg})
     variants = []
-    for tilt in tilts:
+    for tilt in sorted({*TILTS, design.tilt_deg}):
         try:
             variants.append((tilt, design.variant(tilt_deg=tilt)))
         except GeometryError:

@@ -7,15 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.inverse import Measured
-from walkergen.files.figures import COLUMN, STYLES, axes_of, style, wrapped
+from walkergen.files.figures import BLUE, COLUMN, GREEN, GREY, ORANGE, axes_of, name, style, wrapped
 from walkergen.lab.bench.drop import Dropped
 from walkergen.lab.bench.pluck import Plucked
 from walkergen.lab.bench.slide import Incline
-
-Points = Sequence[tuple[float, float]]
-
-BLUE, ORANGE = STYLES["flexible"][0], STYLES["braced"][0]
-GREEN, GREY = "#009E73", "0.45"
 
 
 @style()
@@ -25,24 +20,16 @@ def of_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | 
     axes.plot((0, 1), (0, 1), ":", color=GREY, linewidth=0.9, label="a ball")
     flat, hand = dropped.curve(flat=True), dropped.curve(flat=False)
     if flat is not None:
-        axes.plot(flat.at, flat.seen, "o-", color=BLUE, markersize=4, label="let go flat")
+        axes.plot(flat.at, flat.seen, "o-", color=BLUE, label="let go flat")
     if hand is not None and turn_deg > 0.0:
-        axes.plot(
-            hand.at,
-            hand.seen,
-            "s--",
-            color=ORANGE,
-            markersize=4,
-            label=f"from the hand, pitch and roll ± {turn_deg:g}°",
+        words = f"from the hand, pitch and roll ± {turn_deg:g}°"
+        axes.plot(hand.at, hand.seen, "s--", color=ORANGE, label=words)
+        axes.fill_between(
+            hand.at, hand.seen - hand.spread, hand.seen + hand.spread, color=ORANGE, alpha=0.2, linewidth=0
         )
-        band = hand.seen - hand.spread, hand.seen + hand.spread
-        axes.fill_between(hand.at, *band, color=ORANGE, alpha=0.2, linewidth=0)
-    _draw_measured(axes, measured)
-    axes.set_xlabel("restitution of the feet (label)")
-    axes.set_ylabel("rebound of the whole walker")
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
-    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
+    _finish(axes, measured, "restitution of the feet (label)", "rebound of the whole walker")
     return figure
 
 
@@ -54,51 +41,52 @@ def of_slide(incline: Incline, title: str, measured: Measured | None) -> Figure:
     axes.plot(fine, np.degrees(np.arctan(fine)), ":", color=GREY, label="a rigid block")
     looks = zip(incline.by_heading.items(), ((BLUE, "o"), (ORANGE, "s"), (GREEN, "^")), strict=True)
     for (facing, row), (colour, marker) in looks:
-        points = [
-            (friction, outcome.angle, outcome.toppled)
-            for friction, outcome in zip(incline.frictions, row, strict=True)
-            if outcome.angle is not None
-        ]
-        slid = [(friction, angle) for friction, angle, toppled in points if not toppled]
-        fell = [(friction, angle) for friction, angle, toppled in points if toppled]
-        axes.plot(*np.array(slid).reshape(-1, 2).T, marker, color=colour, markersize=5, label=f"facing {facing}")
-        axes.plot(*np.array(fell).reshape(-1, 2).T, marker, color=colour, markersize=5, markerfacecolor="none")
+        for toppled, face in ((False, colour), (True, "none")):
+            points = [
+                (friction, outcome.angle)
+                for friction, outcome in zip(incline.frictions, row, strict=True)
+                if outcome.angle is not None and outcome.toppled == toppled
+            ]
+            label = "_" if toppled else f"facing {facing}"
+            axes.plot(
+                *np.array(points).reshape(-1, 2).T,
+                marker,
+                color=colour,
+                markersize=5,
+                markerfacecolor=face,
+                label=label,
+            )
     slips = [pair for pair in zip(incline.frictions, incline.slips, strict=True) if pair[1] is not None]
     if slips:
         axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9, label="upper foot slips (statics)")
-    _draw_measured(axes, measured)
-    axes.set_xlabel("friction; open: it falls over")
-    axes.set_ylabel("slope at which it gives way (deg)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
+    _finish(axes, measured, "friction; open: it falls over", "slope at which it gives way (deg)")
     return figure
 
 
 @style()
-def of_pluck(plucked: Plucked, title: str, measured: Measured | None, curve: Points) -> Figure:
+def of_pluck(plucked: Plucked, title: str, measured: Measured | None, curve: Sequence[tuple[float, float]]) -> Figure:
     """Draw a leg of the model ringing, and the frequency heard against Young's modulus."""
     figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     figure.suptitle(wrapped(title, COLUMN - 0.1))
     ringing = plucked.held
     top.plot(1e3 * ringing.times, 1e3 * ringing.angles, color=BLUE)
-    top.set_xlabel("time (ms)")
-    top.set_ylabel("the model's leg (mrad)")
+    name(top, "time (ms)", "the model's leg (mrad)")
     at, hertz = np.array(curve).T
-    bottom.plot(at, hertz, "o-", color=BLUE, markersize=4, label="printed leg, first mode")
+    bottom.plot(at, hertz, "o-", color=BLUE, label="printed leg, first mode")
     hinge = hertz * plucked.held.frequency / plucked.cantilever
     bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
-    _draw_measured(bottom, measured)
-    bottom.set_xlabel("Young's modulus (GPa)")
-    bottom.set_ylabel("frequency (Hz)")
-    bottom.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
+    _finish(bottom, measured, "Young's modulus (GPa)", "frequency (Hz)")
     return figure
 
 
-def _draw_measured(axes: Axes, measured: Measured | None) -> None:
-    if measured is None:
-        return
-    low, high = measured.value - measured.sd, measured.value + measured.sd
-    axes.axhspan(low, high, color=GREY, alpha=0.2, linewidth=0, label="measured")
-    axes.axhline(measured.value, color=GREY, linewidth=0.9)
+def _finish(axes: Axes, measured: Measured | None, x: str, y: str) -> None:
+    """Draw what was measured, with its error; name axes and curves."""
+    if measured is not None:
+        value, sd = measured.number.pair
+        axes.axhspan(value - sd, value + sd, color=GREY, alpha=0.2, linewidth=0, label="measured")
+        axes.axhline(value, color=GREY, linewidth=0.9)
+    name(axes, x, y)
+    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")

@@ -1,31 +1,43 @@
-"""Bench tests: each simulated, inverted where a number was measured, and written to a folder."""
+"""Bench tests: drop, incline and pluck, each simulated, inverted where a number was measured, and reported."""
 
-from collections.abc import Callable
-from dataclasses import replace
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.analysis.inverse import Measured
-from walkergen.errors import InputError
-from walkergen.files.output import Folder
+from walkergen.analysis import inverse
+from walkergen.analysis.inverse import Answer, Curve, Measured
+from walkergen.files import report, words
 from walkergen.files.progress import Progress
-from walkergen.lab.bench import drop, pluck, slide, tables
-from walkergen.lab.bench.report import BenchReport
+from walkergen.files.report import Table
+from walkergen.lab import drops, resting
+from walkergen.lab.bench import drop, pluck, slide
+from walkergen.lab.bench.drop import Dropped
+from walkergen.lab.bench.pluck import Plucked
+from walkergen.lab.bench.slide import Incline
+from walkergen.lab.report import LabReport, check, check_drops, written
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.walker import names
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.figure import Figure
 
-HIGHEST_MM, STEEPEST_DEG, MOST_DROPS = 1000.0, 20.0, 1000
-"""Largest height of a drop, deviation of its first turn, and number of drops from the hand."""
-
+HIGHEST_MM = 1000.0
+"""Largest height of a drop."""
 
 MOST = {"drop": 1.0, "slide": 89.0, "pluck": 1e6}
 """Largest number that each test may measure: rebound, slope (deg), frequency (Hz)."""
 
 MOST_DECREMENT = 100.0
+
+REBOUNDS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
+"""Columns of the rebounds under one condition."""
+
+Value = float | str | None
 
 
 class Test(NamedTuple):
@@ -50,76 +62,266 @@ def folder_of(bench: str, design: Design) -> Path:
     return Path("out") / design.name / f"bench_{bench}_{names.part(design)}"
 
 
-def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> BenchReport:
+def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> LabReport:
     """Drop a walker; writes drop.csv and a table for all else that counts, figure and page.
 
-    Raises InputError before anything is simulated.
+    Without a first turn only the flat drop counts. Raises InputError before anything is simulated.
     """
-    _check("--height-mm", how.height, 0.01, HIGHEST_MM)
-    _check("--roll-deg", how.turn_deg, 0.0, STEEPEST_DEG)
-    _check("--drops", how.drops, 2, MOST_DROPS)
-    result = drop.drop(test.scene, test.design, *how, progress)
-    report = tables.of_drop(result, test.scene, test.design, how.height, how.turn_deg, test.measured)
+    check("--height-mm", how.height, 0.01, HIGHEST_MM)
+    check_drops(how.turn_deg, how.drops)
+    found = drop.drop(test.scene, test.design, *how, progress)
+    hand = f"pitch and roll ± {how.turn_deg:g} deg"
+    curves = {"let go flat": found.curve(flat=True), f"from the hand ({hand})": found.curve(flat=False)}
+    if how.turn_deg == 0.0:
+        curves.popitem()
+    answers = _answers(test, curves, "foot restitution", f" at {test.design.tilt_deg:g} deg")
+    notes = [
+        f"from the hand: {hand}, {how.height:g} mm; rebound: root of the height regained over that "
+        "of the drop, of the body's middle over where it stands",
+        *_on_flatness(found),
+    ]
+    return _reported(
+        test,
+        "drop",
+        f"Drop of {test.design.name}, {test.design.tilt_deg:g} deg, {test.design.kind}",
+        f"dropped by {how.height:g} mm",
+        _tables_of_drop(found),
+        answers,
+        _settings(answers, -1, "contact.restitution"),
+        notes,
+        folder,
+        lambda figures, title: figures.of_drop(found, title, how.turn_deg, test.measured),
+        how._asdict(),
+    )
 
-    def draw() -> "Figure":
-        from walkergen.lab.bench import figures
 
-        return figures.of_drop(result, report.title, how.turn_deg, test.measured)
-
-    return _written(report, test, how._asdict(), draw, folder)
-
-
-def slid(test: Test, folder: Path, progress: Progress) -> BenchReport:
+def slid(test: Test, folder: Path, progress: Progress) -> LabReport:
     """Tilt the plate under a walker; writes slide.csv, figure and page."""
-    result = slide.slide(test.scene, test.design, progress)
-    report = tables.of_slide(result, test.scene, test.design, test.measured)
+    found = slide.slide(test.scene, test.design, progress)
+    curves = {f"facing {facing}": found.curve(facing) for facing in ("downhill", "uphill")}
+    answers = _answers(test, curves, "friction")
+    return _reported(
+        test,
+        "slide",
+        f"Incline under {test.design.name}, {test.design.tilt_deg:g} deg, {test.design.kind}",
+        "the plate is tilted slowly",
+        [_table_of_slide(found)],
+        answers,
+        _settings(answers, 0, "contact.friction"),
+        _on_inclines(found),
+        folder,
+        lambda figures, title: figures.of_slide(found, title, test.measured),
+        {},
+    )
 
-    def draw() -> "Figure":
-        from walkergen.lab.bench import figures
 
-        return figures.of_slide(result, report.title, test.measured)
-
-    return _written(report, test, {}, draw, folder)
-
-
-def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> BenchReport:
+def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> LabReport:
     """Pluck a leg; writes pluck.csv, moduli.csv, damping.csv, figure and page.
 
     Raises InputError for legs that do not swing.
     """
     progress("plucking", 0, 1)
-    result = pluck.pluck(test.scene, test.design)
-    report = tables.of_pluck(result, test.scene, test.design, test.measured, decrement)
+    design, scene = test.design, test.scene
+    found = pluck.pluck(scene, design)
+    answers: dict[str, Quantity] = {}
+    notes = _on_plucking(found, scene)
+    if test.measured is not None:
+        hertz, sd = test.measured.number.pair
+        by_frequency = pluck.by_frequency(design, found.leg_mass, hertz, sd)
+        answers["Young's modulus"] = by_frequency.modulus
+        notes = [_on_thickness(design, by_frequency), *notes]
+    if decrement is not None:
+        answers["damping ratio of the leg"] = pluck.damping(decrement.number)
+    keys = {"Young's modulus": "material.youngs_modulus", "damping ratio of the leg": "legs.damping_ratio"}
+    settings: dict[str, float] = {}
+    for what, number in answers.items():
+        settings |= _of_keys(keys[what], number)
+    return _reported(
+        test,
+        "pluck",
+        f"Pluck of a leg{pluck.which(design)} of {design.name}, {design.tilt_deg:g} deg",
+        f"leg's damping ratio {scene.legs.damping_ratio:g}",
+        _tables_of_pluck(found, scene, design),
+        [("", inverse.with_error(what, number, number.unit.replace("gpa", "GPa"))) for what, number in answers.items()],
+        settings,
+        notes,
+        folder,
+        lambda figures, title: figures.of_pluck(found, title, test.measured, pluck.by_modulus(design, found.leg_mass)),
+        {"decrement": None if decrement is None else decrement.facts},
+    )
+
+
+def _reported(
+    test: Test,
+    bench: str,
+    title: str,
+    how: str,
+    tables: Sequence[Table],
+    answers: "Sequence[tuple[str, Answer]]",
+    settings: Mapping[str, float],
+    notes: Sequence[str],
+    folder: Path,
+    drawn: "Callable[[Any, str], Figure]",
+    choices: Mapping[str, Any],
+) -> LabReport:
+    """Report of a test, once it is written with its `choices`; answers stand by their conditions."""
 
     def draw() -> "Figure":
         from walkergen.lab.bench import figures
 
-        curve = pluck.by_modulus(test.design, result.leg_mass)
-        return figures.of_pluck(result, report.title, test.measured, curve)
+        return drawn(figures, title)
 
-    decrement_facts = None if decrement is None else decrement._asdict()
-    return _written(report, test, {"decrement": decrement_facts}, draw, folder)
+    caption = f"{resting.in_words(test.scene, test.design)}; {how}"
+    lines = [f"{condition}: {answer.told}" if condition else answer.told for condition, answer in answers]
+    if settings:
+        lines.append("set " + ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items()))
+    facts = {
+        "bench": bench,
+        "caption": caption,
+        "tables": {table.name: list(table) for table in tables},
+        "answers": [
+            {"condition": condition} | answer._asdict() | {"branches": [branch._asdict() for branch in answer.branches]}
+            for condition, answer in answers
+        ],
+        "settings": settings,
+        "notes": notes,
+    }
+    made = LabReport(
+        name=bench,
+        title=title,
+        caption=caption,
+        tables=tables,
+        facts=facts,
+        lines=[*lines, *notes],
+        settings=settings,
+        notes=notes,
+        figures={bench: draw},
+        folder=folder,
+        design=test.design,
+        scene=test.scene,
+    )
+    measured = None if test.measured is None else test.measured.facts
+    return written(made, test, {"bench": bench, "measured": measured, **choices})
 
 
-def _check(flag: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
+def _answers(test: Test, curves: Mapping[str, Curve | None], what: str, where: str = "") -> list[tuple[str, Answer]]:
+    """What the measured number tells by curves, each under its condition."""
+    if test.measured is None:
+        return []
+    return [
+        (condition, inverse.invert(curve, test.measured, what, where))
+        for condition, curve in curves.items()
+        if curve is not None
+    ]
 
 
-def _written(
-    report: BenchReport, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]", folder: Path
-) -> BenchReport:
-    """Report with its figure and folder, once it is written there with what was asked."""
-    report = replace(report, figures={report.name: draw}, folder=folder)
-    with Folder(folder) as target:
-        report.write(target, test.pictures)
-        target.finish(
-            {
-                "bench": report.name,
-                "design": test.design.model_dump(mode="json"),
-                "scene": test.scene.model_dump(mode="json"),
-                "measured": None if test.measured is None else test.measured._asdict(),
-                **choices,
-            }
+def _settings(answers: Sequence[tuple[str, Answer]], place: int, key: str) -> dict[str, float]:
+    """Keys that one of the answers sets, the first or the last, where it has a single branch."""
+    number = answers[place][1].number(key) if answers else Quantity(key, "", None)
+    return _of_keys(key, number) if number.known else {}
+
+
+def _of_keys(key: str, number: Quantity) -> dict[str, float]:
+    """A key of scene or design and that of its standard deviation, with their values."""
+    end = f"_{number.unit}" if number.unit else ""
+    return dict(zip((f"{key}{end}", f"{key}_sd{end}"), number.pair, strict=True))
+
+
+def _rows(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]) -> Table:
+    """Table of a bench test, every key of which people read."""
+    texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
+    return Table(name, values, keys, report.every(keys, texts), title)
+
+
+def _tables_of_drop(found: Dropped) -> list[Table]:
+    """Rebounds by restitution, by what else counts, and by the first turn."""
+    conditions = {"restitution": list(zip(drops.LABELS, found.by_label, strict=True)), **found.by}
+    units = {"tilt": "tilt_deg", "height": "height_mm"}
+    tables = []
+    for what, table in conditions.items():
+        name, title = ("drop", "the feet's restitution") if what == "restitution" else (f"{what}s", what)
+        keys = (units.get(what, what), *REBOUNDS)
+        rows = [(float(at), each.flat, each.mean, each.sd, each.fell) for at, each in table]
+        tables.append(_rows(name, f"rebound by {title}", keys, rows))
+    turns = ("turn_deg", "rebound_rolled", "rebound_pitched")
+    return [*tables, _rows("turns", "rebound by the first turn", turns, found.by_turn)]
+
+
+def _on_flatness(found: Dropped) -> list[str]:
+    """Note on how flat a drop has to be to count as flat."""
+    alike = found.flat_within
+    if alike is None:
+        return []
+    if alike == found.by_turn[-1][0]:
+        return [f"a first roll up to {alike:g} deg changes nothing that shows"]
+    return [f"flat means a roll of at most {alike:g} deg: beyond it one corner lands alone"]
+
+
+def _table_of_slide(found: Incline) -> Table:
+    """Slopes by friction, for a block and by the way in which a walker faces."""
+    lines: list[tuple[Value, ...]] = []
+    for place, friction in enumerate(found.frictions):
+        row = {facing: outcomes[place] for facing, outcomes in found.by_heading.items()}
+        fell = ", ".join(facing for facing, outcome in row.items() if outcome.toppled)
+        block = math.degrees(math.atan(friction))
+        lines.append((friction, block, *(outcome.angle for outcome in row.values()), found.slips[place], fell))
+    facing = (f"{facing}_deg" for facing in found.by_heading)
+    keys = ("friction", "block_deg", *facing, "uphill_slips_deg", "falls_over")
+    return _rows("slide", "slope at which it gives way, by the way it faces", keys, lines)
+
+
+def _on_inclines(found: Incline) -> list[str]:
+    """Notes on how far a walker is a rigid block, and on where it falls over."""
+    off = found.off("downhill")
+    notes = [f"facing downhill it slides like a rigid block, at tan(slope) = friction, within {off:.2f} deg"]
+    if found.off("uphill") > 0.5:
+        notes.append(
+            "facing uphill its upper foot slips first where friction exceeds tan(tilt), and well "
+            "beyond the walker chatters down from there: let it face downhill"
         )
-    return report
+    falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in found.edges.items())
+    most = math.tan(math.radians(found.edges["downhill"]))
+    notes.append(f"it falls over at (deg) {falls}: no friction beyond {most:.2f} shows")
+    notes.append("the model has one friction: nudge the walker, and take the slope at which it keeps sliding")
+    return notes
+
+
+def _tables_of_pluck(found: Plucked, scene: Scene, design: Design) -> list[Table]:
+    """Frequencies of a plucked leg, and what others would be heard and die out."""
+    spring = scene.legs.spring
+    lines: list[tuple[Value, ...]] = [
+        ("the printed leg, a cantilever; body held", found.cantilever),
+        *((f"hinge, spring = {name!r}; body held", hertz) for name, hertz in found.hinges.items()),
+        (f"hinge, {spring}, damped, simulated; body held", found.held.frequency),
+        (f"hinge, {spring}; body free, lowest", found.free[0]),
+        (f"hinge, {spring}; body free, highest", found.free[-1]),
+    ]
+    moduli, damping = pluck.by_modulus(design, found.leg_mass), pluck.by_damping()
+    decays = ("damping_ratio", "decrement", "next_swing_over_swing")
+    return [
+        _rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines),
+        _rows("moduli", "frequency heard, by Young's modulus", ("youngs_modulus_gpa", "hz"), moduli),
+        _rows("damping", "swings that die out, by the leg's damping", decays, damping),
+    ]
+
+
+def _on_thickness(design: Design, found: pluck.ByFrequency) -> str:
+    """Note on the thickness that would ring as well."""
+    key = "legs.flexible_thickness_mm" if design.pair else f"legs[{pluck.plucked_leg(design) + 1}].thickness_mm"
+    thick, sd = found.thickness.pair
+    return (
+        f"or {key} = {thick:.3f} ± {sd:.3f} with {design.material.youngs_modulus_gpa:g} GPa: "
+        f"the frequency tells E s^3 only, within {100 * found.bending:.1f} %"
+    )
+
+
+def _on_plucking(found: Plucked, scene: Scene) -> list[str]:
+    """Notes on what swings in the model and what on the bench."""
+    own, spring = found.hinges[scene.legs.spring], scene.legs.spring
+    return [
+        f"hold the body: free, the legs swing at {found.free[0] / own:.3f} to {found.free[-1] / own:.3f} of it",
+        f"the model's hinge ({spring}) swings at {own / found.cantilever:.3f} of the leg that "
+        "you hear: 'cantilever' has its stiffness under a slow load, 'frequency' its first mode",
+        "the leg counts as a beam; one as wide as long is stiffer by up to 15 %, and a soft root "
+        "softens it: the modulus found is what this leg acts with, as the hinge needs it",
+    ]

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.beams import FIRST_MODE, decrement_of
+from walkergen.analysis.beams import FIRST_MODE, damping_ratio, decrement_of
 from walkergen.errors import InputError
 from walkergen.lab import resting
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance
@@ -101,46 +102,41 @@ def cantilever(design: Design, leg_mass: float) -> float:
     return FIRST_MODE * math.sqrt(bending / (leg_mass * limb.length**3)) / (2.0 * math.pi)
 
 
-def modulus(design: Design, leg_mass: float, frequency: float) -> float:
-    """Young's modulus (GPa) at which a leg of this mass (g) swings at `frequency` (Hz)."""
-    own = cantilever(design, leg_mass)
-    return design.material.youngs_modulus_gpa * (frequency / own) ** 2
+class ByFrequency(NamedTuple):
+    """What a frequency that was heard is turned into."""
 
-
-class Errors(NamedTuple):
-    """Errors of what a frequency is turned into, relative standard deviations."""
-
-    modulus: float
-    """Of Young's modulus, with the thickness taken from the design."""
-    thickness: float
-    """Of the thickness, with Young's modulus taken from the design."""
+    modulus: Quantity
+    """Young's modulus, GPa, with the thickness taken from the design."""
+    thickness: Quantity
+    """Thickness, mm, with Young's modulus taken from the design."""
     bending: float
-    """Of the product E s^3, which is what the model's hinge needs."""
+    """Relative error of the product E s^3, which is what the model's hinge needs."""
 
 
-def errors(design: Design, relative: float) -> Errors:
-    """Errors that follow from that of the frequency, `relative`, and from those of the design.
+def by_frequency(design: Design, leg_mass: float, hertz: float, sd: float) -> ByFrequency:
+    """Modulus, or thickness, at which a leg of this mass (g) rings at `hertz` ± `sd`.
 
     E I = f^2 m l^3 up to a number: I goes as s^3, and so does m as s where the mesh weighs the leg.
     """
-    weighed = design.weighed.leg_mass_g is not None
-    mass = 0.01 * design.weighed.mass_sd_percent
-    limb = design.limbs[plucked_leg(design)]
-    thick = limb.thickness_sd / limb.thickness
-    stiff = design.material.youngs_modulus_sd_gpa / design.material.youngs_modulus_gpa
-    power = 3.0 if weighed else 2.0
-    return Errors(
-        math.hypot(2.0 * relative, power * thick, mass),
-        math.hypot(2.0 * relative, stiff, mass) / power,
-        math.hypot(2.0 * relative, 0.0 if weighed else thick, mass),
+    weighed, material = design.weighed.leg_mass_g is not None, design.material
+    mass, heard = 0.01 * design.weighed.mass_sd_percent, 2.0 * sd / hertz
+    limb, ratio = design.limbs[plucked_leg(design)], hertz / cantilever(design, leg_mass)
+    thick, power = limb.thickness_sd / limb.thickness, 3.0 if weighed else 2.0
+    modulus = material.youngs_modulus_gpa * ratio**2
+    thickness = float(limb.thickness * ratio ** (2.0 / power))
+    stiff = material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
+    return ByFrequency(
+        Quantity("youngs_modulus", "gpa", modulus, math.hypot(heard, power * thick, mass) * modulus),
+        Quantity("thickness", "mm", thickness, math.hypot(heard, stiff, mass) / power * thickness),
+        math.hypot(heard, 0.0 if weighed else thick, mass),
     )
 
 
-def thickness(design: Design, leg_mass: float, frequency: float) -> float:
-    """Thickness (mm) at which a leg swings at `frequency` (Hz), Young's modulus as it is."""
-    power = 2.0 / 3.0 if design.weighed.leg_mass_g is not None else 1.0
-    own = design.limbs[plucked_leg(design)].thickness
-    return float(own * (frequency / cantilever(design, leg_mass)) ** power)
+def damping(decrement: Quantity) -> Quantity:
+    """Damping ratio of a leg whose swings have this logarithmic decrement."""
+    value, sd = decrement.pair
+    ratio = damping_ratio(value)
+    return Quantity("damping_ratio", "", ratio, ratio * (1.0 - ratio * ratio) * sd / value)
 
 
 def by_modulus(design: Design, leg_mass: float) -> list[tuple[float, float]]:

@@ -7,7 +7,6 @@ right above it, so that its lengths are those along the incline.
 
 import math
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from walkergen.analysis import tracks
 from walkergen.errors import InputError
 from walkergen.files import plain
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -33,15 +33,7 @@ STEADY, SURE = 0.1, 4.0
 of its errors from which such a change is seen."""
 
 
-class Friction(NamedTuple):
-    """Friction by one film."""
-
-    value: float
-    error: float
-    """Standard error, by angle, places and scale."""
-
-
-def friction(path: Path, angle_deg: float, error_deg: float) -> Friction:
+def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     """Friction of the one part that slides in a file of tracks, on an incline of this angle.
 
     What stands still beside it, as caps that tell the camera's tilt, is left out. Raises InputError
@@ -76,7 +68,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Friction:
             f"{name}: gains {gained:.3g} mm/s2, and without friction it would gain "
             f"{GRAVITY * math.sin(angle):.3g}: are angle, millimetres and frames a second right?"
         )
-    return Friction(value, total)
+    return Quantity("friction", "", value, total)
 
 
 def _seen(position: Array, interval: float) -> tuple[Array, Array]:
@@ -93,10 +85,10 @@ def _acceleration(times: Array, places: Array) -> tuple[float, float, float, flo
 
     def fit(degree: int) -> tuple[Array, Array]:
         terms = np.vander(times, degree + 1, increasing=True)
-        found, _, _, _ = np.linalg.lstsq(terms, ahead)
-        rest = ahead - terms @ found
+        solution, _, _, _ = np.linalg.lstsq(terms, ahead)
+        rest = ahead - terms @ solution
         noise = INDEPENDENT * float(rest @ rest) / max(len(times) - degree - 1, 1)
-        return found, np.sqrt(noise * np.diag(np.linalg.pinv(terms.T @ terms)))
+        return solution, np.sqrt(noise * np.diag(np.linalg.pinv(terms.T @ terms)))
 
     (_, _, bend), (_, _, error) = fit(2)
     (*_, third), (*_, third_error) = fit(3)

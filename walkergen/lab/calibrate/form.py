@@ -18,9 +18,11 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
+from walkergen.numerics.quantity import Quantity
 
 FILE = "measurements.csv"
-HEADER = ("part", "measured", "reading", "error", "unloaded_mm", "weight_g", "at_mm")
+BESIDE = ("unloaded_mm", "weight_g", "at_mm")
+HEADER = ("part", "measured", "reading", "error", *BESIDE)
 TRACKS = "tracks"
 """Column that a form may have: a file of tracks, by its name beside the form."""
 MOST_BYTES, MOST_ROWS = 1_000_000, 2000
@@ -28,13 +30,15 @@ NAMED = 20
 """Most mistakes that are told; the others are counted."""
 
 
-class Quantity(NamedTuple):
-    """Quantity of the form: what may stand in its row."""
+class Kind(NamedTuple):
+    """Kind of reading: what may stand in its row."""
 
     error: float
     """Error of a reading with ordinary means, which the empty form proposes."""
     most: float
     """Largest value, which tells a wrong unit."""
+    rows: int
+    """Rows of the empty form."""
     beside: tuple[str, ...] = ()
     """Columns that it needs beside its reading."""
     may: tuple[str, ...] = ()
@@ -45,7 +49,7 @@ class Quantity(NamedTuple):
     """Question to somebody whose value is outside."""
 
 
-SLIDES = Quantity(1.0, 80.0, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
+SLIDES = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
 FILMED = "filmed_deg"
@@ -55,55 +59,35 @@ AIR = "air_percent"
 """Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
 with what the printer's lines leave; it counts in the mass that rings."""
 
+SLIDING = {"slides_deg": SLIDES, FILMED: SLIDES._replace(rows=0)}
 STRIP = {
-    "thickness_mm": Quantity(0.02, 20.0),
-    "width_mm": Quantity(0.05, 100.0),
-    "free_length_mm": Quantity(0.5, 1000.0),
-    "deflection_mm": Quantity(0.5, 1000.0, ("unloaded_mm", "weight_g", "at_mm")),
-    "swings_20_s": Quantity(0.01, 1000.0, (), ("weight_g",)),
-    "ring_hz": Quantity(0.2, 1e5, (), ("weight_g",)),
-    "swings_to_half": Quantity(1.0, 1e4, least=0.5),
-    AIR: Quantity(2.0, 60.0, least=-1.0),
+    "thickness_mm": Kind(0.02, 20.0, 3),
+    "width_mm": Kind(0.05, 100.0, 2),
+    "free_length_mm": Kind(0.5, 1000.0, 1),
+    "deflection_mm": Kind(0.5, 1000.0, 6, ("unloaded_mm", "weight_g", "at_mm")),
+    "swings_20_s": Kind(0.01, 1000.0, 3, (), ("weight_g",)),
+    "ring_hz": Kind(0.2, 1e5, 1, (), ("weight_g",)),
+    "swings_to_half": Kind(1.0, 1e4, 2, least=0.5),
+    AIR: Kind(2.0, 60.0, 1, least=-1.0),
 }
 BLOCK = {
-    "mass_g": Quantity(0.01, 1e4),
-    "length_mm": Quantity(0.05, 1000.0),
-    "width_mm": Quantity(0.05, 1000.0),
-    "height_mm": Quantity(0.05, 1000.0),
-    "slides_deg": SLIDES,
-    FILMED: SLIDES,
+    "mass_g": Kind(0.01, 1e4, 2),
+    **{name: Kind(0.05, 1000.0, 2) for name in ("length_mm", "width_mm", "height_mm")},
+    **SLIDING,
 }
+WALKER = {**SLIDING, "flight_s": Kind(0.002, 2.0, 6, ("at_mm",))}
+
 LEAST = 1e-6
 """Least error of a reading, in whatever unit."""
 
-WALKER = {"slides_deg": SLIDES, FILMED: SLIDES, "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
-TRIES = {
-    "thickness_mm": 3,
-    "width_mm": 2,
-    "free_length_mm": 1,
-    "deflection_mm": 6,
-    "swings_20_s": 3,
-    "ring_hz": 1,
-    "swings_to_half": 2,
-    "mass_g": 2,
-    "length_mm": 2,
-    "height_mm": 2,
-    "slides_deg": 6,
-    FILMED: 0,
-    "flight_s": 6,
-    AIR: 1,
-}
-"""Rows of the empty form for each quantity."""
-
 
 class Reading(NamedTuple):
-    """Mean of readings of one quantity under one condition."""
+    """Mean of readings of one kind under one condition."""
 
-    value: float
-    error: float
-    """Standard error of the mean: the larger of the two below."""
+    number: Quantity
+    """Mean; its standard error is the larger of that of the scatter and of the one stated."""
     stated: float
-    """That by the stated errors of the tries."""
+    """Standard error by the stated errors of the tries."""
     tries: int
     scatter: float | None
     """Standard deviation of the tries; None of one."""
@@ -124,11 +108,11 @@ class _Condition(NamedTuple):
 
 
 Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
-"""Readings by part and quantity: one, or one for each condition."""
+"""Readings by part and kind: one, or one for each condition."""
 
 
-def quantities(part: str) -> Mapping[str, Quantity] | None:
-    """Quantities of a part by its name: strip_1, block, walker; None of other names."""
+def kinds(part: str) -> Mapping[str, Kind] | None:
+    """Kinds of readings of a part by its name: strip_1, block, walker; None of other names."""
     stem, _, number = part.partition("_")
     if stem == "strip" and columns.whole(number, 99) is not None:
         return STRIP
@@ -142,10 +126,9 @@ def template(air: Mapping[str, float]) -> str:
     """
     lines: list[tuple[object, ...]] = []
     for part in (*air, "block", "walker"):
-        own = quantities(part) or {}
-        for name, quantity in own.items():
+        for name, kind in (kinds(part) or {}).items():
             reading = f"{air[part]:.1f}" if name == AIR else ""
-            lines += [(part, name, reading, quantity.error, "", "", "")] * TRIES[name]
+            lines += [(part, name, reading, kind.error, "", "", "")] * kind.rows
     return csv_text(HEADER, lines)
 
 
@@ -196,8 +179,7 @@ def read(path: Path) -> Readings:
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
     for condition, pairs in tries.items():
         film = path.parent / condition.tracks if condition.tracks else None
-        mean = _mean(pairs, condition.weight_g, condition.at_mm)
-        readings[condition.part][condition.name].append(mean._replace(tracks=film))
+        readings[condition.part][condition.name].append(_mean(condition, pairs, film))
     return {part: dict(own) for part, own in readings.items()}
 
 
@@ -218,47 +200,43 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
 def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     """Condition, value and error of a row; None without a reading. Raises InputError."""
     part, name = row["part"].strip(), row["measured"].strip()
-    measurable = quantities(part)
+    measurable = kinds(part)
     if measurable is None:
         raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
     if name not in measurable:
         raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}")
     if not row["reading"].strip():
         return None
-    quantity = measurable[name]
-    beside = {}
-    for column in ("unloaded_mm", "weight_g", "at_mm"):
-        cell = row[column].strip()
-        allowed = column in quantity.beside + quantity.may
-        if cell and not allowed:
-            raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
-        if not cell and column in quantity.beside:
-            raise InputError(f"{name} needs {column} as well")
-        beside[column] = _number(column, cell, 1e5, zero=True) if cell else 0.0
+    kind = measurable[name]
+    beside = {column: _beside(row[column].strip(), column, name, kind) for column in BESIDE}
     film = row.get(TRACKS, "").strip()
-    if bool(film) != (name == FILMED):
-        raise InputError(
-            f"{name} has no column {TRACKS}: leave it blank"
-            if film
-            else f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film"
-        )
-    value = _number("reading", row["reading"], 1e5, zero=True)
-    if "unloaded_mm" in quantity.beside:
-        value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
-    what = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
-    if not quantity.least < value <= quantity.most:
-        raise InputError(
-            f"{name}: {what} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}" + quantity.slip
-        )
-    for column in quantity.beside:
+    if film and name != FILMED:
+        raise InputError(f"{name} has no column {TRACKS}: leave it blank")
+    if name == FILMED and not film:
+        raise InputError(f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film")
+    value, what = _number("reading", row["reading"], 1e5, zero=True), "reading"
+    differs = "unloaded_mm" in kind.beside
+    if differs:
+        value, what = abs(value - beside["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
+    if not kind.least < value <= kind.most:
+        raise InputError(f"{name}: {what} = {value:g}: must be > {kind.least:g} and <= {kind.most:g}{kind.slip}")
+    for column in kind.beside:
         if column != "unloaded_mm" and beside[column] <= 0.0:
             raise InputError(f"{column} = {beside[column]:g}: must be > 0")
     if not row["error"].strip():
-        raise InputError(f"{name}: no error; write how well you read it, as {quantity.error:g}")
+        raise InputError(f"{name}: no error; write how well you read it, as {kind.error:g}")
     error = _number("error", row["error"], 1e5)
-    # A deflection is the difference of two readings
-    error *= math.sqrt(2.0) if "unloaded_mm" in quantity.beside else 1.0
+    error *= math.sqrt(2.0) if differs else 1.0  # of a deflection: a difference of two readings
     return _Condition(part, name, beside["weight_g"], beside["at_mm"], film), value, error
+
+
+def _beside(cell: str, column: str, name: str, kind: Kind) -> float:
+    """Number that stands beside a reading; 0 where it has none. Raises InputError."""
+    if cell and column not in kind.beside + kind.may:
+        raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
+    if not cell and column in kind.beside:
+        raise InputError(f"{name} needs {column} as well")
+    return _number(column, cell, 1e5, zero=True) if cell else 0.0
 
 
 def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
@@ -269,12 +247,12 @@ def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
     return value
 
 
-def _mean(pairs: Sequence[tuple[float, float]], weight: float, at: float) -> Reading:
+def _mean(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
     """Mean of tries (value, error), weighted by their stated errors where these differ."""
     values, errors = np.array(pairs).T
     weights = errors**-2 / (errors**-2).sum()
-    mean, count = float(weights @ values), len(values)
     stated = float((errors**-2).sum() ** -0.5)
-    scatter = float(values.std(ddof=1)) if count > 1 else None
-    error = stated if scatter is None else max(stated, scatter / math.sqrt(count))
-    return Reading(mean, error, stated, count, scatter, weight, at)
+    scatter = float(values.std(ddof=1)) if len(values) > 1 else None
+    error = stated if scatter is None else max(stated, scatter / math.sqrt(len(values)))
+    number = Quantity(condition.name, "", float(weights @ values), error)
+    return Reading(number, stated, len(values), scatter, condition.weight_g, condition.at_mm, film)

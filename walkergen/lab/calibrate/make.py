@@ -1,34 +1,28 @@
 """From measurements of a calibration plate to material and contact, in a design and a scene."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.analysis import inverse
+from walkergen.analysis.inverse import Answer
 from walkergen.errors import InputError
-from walkergen.files import output, templates
-from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.lab import drops, resting
-from walkergen.lab.calibrate import contact, form, modulus, report, slips, specimens
-from walkergen.lab.calibrate.contact import Rebound, Value
+from walkergen.lab.calibrate import contact, form, modulus, report, specimens
+from walkergen.lab.calibrate.contact import Rebound
+from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.form import Readings
-from walkergen.lab.calibrate.modulus import Density
-from walkergen.lab.calibrate.report import CalibrationReport
-from walkergen.lab.calibrate.result import Bent, Bounced, Calibrated
+from walkergen.lab.calibrate.report import Bent
+from walkergen.lab.report import LabReport, check_drops, named, written
+from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
-STEEPEST_DEG, MOST_DROPS = 20.0, 1000
-"""Largest deviation of a drop's first turn, and number of simulated drops from the hand."""
-
 LIKE = 0.3
 """Relative difference of thickness up to which a strip stands for a leg."""
-
-DIGITS = 6
-"""Significant digits of a value in a file: what lies beyond is rounding."""
 
 
 class Job(NamedTuple):
@@ -45,7 +39,7 @@ class Job(NamedTuple):
     """Method whose modulus counts: one of specimens.METHODS."""
 
 
-def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> CalibrationReport:
+def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabReport:
     """Estimate material and contact from a filled form, and write all of it.
 
     Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
@@ -54,141 +48,114 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     """
     if job.by not in specimens.METHODS:
         raise InputError(f"--by {job.by[:30]!r}: must be one of {', '.join(specimens.METHODS)}")
-    _check("--roll-deg", job.turn_deg, 0.0, STEEPEST_DEG)
-    _check("--drops", job.drops, 2, MOST_DROPS)
+    check_drops(job.turn_deg, job.drops)
     readings = form.read(path)
     density = contact.density(readings)
-    bent, notes = _bent(readings, density, job)
-    result = Calibrated(
-        bent, density, contact.friction(readings), contact.damping(readings), None, notes, {}, job.design, job.scene
-    )
-    result = _with_settings(result, job, path)
-    seen = contact.rebound(readings)
-    if seen is not None:
-        result = _with_settings(result._replace(bounced=_bounced(seen, result, job, progress)), job, path)
-    missing = _missing(result, readings)
-    if not result.settings and result.bounced is None:
-        raise InputError(f"{path}: tells nothing: {'; '.join([*result.notes, *missing])}")
-    result = result._replace(notes=[*_notes(result), *missing])
-    return _written(report.of(result, path, folder), job, path)
-
-
-def _check(flag: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
-
-
-def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | None, list[str]]:
-    """Modulus of the strips, and notes; a density that was not measured is the design's."""
     strips, notes = specimens.read(readings)
-    if not strips:
-        return None, notes
+    bent = _bent(strips, density, job, notes) if strips else None
+    means = {"friction": contact.friction(readings), "damping": contact.damping(readings)}
+    estimates = [each for each in (*(bent.estimates if bent else ()), density, *means.values()) if each is not None]
+    design, scene = _with_settings(estimates, job, path)
+    rebound, drop = contact.rebound(readings), None
+    if rebound is not None:
+        drop = _drop(rebound, design, scene, job, progress)
+    missing = _missing(readings, bent, density, means, drop)
+    if drop is None and not any(each.sets for each in estimates):
+        raise InputError(f"{path}: tells nothing: {'; '.join([*notes, *missing])}")
+    if bent is not None:
+        notes += [*_on_strips(bent), *_on_leg(bent, design)]
+    for what, each in means.items():
+        if each is not None and not each.agrees:
+            notes.append(f"{what}: {', '.join(each.parts)} disagree: the error is larger by that")
+    if rebound is not None and drop is not None:
+        estimates, more = [*estimates, rebound.estimate, *_restitution(rebound, drop)], _on_drop(rebound, drop)
+        notes += more
+        design, scene = _with_settings(estimates, job, path)
+    made = report.of(estimates, bent, drop, [*notes, *missing], design, scene, path, folder)
+    choices = {"by": job.by, "roll_deg": job.turn_deg, "drops": job.drops, "settings": made.settings}
+    return written(made, job, {"file": path.name, **choices}, f"Measured: {path.name}")
+
+
+def _bent(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: Job, notes: list[str]) -> Bent:
+    """Modulus of the strips; a density that was not measured is the design's. Adds to `notes`."""
     material = job.design.material
-    if measured is None:
-        density = Density(material.density_g_cm3, modulus.DENSITY_SD * material.density_g_cm3)
-    else:
-        density = Density(measured.value, measured.sd)
-    inputs = strips, density
-    rough = modulus.rough(*inputs)
-    slips.refuse(rough)
-    notes += slips.notes(rough, material.youngs_modulus_gpa)
+    drawn = material.density_g_cm3
+    density = Quantity("density", "g_cm3", drawn, modulus.DENSITY_SD * drawn) if measured is None else measured.number
+    rough = modulus.rough(strips, density)
+    specimens.refuse(rough)
+    notes += specimens.notes(rough, material.youngs_modulus_gpa)
     chosen = strips if job.by == "both" else specimens.only(strips, job.by)
     if not chosen:
         raise InputError(f"--by {job.by}: no strip has readings of that kind")
-    bent = Bent(
-        modulus.fit(chosen, density),
-        modulus.points(*inputs),
-        density,
-        job.by,
-        modulus.ring_over_bend(*inputs),
-        modulus.offset(*inputs),
-    )
-    return bent, notes
+    fit, points = modulus.fit(chosen, density), modulus.points(strips, density)
+    return Bent(fit, points, job.by, modulus.ring_over_bend(strips, density), modulus.offset(strips, density))
 
 
-def _bounced(seen: Rebound, result: Calibrated, job: Job, progress: Progress) -> Bounced | None:
-    """Restitution of the feet from a rebound, by simulated drops with what else was measured."""
-    resting.one_material(result.design, "restitution")
-    hand = drops.from_hand(seen.height, job.turn_deg, job.drops, result.scene.run.seed)
-    rows = drops.by_label(result.scene, result.design, hand, progress)
-    curve = drops.curve(rows, flat=job.turn_deg == 0.0)
+def _drop(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
+    """What a rebound tells of the feet, by simulated drops with what else was measured."""
+    resting.one_material(design, "restitution")
+    hand = drops.from_hand(seen.height, job.turn_deg, job.drops, scene.run.seed)
+    curve = drops.curve(drops.by_label(scene, design, hand, progress), flat=job.turn_deg == 0.0)
     if curve is None:
         return None
     # A hand may be less sure than the one that is simulated
     curve = curve._replace(spread=np.maximum(curve.spread, seen.spread))
-    answer = inverse.invert(curve, seen.measured)
-    ends = float(curve.at[0]), float(curve.at[-1])
-    text = inverse.in_words(answer, "restitution", ends, f" at {result.design.tilt_deg:g} deg")
-    return Bounced(seen, curve, answer, text)
+    return inverse.invert(curve, seen.measured, "restitution", f" at {design.tilt_deg:g} deg")
 
 
-def _with_settings(result: Calibrated, job: Job, path: Path) -> Calibrated:
-    """Results with the keys that they set, and design and scene in which these are set."""
-    own: dict[str, float] = {}
-    if result.bent is not None:
-        own["material.youngs_modulus_gpa"] = result.bent.fit.modulus
-        own["material.youngs_modulus_sd_gpa"] = result.bent.fit.sd
-    if result.density is not None:
-        own["material.density_g_cm3"] = result.density.value
-    for name, value in (("contact.friction", result.friction), ("legs.damping_ratio", result.damping)):
-        if value is not None:
-            own |= {f"scene.{name}": value.value, f"scene.{name}_sd": value.sd}
-    if result.bounced is not None and (branch := result.bounced.single):
-        own["scene.contact.restitution"] = branch.value
-        own["scene.contact.restitution_sd"] = 0.5 * (branch.high - branch.low)
-    own = {key: float(f"{value:.{DIGITS}g}") for key, value in own.items()}
-    outside = {key.removeprefix("scene."): v for key, v in own.items() if key.startswith("scene.")}
-    inside = {key: value for key, value in own.items() if not key.startswith("scene.")}
-    return result._replace(
-        settings=own, design=_renamed(job.design, path, inside), scene=_renamed(job.scene, path, outside)
-    )
+def _restitution(seen: Rebound, drop: Answer) -> list[Estimate]:
+    """Restitution of the feet, where one range of it agrees with the drops."""
+    number = drop.number("restitution")
+    sets = ("scene.contact.restitution", "scene.contact.restitution_sd")
+    tries = seen.measured.tries
+    return [Estimate("restitution of the feet", number, tries, sets=sets)] if number.known else []
+
+
+def _with_settings(estimates: Sequence[Estimate], job: Job, path: Path) -> tuple[Design, Scene]:
+    """Design and scene with what was estimated, named after the file of measurements."""
+    settings = report.settings_of(estimates)
+    outside = {key.removeprefix("scene."): value for key, value in settings.items() if key.startswith("scene.")}
+    inside = {key: value for key, value in settings.items() if not key.startswith("scene.")}
+    return _renamed(job.design, path, inside), _renamed(job.scene, path, outside)
 
 
 def _renamed(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
     """Design or scene with these keys, named after the file of measurements."""
-    name = f"{original.name[:30]}-{output.named_after(path)[:28]}"
     description = f"As {original.name}, measured: {path.name[:200]}"
-    return original.variant(**keys, name=name, description=description)
+    return original.variant(**keys, name=named(original.name, path), description=description)
 
 
-def _notes(result: Calibrated) -> list[str]:
-    """Notes on what the readings say beside their values."""
-    notes = list(result.notes)
-    if result.bent is not None:
-        notes += _on_strips(result.bent)
-        notes += _on_leg(result.bent, result.design)
-    for what, value in (("friction", result.friction), ("damping", result.damping)):
-        if value is not None and not value.agrees:
-            notes.append(f"{what}: {', '.join(value.parts)} disagree: the error is larger by that")
-    if result.bounced is not None:
-        if result.bounced.single is None:
-            notes.append("contact.restitution stays as the scene has it")
-        seen = result.bounced.rebound
-        notes.append(
-            f"rebound {seen.measured.value:.3f} from {seen.height:.3g} mm, of the whole walker: "
-            "the restitution is that of its feet in the model in space"
-        )
-    return notes
+def _on_drop(seen: Rebound, drop: Answer) -> list[str]:
+    """Notes on what a drop test says beside its value."""
+    kept = [] if drop.number("restitution").known else ["contact.restitution stays as the scene has it"]
+    value, _ = seen.measured.number.pair
+    return [
+        *kept,
+        f"rebound {value:.3f} from {seen.height:.3g} mm, of the whole walker: "
+        "the restitution is that of its feet in the model in space",
+    ]
 
 
 def _on_strips(bent: Bent) -> list[str]:
     """Notes on whether the strips agree, and on what would make them."""
-    fit, notes = bent.fit, []
-    if not fit.agrees:
+    notes = []
+    if not bent.fit.agrees:
         notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")
-    if (ring := bent.ring_over_bend) is not None and ring.seen:
+    if (ring := bent.ring_over_bend) is not None and ring.within(0.0, 0.0) is Verdict.DISAGREE:
+        excess, sd = ring.pair
         cause = (
             "creep under the weight, or a density too high"
-            if ring.value > 0.0
+            if excess > 0.0
             else "a clamp that gives way, or a density too low"
         )
         notes.append(
-            f"the ring tells {100 * ring.value:+.0f} ± {100 * ring.sd:.0f} % against the weights: "
+            f"the ring tells {excess:+.0f} ± {sd:.0f} % against the weights: "
             f"{cause}; legs swing as fast as the ring or faster: --by ring takes it alone"
         )
-    if (off := bent.offset) is not None and off.seen:
+    if (offset := bent.offset) is not None and offset.within(0.0, 0.0) is Verdict.DISAGREE:
+        added, sd = offset.pair
         notes.append(
-            f"{off.value:+.3f} ± {off.sd:.3f} mm on every thickness would make the strips agree "
+            f"{added:+.3f} ± {sd:.3f} mm on every thickness would make the strips agree "
             "best: a caliper on ridges of layers (-), or closed on nothing not at 0"
         )
     return notes
@@ -200,61 +167,42 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     It is not set: the key is also what is printed.
     """
     drawn = design.limbs[0].thickness
-    near = min(bent.points, key=lambda point: abs(point.thickness - drawn))
-    off = near.thickness - drawn
-    if abs(off) > LIKE * drawn or abs(off) <= 2.0 * near.thickness_sd:
+    near = min(bent.points, key=lambda point: abs(point.thickness.pair[0] - drawn))
+    thick, sd = near.thickness.pair
+    if abs(thick - drawn) > LIKE * drawn or near.thickness.within(drawn, drawn) is not Verdict.DISAGREE:
         return []
     return [
-        f"{near.strip} is {near.thickness:.3f} ± {near.thickness_sd:.3f} mm thick; a leg drawn "
-        f"{drawn:g} mm that prints so bends {(near.thickness / drawn) ** 3:.2f} times as stiffly: "
+        f"{near.strip} is {thick:.3f} ± {sd:.3f} mm thick; a leg drawn "
+        f"{drawn:g} mm that prints so bends {(thick / drawn) ** 3:.2f} times as stiffly: "
         "give its printed thickness to simulate it"
     ]
 
 
-def _missing(result: Calibrated, readings: Readings) -> list[str]:
+def _missing(
+    readings: Readings,
+    bent: Bent | None,
+    density: Estimate | None,
+    means: Mapping[str, Estimate | None],
+    drop: Answer | None,
+) -> list[str]:
     """Notes on what is not estimated, and why."""
     notes = []
-    if result.bent is None:
+    if bent is None:
         notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")
-    if result.density is None:
-        lacking = contact.missing_of_density(readings)
-        lack = f"the block lacks {', '.join(lacking)}" if lacking else "the block has no readings"
-        assumed = (
-            f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %" if result.bent is not None else ""
-        )
+    if density is None:
+        lacking = [name for name in contact.OF_DENSITY if name not in readings.get("block", {})]
+        some = len(lacking) < len(contact.OF_DENSITY)
+        lack = f"the block lacks {', '.join(lacking)}" if some else "the block has no readings"
+        assumed = f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %" if bent is not None else ""
         notes.append(f"{lack}: no density{assumed}")
-    for what, value, needs in (
-        ("friction", result.friction, "slides_deg or filmed_deg of block or walker"),
-        ("damping of the legs", result.damping, "swings_to_half of a strip"),
-    ):
-        if value is None:
-            notes.append(f"no {needs}: no {what}")
+    if means["friction"] is None:
+        notes.append("no slides_deg or filmed_deg of block or walker: no friction")
+    if means["damping"] is None:
+        notes.append("no swings_to_half of a strip: no damping of the legs")
     if "flight_s" not in readings.get("walker", {}):
         notes.append("no flight_s of the walker: no restitution")
-    elif result.bounced is None:
+    elif drop is None:
         notes.append(
             "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or flatter (--roll-deg)"
         )
     return notes
-
-
-def _written(calibration: CalibrationReport, job: Job, path: Path) -> CalibrationReport:
-    """Report, once it is written with the design and scene that go on."""
-    assert calibration.folder is not None
-    with Folder(calibration.folder) as target:
-        calibration.write(target, job.pictures)
-        comment = f"Measured: {path.name}"
-        target.write("design.toml", templates.dump(calibration.design, comment, every=False).encode())
-        target.write("scene.toml", templates.dump(calibration.scene, comment, every=False).encode())
-        target.finish(
-            {
-                "file": path.name,
-                "design": job.design.model_dump(mode="json"),
-                "scene": job.scene.model_dump(mode="json"),
-                "by": job.by,
-                "roll_deg": job.turn_deg,
-                "drops": job.drops,
-                "settings": calibration.settings,
-            }
-        )
-    return calibration

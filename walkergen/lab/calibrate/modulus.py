@@ -15,9 +15,9 @@ import numpy.typing as npt
 from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
 from walkergen.errors import InputError
-from walkergen.lab.calibrate.form import Reading
-from walkergen.lab.calibrate.slips import Rough
-from walkergen.lab.calibrate.specimens import BENDS, RINGS, SIZES, Specimen, only
+from walkergen.lab.calibrate.estimate import Estimate
+from walkergen.lab.calibrate.specimens import BENDS, RINGS, SIZES, Rough, Specimen, only
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -42,9 +42,6 @@ SOFTEST, STIFFEST = 1e-3, 30.0
 """Moduli (GPa) of plastics, from soft elastomers to those filled with short fibres (Ashby,
 Materials Selection in Mechanical Design, chart of modulus and density)."""
 
-DISAGREES = 0.05
-"""Probability of so large a chi2 below which strips disagree."""
-
 LEFT_OPEN = 1e-7
 """Least singular value of the slopes, over the largest, below which readings leave numbers open."""
 
@@ -53,61 +50,23 @@ ROUNDS = 2
 before."""
 
 
-class Density(NamedTuple):
-    """Density of the strips, g/cm^3."""
-
-    value: float
-    sd: float
-
-
-class Fit(NamedTuple):
-    """Young's modulus that strips agree on, as well as they do."""
-
-    modulus: float
-    """GPa."""
-    sd: float
-    """Standard error, GPa; larger by the root of chi2 over dof where strips disagree."""
-    chi2: float
-    dof: int
-    probability: float | None
-    """Probability of so large a chi2 by chance; None without degrees of freedom."""
-
-    @property
-    def agrees(self) -> bool:
-        """False where the strips disagree beyond their errors."""
-        return self.probability is None or self.probability >= DISAGREES
-
-
 class Point(NamedTuple):
     """Modulus by one strip and one method alone."""
 
     strip: str
     method: str
-    thickness: float
+    thickness: Quantity
     """mm."""
-    thickness_sd: float
-    modulus: float
+    modulus: Quantity
     """GPa."""
-    sd: float
     readings: int
 
 
-class Systematic(NamedTuple):
-    """Number that is 0 if all is as assumed, fitted beside the modulus."""
-
-    value: float
-    sd: float
-
-    @property
-    def seen(self) -> bool:
-        """True when it differs from 0 by two errors."""
-        return abs(self.value) > 2.0 * self.sd
-
-
-def fit(strips: Sequence[Specimen], density: Density) -> Fit:
+def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     """Modulus of strips, of which at least one has readings.
 
-    Raises InputError for a modulus that no plastic has.
+    Its error is larger by the root of chi2 over dof where strips disagree. Raises InputError for a
+    modulus that no plastic has.
     """
     solved = _solve(strips, density, ())
     if not SOFTEST <= solved.modulus <= STIFFEST:
@@ -116,61 +75,53 @@ def fit(strips: Sequence[Specimen], density: Density) -> Fit:
             f"{solved.modulus:.3g} GPa: plastics have {SOFTEST:g}..{STIFFEST:g}: are these mm, g, "
             "s and Hz, and is a film's slow motion undone?"
         )
-    dof = solved.residuals - solved.parameters
-    probability = None
-    sd = solved.modulus * solved.errors[0]
-    if dof > 0:
-        from scipy.stats import chi2
-
-        probability = float(chi2.sf(solved.chi2, dof))
-        if probability < DISAGREES:
-            sd *= math.sqrt(max(solved.chi2 / dof, 1.0))
-    return Fit(solved.modulus, sd, solved.chi2, dof, probability)
+    number = Quantity("youngs_modulus", "gpa", solved.modulus, solved.modulus * float(solved.errors[0]))
+    sets = ("material.youngs_modulus_gpa", "material.youngs_modulus_sd_gpa")
+    readings = sum(strip.tries for strip in strips)
+    told = Estimate("Young's modulus", number, readings, solved.chi2, solved.dof, sets)
+    if told.agrees:
+        return told
+    return told._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(told.chi2 / told.dof, 1.0))))
 
 
-def points(strips: Sequence[Specimen], density: Density) -> list[Point]:
+def points(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
     """Modulus by each strip and each method alone, with the error of all that it rests on."""
     by_method = []
     for strip in strips:
         for method in (BENDS, RINGS):
             for own in only([strip], method):
                 alone = fit([own], density)
-                count = sum(reading.tries for reading in (*own.bends, *own.rings))
-                thickness = own.sizes["thickness_mm"]
-                numbers = thickness.value, thickness.error, alone.modulus, alone.sd, count
-                by_method.append(Point(strip.name, method, *numbers))
+                by_method.append(Point(strip.name, method, own.sizes["thickness_mm"], alone.number, alone.readings))
     return by_method
 
 
-def ring_over_bend(strips: Sequence[Specimen], density: Density) -> Systematic | None:
-    """Relative excess of the modulus by the ring over that by weights; None without both.
+def ring_over_bend(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+    """Excess, in percent, of the modulus by the ring over that by weights.
 
-    Plastic that creeps while a weight hangs makes it positive.
+    Plastic that creeps while a weight hangs makes it positive. None without both, and where the
+    readings leave it open.
     """
     if not (only(strips, BENDS) and only(strips, RINGS)):
         return None
     solved = _solve(strips, density, (RINGS,))
-    excess = solved.extras[0]
-    return _if_resolved(Systematic(math.expm1(excess), math.exp(excess) * solved.errors[1]), 1.0)
+    excess, error = solved.extras[0], float(solved.errors[1])
+    sd = math.exp(excess) * error
+    return Quantity("ring_over_weights", "percent", 100.0 * math.expm1(excess), 100.0 * sd) if sd <= 1.0 else None
 
 
-def _if_resolved(number: Systematic, most: float) -> Systematic | None:
-    """Number whose error is at most `most`; None of one that the readings leave open."""
-    return number if number.sd <= most else None
-
-
-def offset(strips: Sequence[Specimen], density: Density) -> Systematic | None:
-    """Length (mm) that, added to all thicknesses, makes strips agree best; None of a single one.
+def offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+    """Length (mm) that, added to all thicknesses, makes strips agree best.
 
     A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
-    and weights may tell different moduli. None too where the strips leave it open.
+    and weights may tell different moduli. None of a single strip, and where strips leave it open.
     """
     if len(strips) < 2:
         return None
     both = bool(only(strips, BENDS)) and bool(only(strips, RINGS))
     solved = _solve(strips, density, (OFFSET, RINGS) if both else (OFFSET,))
-    thinnest = min(strip.sizes["thickness_mm"].value for strip in strips)
-    return _if_resolved(Systematic(solved.extras[0], solved.errors[1]), thinnest)
+    thinnest = min(strip.sizes["thickness_mm"].pair[0] for strip in strips)
+    sd = float(solved.errors[1])
+    return Quantity("offset", "mm", solved.extras[0], sd) if sd <= thinnest else None
 
 
 class _Solved(NamedTuple):
@@ -183,11 +134,10 @@ class _Solved(NamedTuple):
     errors: Array
     """Standard errors of the modulus' logarithm and of what else is free."""
     chi2: float
-    residuals: int
-    parameters: int
+    dof: int
 
 
-def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) -> _Solved:
+def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> _Solved:
     """Fit the modulus, and `extras` of RINGS (excess of its logarithm there) and OFFSET (mm).
 
     Beside these every size, the density, root, clamp and air are free, in units of their errors.
@@ -195,101 +145,81 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
     from scipy.optimize import least_squares
 
     own = 1 + len(extras)
-    first = np.zeros(own + OTHERS + 3 * len(strips))
-    first[0] = math.log(np.median([single.modulus for single in rough(strips, density)]))
-    spread: Array | None = None
+    at = np.zeros(own + OTHERS + 3 * len(strips))
+    at[0] = math.log(np.median([single.modulus for single in rough(strips, density)]))
+    sunk = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
+    heard = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
+    spread = _errors(strips, sunk)
     for _ in range(ROUNDS):
-        at_last, errors = first, spread
-        if errors is None:
-            errors = _errors(strips, np.array([bend.value for strip in strips for bend in strip.bends]))
 
-        def misses(at: Array, errors: Array = errors) -> Array:
+        def misses(at: Array, spread: Array = spread) -> Array:
             bends, rings = _model(strips, density, at, extras)
-            heard = [ring for strip in strips for ring in strip.rings]
-            seen = [bend.value for strip in strips for bend in strip.bends]
-            return np.concatenate(
-                [
-                    (bends - np.array(seen)) / errors,
-                    [(hz - ring.value) / ring.error for hz, ring in zip(rings, heard, strict=True)],
-                    at[own:],
-                ]
-            )
+            return np.concatenate([(bends - sunk) / spread, (rings - heard[:, 0]) / heard[:, 1], at[own:]])
 
-        solution = least_squares(misses, at_last, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-        first = solution.x
-        spread = _errors(strips, _model(strips, density, first, extras)[0])
+        solution = least_squares(misses, at, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        at = solution.x
+        spread = _errors(strips, _model(strips, density, at, extras)[0])
     across = np.linalg.pinv(solution.jac)  # its product is the covariance
     errors = np.sqrt((across**2).sum(axis=1)[:own])
-    if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(first):
+    if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(at):
         errors[1:] = math.inf
-    return _Solved(
-        float(math.exp(first[0])),
-        [float(extra) for extra in first[1:own]],
-        errors,
-        float(2.0 * solution.cost),
-        len(solution.fun),
-        len(first),
-    )
+    free = [float(extra) for extra in at[1:own]]
+    return _Solved(float(math.exp(at[0])), free, errors, float(2.0 * solution.cost), len(solution.fun) - len(at))
 
 
-def rough(strips: Sequence[Specimen], density: Density) -> list[Rough]:
+def rough(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
     """Modulus by each reading alone: forms grow as it, or as its root."""
     at = np.zeros(1 + OTHERS + 3 * len(strips))
     roughs = []
     for strip in strips:
         for bend in strip.bends:
-            sizes = [strip.sizes[name].value for name in SIZES]
-            stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.value)
+            sizes = [strip.sizes[name].pair[0] for name in SIZES]
+            stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.number.pair[0])
             roughs.append(Rough(strip.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
         heard = _model([strip._replace(bends=())], density, at, ())[1]
         roughs += [
-            Rough(strip.name, RINGS, (ring.value / hertz) ** 2) for ring, hertz in zip(strip.rings, heard, strict=True)
+            Rough(strip.name, RINGS, (ring.number.pair[0] / hertz) ** 2)
+            for ring, hertz in zip(strip.rings, heard, strict=True)
         ]
     return roughs
 
 
 def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
     """Errors of deflections, mm: of the readings, of the weights, of the places where they hang."""
-    read = [bend for strip in strips for bend in strip.bends]
-    reading = np.array([bend.error for bend in read])
-    place = np.array([3.0 * AT_SD_MM / bend.at_mm for bend in read])
+    bends = [bend for strip in strips for bend in strip.bends]
+    reading = np.array([bend.number.pair[1] for bend in bends])
+    place = np.array([3.0 * AT_SD_MM / bend.at_mm for bend in bends])
     errors: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
     return errors
 
 
-def _model(strips: Sequence[Specimen], density: Density, at: Array, extras: Sequence[str]) -> tuple[Array, list[float]]:
+def _model(strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]) -> tuple[Array, Array]:
     """Deflections (mm) and frequencies (Hz) of strips at a place of the search."""
+
+    def moved(number: Quantity, by: float) -> float:
+        value, sd = number.pair
+        return value + sd * by
+
     own = 1 + len(extras)
-    slow = fast = PA * math.exp(at[0])
     free = dict(zip(extras, at[1:own], strict=True))
-    fast *= math.exp(free.get(RINGS, 0.0))
-    added = free.get(OFFSET, 0.0)
-    heavy = GRAM * (density.value + density.sd * at[own])
+    slow = PA * math.exp(at[0])
+    fast = slow * math.exp(free.get(RINGS, 0.0))
+    heavy = GRAM * moved(density, at[own])
     root = beams.ROOT + beams.ROOT_SD * at[own + 1]
     clamp = beams.CLAMP + beams.CLAMP_SD * at[own + 2]
-    filled = [1.0 - specimen.air[0] - specimen.air[1] * at[own + 3] for specimen in strips]
     bends, rings = [], []
     for number, specimen in enumerate(strips):
         first = own + OTHERS + 3 * number
-        moved = at[first : first + 3]
-        sizes = [
-            specimen.sizes[name].value + specimen.sizes[name].error * by for name, by in zip(SIZES, moved, strict=True)
-        ]
-        strip = Strip(max(sizes[0] + added, 1e-6), max(sizes[1], 1e-6), sizes[2])
+        sizes = [moved(specimen.sizes[name], at[first + place]) for place, name in enumerate(SIZES)]
+        strip = Strip(max(sizes[0] + free.get(OFFSET, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
         stiff = beams.stiffness(slow, strip)
         bends += [
             beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff) for bend in specimen.bends
         ]
-        rings += [_rings(ring, strip, heavy * filled[number], fast, root, clamp) for ring in specimen.rings]
-    return np.array(bends), rings
-
-
-def _rings(ring: Reading, strip: Strip, heavy: float, modulus: float, root: float, clamp: float) -> float:
-    """Frequency (Hz) of a strip, its root soft, what swings as long as it is.
-
-    A search that strays to a strip without length or mass is kept at a small one.
-    """
-    length = max(beams.effective(strip.length, strip, root, clamp), strip.thickness)
-    long = strip._replace(length=length)
-    mass = beams.moving_mass(max(heavy, 1e-6), long)
-    return beams.rings(beams.stiffness(modulus, strip), mass, long.length, ring.weight_g)
+        # A search that strays to a strip without length or mass is kept at a small one
+        long = strip._replace(length=max(beams.effective(strip.length, strip, root, clamp), strip.thickness))
+        air, air_sd = specimen.air.pair
+        mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * at[own + 3]), 1e-6), long)
+        stiff = beams.stiffness(fast, strip)
+        rings += [beams.rings(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
+    return np.array(bends), np.array(rings)

@@ -1,165 +1,126 @@
 """Report of a calibration: what was measured, each strip alone, and the keys that follow."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.files import report, words
-from walkergen.files.report import Column, Report, Table
-from walkergen.lab.calibrate.result import Bent, Calibrated
+from walkergen.analysis.inverse import Answer
+from walkergen.files import words
+from walkergen.files.report import Column, Table
+from walkergen.lab.calibrate.estimate import Estimate
+from walkergen.lab.calibrate.modulus import Point
+from walkergen.lab.report import LabReport
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
+KEYS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
+"""Columns of calibration.csv."""
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class CalibrationReport(Report):
-    """Material and contact that a calibration plate tells; design and scene go on with them."""
-
-    design: Design
-    scene: Scene
-    settings: Mapping[str, float]
-    """Keys of design and scene (these begin with scene.) that were set, with their values."""
+STRIPS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
+"""Columns of strips.csv: Young's modulus by a strip and a method alone."""
 
 
-class Row(NamedTuple):
-    """Number that was measured; the field names are the columns of calibration.csv."""
+class Bent(NamedTuple):
+    """What strips tell."""
 
-    quantity: str
-    value: float
-    se: float
-    unit: str
-    readings: int
-    chi2: float
-    dof: int
-    key: str
-    """Key that it sets; blank where it sets none."""
-
-
-class ByStrip(NamedTuple):
-    """Young's modulus by a strip and a method alone; the field names are those of strips.csv."""
-
-    strip: str
+    fit: Estimate
+    """Young's modulus that they agree on."""
+    points: Sequence[Point]
     by: str
-    thickness_mm: float
-    modulus_gpa: float
-    modulus_se_gpa: float
-    readings: int
+    """Method that counts, of specimens.METHODS."""
+    ring_over_bend: Quantity | None
+    offset: Quantity | None
+
+    @property
+    def estimates(self) -> list[Estimate]:
+        """The modulus, and numbers that are 0 if all is as assumed."""
+        named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
+        return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
 
 
-MEASURED = (
-    report.text("measured", "quantity"),
-    Column("value ± error", lambda row: f"{words.with_error(row.value, row.se)} {row.unit}".strip()),
-    Column("readings", lambda row: str(row.readings or ""), right=True),
-    report.text("sets", "key"),
-)
+def settings_of(estimates: Sequence[Estimate]) -> dict[str, float]:
+    """Keys of design and scene that numbers set, with their values."""
+    return {key: value for each in estimates for key, value in each.settings.items()}
 
 
-def of(result: Calibrated, path: Path, folder: Path) -> CalibrationReport:
-    """Report of what a filled form tells."""
-    tables = [report.table("calibration", list(rows(result)), MEASURED, "Measured")]
-    figures = {}
-    if result.bent is not None:
-        bent = result.bent
+def of(
+    estimates: Sequence[Estimate],
+    bent: Bent | None,
+    drop: Answer | None,
+    notes: Sequence[str],
+    design: Design,
+    scene: Scene,
+    path: Path,
+    folder: Path,
+) -> LabReport:
+    """Report of what a filled form tells: numbers, the strips, and what a drop test answers."""
+    columns = (
+        Column("measured", lambda row: row[0]),
+        Column("value ± error", lambda row: f"{words.with_error(row[1], row[2])} {row[3]}".strip()),
+        Column("readings", lambda row: str(row[4] or ""), right=True),
+        Column("sets", lambda row: row[-1]),
+    )
+    rows = [each.row for each in estimates]
+    tables, figures, lines = [Table("calibration", rows, KEYS, columns, "Measured")], {}, []
+    if bent is not None:
         tables.append(_strips(bent))
-
-        def draw() -> Any:
-            from walkergen.lab.calibrate import figures
-
-            return figures.of_strips(bent, f"Young's modulus: {path.name}")
-
-        figures["strips"] = draw
-    return CalibrationReport(
+        figures["strips"] = lambda: _figure(bent, f"Young's modulus: {path.name}")
+        if bent.fit.probability is not None:
+            chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
+            lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
+    if drop is not None:
+        lines.append(f"drop: {drop.told}")
+    settings = settings_of(estimates)
+    facts = {
+        "measured": list(tables[0]),
+        "strips": [] if bent is None else [_facts(point) for point in bent.points],
+        "probability": None if bent is None else bent.fit.probability,
+        "drop": None
+        if drop is None
+        else {"told": drop.told, "branches": [branch._asdict() for branch in drop.branches]},
+        "settings": settings,
+        "notes": notes,
+    }
+    return LabReport(
         name="calibration",
         title=path.name,
         tables=tables,
-        facts=_facts(result),
-        lines=_lines(result),
+        facts=facts,
+        lines=[*lines, *notes],
         figures=figures,
         folder=folder,
-        design=result.design,
-        scene=result.scene,
-        settings=result.settings,
+        design=design,
+        scene=scene,
+        settings=settings,
+        notes=notes,
     )
 
 
-def rows(result: Calibrated) -> Iterator[Row]:
-    """Rows of all numbers that were measured."""
-    if result.bent is not None:
-        fit, points = result.bent.fit, result.bent.points
-        counted = sum(point.readings for point in points if result.bent.by in (point.method, "both"))
-        yield Row(
-            "Young's modulus", fit.modulus, fit.sd, "GPa", counted, fit.chi2, fit.dof, "material.youngs_modulus_gpa"
-        )
-        ring, off = result.bent.ring_over_bend, result.bent.offset
-        if ring is not None:
-            yield Row("ring over weights", 100.0 * ring.value, 100.0 * ring.sd, "%", 0, 0.0, 0, "")
-        if off is not None:
-            yield Row("offset of thicknesses", off.value, off.sd, "mm", 0, 0.0, 0, "")
-    for what, value, unit, key in (
-        ("density", result.density, "g/cm3", "material.density_g_cm3"),
-        ("friction", result.friction, "", "scene.contact.friction"),
-        ("damping ratio", result.damping, "", "scene.legs.damping_ratio"),
-    ):
-        if value is not None:
-            dof = len(value.parts) - 1
-            yield Row(what, value.value, value.sd, unit, value.readings, value.chi2, dof, key)
-    if result.bounced is not None:
-        rebound = result.bounced.rebound
-        seen = rebound.measured
-        yield Row("rebound of the walker", seen.value, rebound.sd, "", seen.tries, 0.0, 0, "")
-        if branch := result.bounced.single:
-            yield Row(
-                "restitution of the feet",
-                branch.value,
-                0.5 * (branch.high - branch.low),
-                "",
-                seen.tries,
-                0.0,
-                0,
-                "scene.contact.restitution",
-            )
+def _figure(bent: Bent, title: str) -> Any:
+    from walkergen.lab.calibrate import figures
+
+    return figures.of_strips(bent, title)
+
+
+def _facts(point: Point) -> dict[str, Any]:
+    """Modulus by a strip and a method alone, for JSON."""
+    (thickness, thickness_sd), (modulus, sd) = point.thickness.pair, point.modulus.pair
+    names = {"strip": point.strip, "method": point.method, "thickness": thickness, "thickness_sd": thickness_sd}
+    return {**names, "modulus": modulus, "sd": sd, "readings": point.readings}
 
 
 def _strips(bent: Bent) -> Table:
     """Modulus by each strip and method alone: the points of the figure."""
-    values = [
-        ByStrip(point.strip, point.method, point.thickness, point.modulus, point.sd, point.readings)
-        for point in bent.points
+    agreed, _ = bent.fit.number.pair
+    rows = [
+        (point.strip, point.method, point.thickness.value, *point.modulus.pair, point.readings) for point in bent.points
     ]
-
-    def away(row: ByStrip) -> str:
-        return f"{(row.modulus_gpa - bent.fit.modulus) / row.modulus_se_gpa:+.1f}"
-
     columns = (
-        report.text("strip", "strip"),
-        report.text("by", "by"),
-        Column("thickness mm", lambda row: f"{row.thickness_mm:.3f}", right=True),
-        report.with_error("modulus GPa", "modulus_gpa", "modulus_se_gpa"),
-        Column("from all, errors", away, right=True),
+        Column("strip", lambda row: row[0]),
+        Column("by", lambda row: row[1]),
+        Column("thickness mm", lambda row: f"{row[2]:.3f}", right=True),
+        Column("modulus GPa", lambda row: words.with_error(row[3], row[4])),
+        Column("from all, errors", lambda row: f"{(row[3] - agreed) / row[4]:+.1f}", right=True),
     )
-    return report.table("strips", values, columns, "Young's modulus by each strip alone")
-
-
-def _lines(result: Calibrated) -> Sequence[str]:
-    """Quality of the fit, answer of the drop test, and notes, a line each."""
-    quality = []
-    if result.bent is not None and result.bent.fit.probability is not None:
-        fit = result.bent.fit
-        quality = [f"strips: chi2 {fit.chi2:.1f} for {fit.dof} degrees of freedom, probability {fit.probability:.2g}"]
-    answer = [] if result.bounced is None else [f"drop: {result.bounced.text}"]
-    return [*quality, *answer, *result.notes]
-
-
-def _facts(result: Calibrated) -> Mapping[str, Any]:
-    bounced = result.bounced
-    return {
-        "measured": [row._asdict() for row in rows(result)],
-        "strips": [] if result.bent is None else [point._asdict() for point in result.bent.points],
-        "probability": None if result.bent is None else result.bent.fit.probability,
-        "drop": None
-        if bounced is None
-        else {"told": bounced.text, "branches": [branch._asdict() for branch in bounced.inverse.branches]},
-        "settings": result.settings,
-        "notes": result.notes,
-    }
+    return Table("strips", rows, STRIPS, columns, "Young's modulus by each strip alone")

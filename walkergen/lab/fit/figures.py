@@ -8,9 +8,8 @@ import numpy.typing as npt
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from walkergen.analysis.fits import Speeds
 from walkergen.analysis.speeds import Measured
-from walkergen.files.figures import STYLES, axes_of, style
+from walkergen.files.figures import BLACK, STYLES, Look, axes_of, curve, name, points, style
 from walkergen.walker.limbs import Kind
 
 if TYPE_CHECKING:
@@ -20,38 +19,23 @@ Array = npt.NDArray[np.float64]
 
 
 @style()
-def fit_figure(
-    tilt: Array, legs: Sequence[str], speeds: Speeds, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str
-) -> Figure:
+def fit_figure(seen: Measured, curves: Mapping[Kind, tuple[Array, Array, Array]], title: str) -> Figure:
     """Draw speed against tilt: measured with error bars, fitted with a band of one standard error.
 
     `curves` has tilt, speed over plate speed and its standard error by kind of legs. Where plate
     speeds differ, all speeds are drawn over their own plate speed.
     """
-    same = np.ptp(speeds.plate_speed) < 1e-9 * speeds.plate_speed.max()
-    unit = np.ones_like(tilt) if same else speeds.plate_speed
-    scale = float(speeds.plate_speed[0]) if same else 1.0
+    plate = seen.plate_speed
+    same = np.ptp(plate) < 1e-9 * plate.max()
+    unit, scale = (1.0, float(plate[0])) if same else (plate, 1.0)
     figure, axes = axes_of(title)
+    speeds, errors = seen.speed / unit, None if seen.se is None else seen.se / unit
     for kind, (fine, speed, error) in curves.items():
-        colour, line, marker = STYLES[kind]
-        axes.plot(fine, scale * speed, line, color=colour, label=f"fit, {kind} legs")
-        band = scale * (speed - error), scale * (speed + error)
-        axes.fill_between(fine, *band, color=colour, alpha=0.2, linewidth=0)
-        chosen = np.array([own == kind for own in legs])
-        bars = None if speeds.se is None else (speeds.se / unit)[chosen]
-        axes.errorbar(
-            tilt[chosen],
-            (speeds.speed / unit)[chosen],
-            bars,
-            fmt=marker,
-            color=colour,
-            markerfacecolor="white",
-            markersize=5,
-            capsize=3,
-            label=f"measured, {kind} legs",
-        )
-    axes.set_xlabel("tilt of the legs (deg)")
-    axes.set_ylabel("speed (mm/s)" if same else "speed / plate speed")
+        curve(axes, (fine, scale * speed, scale * error), STYLES[kind], f"fit, {kind} legs")
+        own = np.array([legs == kind for legs in seen.legs])
+        bars = None if errors is None else errors[own]
+        points(axes, (seen.tilt[own], speeds[own], bars), STYLES[kind], f"measured, {kind} legs", hollow=True)
+    name(axes, "tilt of the legs (deg)", "speed (mm/s)" if same else "speed / plate speed")
     axes.legend()
     return figure
 
@@ -62,34 +46,19 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
 
     Bands are computed at the dots alone; between them they are joined by straight lines.
     """
-    plates = [band.plate_speed_mm_s for band in bands if not band.measured]
-    plate = plates[0] if plates else bands[0].plate_speed_mm_s
+    plate = next((band for band in bands if not band.measured), bands[0]).plate_speed_mm_s
     chosen = [band for band in bands if band.plate_speed_mm_s == plate]
-    tilt = np.array([band.tilt_deg for band in chosen])
+    tilt = [band.tilt_deg for band in chosen]
     figure, axes = axes_of(title)
-    colour, line, marker = STYLES["flexible"]
+    colour, line, _ = STYLES["flexible"]
     for level, shade in ((95, 0.15), (90, 0.28), (68, 0.5)):
-        low, high = (np.array([getattr(band, f"{end}_{level}") for band in chosen]) for end in ("low", "high"))
+        low, high = ([getattr(band, f"{end}_{level}") for band in chosen] for end in ("low", "high"))
         paler = 1.0 - shade * (1.0 - np.array(to_rgb(colour)))
         axes.fill_between(tilt, low, high, color=paler, linewidth=0, label=f"one more print, {level} %")
-    middle = np.array([band.speed_mm_s for band in chosen])
-    axes.plot(tilt, middle, line, color=colour, linewidth=1)
-    axes.plot(tilt, middle, ".", color=colour, label="median")
+    axes.plot(tilt, [band.speed_mm_s for band in chosen], line, marker=".", color=colour, label="median")
     shown = seen.plate_speed == plate
     bars = None if seen.se is None else seen.se[shown]
-    axes.errorbar(
-        seen.tilt[shown],
-        seen.speed[shown],
-        bars,
-        fmt=marker,
-        color="black",
-        markerfacecolor="white",
-        markersize=5,
-        capsize=3,
-        label="measured",
-        zorder=3,
-    )
-    axes.set_xlabel("tilt of the legs (deg)")
-    axes.set_ylabel(f"speed (mm/s) on a plate of {plate:.1f} mm/s")
+    points(axes, (seen.tilt[shown], seen.speed[shown], bars), Look(BLACK), "measured", hollow=True)
+    name(axes, "tilt of the legs (deg)", f"speed (mm/s) on a plate of {plate:.1f} mm/s")
     axes.legend()
     return figure

@@ -1,6 +1,6 @@
 """Fit of a model: measured speeds in, what they teach and what follows from it out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,12 +16,14 @@ from walkergen.files.progress import Progress
 from walkergen.lab.fit import emulated, identifiability, posterior, tabled, weighed
 from walkergen.lab.fit.emulated import Ground, Setting
 from walkergen.lab.fit.identifiability import Learnt
-from walkergen.lab.fit.make import fitted_name
-from walkergen.lab.fit.parameters import KEYS, OF_SCENE, ModelName, PriorName, held, unknown
+from walkergen.lab.fit.parameters import KEYS, OF_SCENE, ModelName, held, unknown
 from walkergen.lab.fit.posterior import Observed, Posterior, Responds
+from walkergen.lab.fit.request import Request
+from walkergen.lab.report import named
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]
 
@@ -36,20 +38,6 @@ MOST_SETTINGS = 40
 
 LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
 """Median and ends of the 95, 90 and 68 % bands."""
-
-
-class Job(NamedTuple):
-    """Choices of a fit by a model."""
-
-    design: Design
-    scene: Scene
-    model: ModelName
-    prior: PriorName
-    fixed: Mapping[str, float]
-    """Parameters that are held at given values."""
-    ahead: Sequence[float] | None
-    """Tilts to predict, deg; None for those of the design's family."""
-    pictures: bool
 
 
 class Band(NamedTuple):
@@ -85,38 +73,36 @@ class Learned(NamedTuple):
     """Design with the thickness and Young's modulus as learnt."""
 
 
-def learn(path: Path, job: Job, progress: Progress) -> Learned:
+def learn(path: Path, request: Request, progress: Progress) -> Learned:
     """Learn from a CSV file of speeds by a model.
 
-    Columns as in `make.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
+    Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
     """
-    total = float(solids.mass_of(job.design).total)
-    table = measured.read(path, job.design.kind, job.scene.drive.beneath(total).peak_speed)
+    model, fixed = request.model, request.held
+    total = float(solids.mass_of(request.design).total)
+    table = measured.read(path, request.design.kind, request.scene.drive.beneath(total).peak_speed)
     measured.refuse_slips(path, table)
-    seen, notes = _flexible(table, path, job.model)
-    scene, design = held(job.scene, job.design, job.fixed)
-    errors = seen.se is not None
-    unknowns = unknown(scene, design, job.model, job.prior, job.fixed, errors)
-    ground = Ground(scene, job.model, unknowns)
+    seen, notes = _flexible(table, path, model)
+    scene, design = held(request.scene, request.design, fixed)
+    ground = Ground(scene, model, unknown(scene, design, model, request.prior, fixed, seen.se is not None))
     settings, observed = _observed(design, seen)
-    ahead = _ahead(job, design, seen, settings)
-    respond = _by_table if job.model == "prediction" else _by_runs
+    ahead = _ahead(request.ahead, design, seen, settings)
+    respond = _by_table if model == "prediction" else _by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters
-    bands = _bands(ground, settings, responses, sampled, True)
-    bands += _bands(ground, ahead, later, sampled, False)
+    bands = _bands(ground, settings, responses, sampled, True) + _bands(ground, ahead, later, sampled, False)
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
     rows = identifiability.learnt(parameters, sampled.draws)
     notes = [
         *identifiability.unlearnt(rows),
         *identifiability.trades(ground.unknown.simulated, sampled.draws),
-        *identifiability.misfit(sampled, len(seen.speed), job.model),
+        *identifiability.misfit(sampled, len(seen.speed), model),
         *notes,
         *_caveats(ground),
     ]
-    return Learned(sampled, seen, rows, bands, notes, _scene(job, scene, rows, path), _design(design, rows, path))
+    return Learned(sampled, seen, rows, bands, notes, _scene(model, scene, rows, path), _design(design, rows, path))
 
 
 def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
@@ -140,15 +126,9 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
     if table.se is None:
         notes.append("no standard errors given: those here come from the scatter of the speeds")
     kept = ~braced
-    seen = Measured(
-        table.tilt[kept],
-        ["flexible"] * int(kept.sum()),
-        table.speed[kept],
-        None if table.se is None else table.se[kept],
-        table.plate_speed[kept],
-        table.bad,
-    )
-    return seen, notes
+    se = None if table.se is None else table.se[kept]
+    legs: list[Kind] = ["flexible"] * int(kept.sum())
+    return Measured(table.tilt[kept], legs, table.speed[kept], se, table.plate_speed[kept], table.bad), notes
 
 
 def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
@@ -167,11 +147,13 @@ def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Obser
     return settings, [Observed(seen.speed[row], se[row]) for row in rows]
 
 
-def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]) -> list[Setting]:
+def _ahead(
+    wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
+) -> list[Setting]:
     """Settings to predict: tilts not measured, on the plate that most rows were measured on."""
     plates, counts = np.unique(seen.plate_speed, return_counts=True)
     plate = float(plates[np.argmax(counts)])
-    tilts = design.family.tilt_deg if job.ahead is None else job.ahead
+    tilts = design.family.tilt_deg if wanted is None else wanted
     measured_tilts = [setting.tilt for setting in settings if setting.plate_speed == plate]
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MOST_SETTINGS:
@@ -258,16 +240,7 @@ def _caveats(ground: Ground) -> list[str]:
     return notes
 
 
-def caption(job: Job) -> str:
-    """Statement of the assumptions on which a fit rests."""
-    fixed = ", ".join(f"{name} = {value:g}" for name, value in job.fixed.items())
-    feet = f", {job.scene.feet.damping} feet" if job.model == "space" else ""
-    law = f", law {job.scene.contact.law}" if job.model == "compliant" else ""
-    condition = f", given {fixed}" if fixed else ""
-    return f"walker {job.design.name}, model {job.model}{feet}{law}, prior {job.prior}{condition}"
-
-
-def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
+def _scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
     """Scene with what was learnt; held values keep the standard deviations of the scene."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
@@ -276,10 +249,10 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
             data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
         if row.name == "eccentric_g_mm":  # in place of a rating
             data["drive"] = {k: v for k, v in data["drive"].items() if k not in OF_RATING}
-    if job.model != "prediction":
-        data["legs"]["model"] = job.model
-    data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"
-    data["name"] = fitted_name(scene.name, path)
+    if model != "prediction":
+        data["legs"]["model"] = model
+    data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {model}"
+    data["name"] = named(scene.name, path, "fit-")
     return validate(data, Scene, "fitted scene")
 
 
@@ -292,5 +265,5 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
         elif row.name == "youngs_modulus_gpa":
             data["material"] |= {row.name: row.mean, "youngs_modulus_sd_gpa": row.sd}
     data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
-    data["name"] = fitted_name(design.name, path)
+    data["name"] = named(design.name, path, "fit-")
     return validate(data, Design, "fitted design")

@@ -1,20 +1,29 @@
-"""What a person asks of a fit, checked, and the fit that it names: as command and notebook ask."""
+"""What a person asks of a fit, and the values that it is to hold, NAME=VALUE, checked."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
+from walkergen.analysis.fits import RANGES
+from walkergen.drive import MOTOR_HZ
 from walkergen.errors import InputError
-from walkergen.files import templates
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress
-from walkergen.lab.fit import fixed, learn, make, parameters, report
-from walkergen.lab.fit.report import FitReport
-from walkergen.scene import Scene
+from walkergen.files import words
+from walkergen.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
+from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
 
 MODELS = ("prediction", "theory", "compliant", "space")
+
+OF_MODEL = {
+    "restitution": (LEAST_LABEL, 1.0),
+    "friction": (0.0, 5.0),
+    "thickness_mm": (1e-3, 100.0),
+    "youngs_modulus_gpa": (1e-3, 1e4),
+    "damping_ratio": (0.0, 10.0),
+    "frequency_hz": MOTOR_HZ,
+    "eccentric_g_mm": (1e-6, 1e6),
+}
+"""Ranges of the parameters that a fit of simulated speeds may hold."""
 
 
 class Request(NamedTuple):
@@ -27,65 +36,75 @@ class Request(NamedTuple):
     fix: Sequence[str] = ()
     """Parameters to hold, NAME=VALUE."""
     prior: Any = None
-    """One of `parameters.PRIORS`; None is the first."""
+    """One of PRIORS; None is the first."""
     ahead: Sequence[float] | None = None
     """Tilts to predict, deg; None for those of the design's family."""
     mode: Any = "coulomb"
     """Mode of the theory."""
     pictures: bool = True
 
+    @property
+    def held(self) -> dict[str, float]:
+        """Parameters that are held, by name. Raises InputError for names and values out of range."""
+        of = "" if self.model == "theory" else f" (model {self.model})"
+        ranges, values = _ranges(self.model), {}
+        for text in self.fix:
+            name, _, number = (word.strip(" ") for word in text.partition("="))
+            if name not in ranges:
+                raise InputError(f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
+            value, (low, high) = words.value(number), ranges[name]
+            if value is None:
+                raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number")
+            if not low <= value <= high:
+                raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
+            values[name] = value
+        return values
 
-def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitReport:
-    """Fit a model to a CSV file of speeds, and write what follows into a folder.
+    @property
+    def caption(self) -> str:
+        """Statement of the assumptions on which a fit rests."""
+        contact, model = self.scene.contact, self.model
+        parts = [f"walker {self.design.name}"]
+        if model == "theory":
+            parts += [f"mode {self.mode}", f"law {contact.law}"]
+        else:
+            parts.append(f"model {model}")
+            parts += [f"{self.scene.feet.damping} feet"] if model == "space" else []
+            parts += [f"law {contact.law}"] if model == "compliant" else []
+            parts.append(f"prior {self.prior}")
+        held = ", ".join(f"{name} = {value:g}" for name, value in self.held.items())
+        return ", ".join([*parts, *([f"given {held}"] if held else [])])
 
-    Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
-    given) and a manifest. See `learn.learn` and `make.fit`. Raises InputError, before anything is
-    written, for unusable input and for choices that do not go together.
-    """
-    design, scene, model, fix, prior, ahead, mode, pictures = request
+
+def checked(request: Request) -> Request:
+    """Request with its prior and with the scene of its model. Raises InputError for what does not go together."""
+    model, prior, mode = request.model, request.prior, request.mode
     if model not in MODELS:
         raise InputError(f"--model {str(model)[:30]!r}: must be one of {', '.join(MODELS)}")
     if mode not in MODES:
         raise InputError(f"--mode {str(mode)[:30]!r}: must be one of {', '.join(MODES)}")
     if model == "theory":
-        if (prior, ahead) != (None, None):
+        if (prior, request.ahead) != (None, None):
             name = "--predict" if prior is None else "--prior"
             raise InputError(f"{name}: the theory has none; leave out --model theory")
-        theory_job = make.Job(design, scene, mode, fixed.of_theory(fix), pictures)
-        caption = make.caption(theory_job)
-        results = report.of_theory(make.fit(path, theory_job, progress), path, caption, folder)
-        comment = f"Fitted to {path.name}: {caption}"
-        return _written(results, request, path, comment, {"mode": mode, "fixed": dict(theory_job.fixed)})
+        return request
     if mode != "coulomb":
         raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
-    if model != "prediction":
-        scene = scene.variant(**{"legs.model": model})
-    prior = parameters.PRIORS[0] if prior is None else prior
-    if prior not in parameters.PRIORS:
-        priors = ", ".join(parameters.PRIORS)
-        raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {priors}")
-    held = fixed.of_model(fix, model)
-    job = learn.Job(design, scene, model, prior, held, ahead, pictures)
-    caption = learn.caption(job)
-    results = report.of_model(learn.learn(path, job, progress), path, caption, folder)
-    choices = {"model": model, "prior": prior, "fixed": dict(held)}
-    written = request._replace(scene=scene)
-    return _written(results, written, path, f"Learnt from {path.name}: {caption}", choices)
+    scene = request.scene if model == "prediction" else request.scene.variant(**{"legs.model": model})
+    prior = PRIORS[0] if prior is None else prior
+    if prior not in PRIORS:
+        raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {', '.join(PRIORS)}")
+    return request._replace(scene=scene, prior=prior)
 
 
-def _written(fitted: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]) -> FitReport:
-    """Report, once it is written with the scene and design that go on."""
-    assert fitted.folder is not None
-    with Folder(fitted.folder) as target:
-        fitted.write(target, request.pictures)
-        target.write("scene.toml", templates.dump(fitted.scene, comment).encode())
-        target.write("design.toml", templates.dump(fitted.design, comment).encode())
-        target.finish(
-            {
-                "file": path.name,
-                "design": request.design.model_dump(mode="json"),
-                "scene": request.scene.model_dump(mode="json"),
-                **choices,
-            }
-        )
-    return fitted
+def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
+    """Ranges of the parameters that a fit by a model may hold."""
+    if model == "theory":
+        return RANGES
+    ranges = dict(OF_MODEL)
+    if model == "compliant":
+        ranges["restitution"] = (0.0, 1.0)
+    if model == "prediction":
+        del ranges["damping_ratio"]
+        ranges["friction"] = (TABLED_FROM, FLAT["friction"][1])
+    return ranges

@@ -1,0 +1,64 @@
+"""One report of the laboratory: what readings, a simulated test or a fit tell, and what goes on with it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from walkergen.errors import InputError
+from walkergen.files import output, templates
+from walkergen.files.output import Folder
+from walkergen.files.report import Report
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+STEEPEST_DEG, MOST_DROPS = 20.0, 1000
+"""Largest deviation of a drop's first turn, and number of simulated drops from the hand."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LabReport(Report):
+    """Material and contact that a test tells; design and scene go on with them."""
+
+    design: Design
+    scene: Scene
+    settings: Mapping[str, float]
+    """Keys of design and scene with the values that follow."""
+    notes: Sequence[str] = ()
+    """What was left out or stays open."""
+
+
+R = TypeVar("R", bound=LabReport)
+
+
+def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", every: bool = False) -> R:
+    """Report, once its folder holds it with what was asked, a `job` of design, scene and pictures.
+
+    With a comment, design and scene as they go on are files as well, with `every` key or those set.
+    """
+    assert report.folder is not None
+    with Folder(report.folder) as target:
+        report.write(target, job.pictures)
+        if comment:
+            target.write("scene.toml", templates.dump(report.scene, comment, every=every).encode())
+            target.write("design.toml", templates.dump(report.design, comment, every=every).encode())
+        inputs = {"design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json")}
+        target.finish({**inputs, **asked})
+    return report
+
+
+def named(original: str, path: Path, word: str = "") -> str:
+    """Name of a design or scene after the file that it was measured by: never that of a shipped one."""
+    return f"{original[:30]}-{word}{output.named_after(path)[:28]}"
+
+
+def check_drops(turn_deg: float, drops: int) -> None:
+    """Raise InputError for first turns and numbers of drops that are none to simulate."""
+    check("--roll-deg", turn_deg, 0.0, STEEPEST_DEG)
+    check("--drops", drops, 2, MOST_DROPS)
+
+
+def check(flag: str, value: float, low: float, high: float) -> None:
+    """Raise InputError for a value of an option that lies outside its range."""
+    if not low <= value <= high:
+        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
