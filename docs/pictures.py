@@ -110,7 +110,6 @@ def mechanisms(folder: Path) -> bytes:
 
 def page(folder: Path) -> bytes:
     """Picture of a family's page in a browser."""
-    walkergen("walkergen report", str(folder))
     return browser(folder, (folder / "report.html").as_uri(), *WINDOW)
 
 
@@ -151,13 +150,12 @@ PICTURES = (
     Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0, "speed.png"),
     Picture(
         "page.png",
-        FAMILY,
-        (*PREDICTION, "walkergen/jobs/page/report/**/*"),
+        f"{FAMILY} --page",
+        (*PREDICTION, "walkergen/jobs/make/family/**/*"),
         10,
         page,
         program="chromium",
         package="chromium",
-        shown=f"{FAMILY}\nwalkergen report out/koumakis2016",
     ),
     Picture(
         "app.png",

@@ -10,7 +10,6 @@ import math
 import os
 import random
 import resource
-import shutil
 import signal
 import struct
 import sys
@@ -412,7 +411,6 @@ READERS: Mapping[str, tuple[str, ...]] = {
     "o.csv": ("plate", "--orders", "{}", "--out", "out"),
     "c.csv": ("calibrate", "{}", "--out", "out"),
     "film.mp4": ("track", "{}", "--mm-per-px", "1"),
-    "fam/manifest.json": ("report", "fam", "--out", "page.html"),
     **{f"b.{end}": ("weigh", "{}") for end in ("stl", "obj", "ply", "off", "3mf", "glb")},
     **{f"d.{end}": ("predict", "--set", 'body={{outline="{}"}}') for end in ("svg", "dxf")},
     "e.stl": ("predict", "--set", 'body={{mesh="{}"}}'),
@@ -601,7 +599,6 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
     "check": ((), {}),
     "track": (("film.mp4",), {"film.mp4": b"no film"}),
-    "report": (("fam",), {}),
     "weigh": (("b.stl",), {}),
     "templates": ((), {}),
     "export": (("--out", "out"), {}),
@@ -811,94 +808,6 @@ def shapes(rng: random.Random) -> Try:
     return Try(f"shape {name}", _reading(name), {name: bytes(data)})
 
 
-FAMILY: dict[str, bytes] = {}
-"""Files of a family, once `make_family` has made one."""
-
-
-def make_family(folder: Path) -> None:
-    """Make the family that the tries edit."""
-    seen = run(Try("", ("family", "--tilt", "5,10", "--no-pictures", "--out", "out")), folder)
-    assert seen.code == 0, seen
-    for path in (folder / "out").rglob("*"):
-        if path.is_file():
-            FAMILY[f"fam/{path.relative_to(folder / 'out')}"] = path.read_bytes()
-    shutil.rmtree(folder)
-
-
-def family(rng: random.Random) -> Try:
-    """A family's folder in which somebody has edited a file."""
-    files: dict[str, bytes | str] = dict(FAMILY)
-    name = rng.choice([one for one in files if not one.endswith((".3mf", ".md"))] + ["fam/manifest.json"] * 6)
-    way = rng.random()
-    data = FAMILY[name]
-    if way < 0.15:
-        files[name] = rng.choice(list(KINDS))
-    elif way < 0.25:
-        files[name] = rng.choice(BLOBS)
-    elif way < 0.3:
-        del files[name]
-    elif name.endswith(".json"):
-        files[name] = _edited(data, rng)
-    elif name.endswith(".csv"):
-        rows = [line.split(",") for line in data.decode().splitlines()]
-        row = rng.randrange(len(rows))
-        rows[row][rng.randrange(len(rows[row]))] = rng.choice(CELLS)
-        files[name] = "\n".join(",".join(row) for row in rows).encode("utf-8", "surrogatepass")
-    else:
-        at = rng.randrange(len(data))
-        files[name] = data[:at] + rng.choice(PIECES) + data[at + 4 :]
-    return Try(f"family {name}", ("report", "fam", "--out", "page.html"), files)
-
-
-JSONS = (
-    "null",
-    "true",
-    "0",
-    "-1",
-    "1e400",
-    "9" * 5000,
-    '""',
-    r'"\ud800"',
-    r'"\u001b[31m"',
-    "[]",
-    "{}",
-    '"../../../etc/passwd"',
-    '"/etc/passwd"',
-    '"a\\u0000b"',
-    "[" * 3000 + "]" * 3000,
-    "NaN",
-    "[null]",
-    '{"a": {"b": 1}}',
-    '"' + "z" * 5000 + '"',
-    "1e-320",
-    '"<img src=x onerror=alert(1)>"',
-    r'"\u202e"',
-)
-
-
-def _edited(data: bytes, rng: random.Random) -> bytes:
-    """JSON in which one value, or the name of one, is another."""
-    mark = "d41d8cd98f00b204"
-    tree = json.loads(data)
-    place = tree
-    while True:
-        at = rng.choice(list(place) if isinstance(place, dict) else range(len(place)))
-        inner = place[at]
-        if isinstance(inner, (dict, list)) and inner and rng.random() < 0.75:
-            place = inner
-            continue
-        break
-    if isinstance(place, dict) and rng.random() < 0.3:
-        place[mark] = place.pop(at)
-    else:
-        place[at] = mark
-    return json.dumps(tree).replace(f'"{mark}"', _key(rng) if mark in place else rng.choice(JSONS)).encode()
-
-
-def _key(rng: random.Random) -> str:
-    return rng.choice([one for one in JSONS if one.startswith('"')])
-
-
 CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
     (keys, 10),
     (limits, 4),
@@ -911,7 +820,6 @@ CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
     (flags, 8),
     (commands, 2),
     (shapes, 4),
-    (family, 5),
     (ends, 5),
     (bodies, 5),
     (forms, 2),

@@ -338,7 +338,7 @@ def test_all_files_come_as_one_archive(page):
         kinds = {name.rpartition(".")[2] for name in names}
         assert {"stl", "3mf", "toml", "html", "csv"} <= kinds
         assert "settings/walker.toml" in names
-    assert [line.split()[1] for line in lines] == ["export", "export", "plate", "family", "report"]
+    assert [line.split()[1] for line in lines] == ["export", "export", "plate", "family"]
     checked(page)
 
 

@@ -395,13 +395,12 @@ def test_a_folder_that_is_gone_is_a_line(tmp_path):
 
 LONG = {
     "export": ("export", "--tilt", "5,10", "--format", "stl,3mf,dxf,svg"),
-    "family": ("family", "--tilt", "10", "--legs", "braced"),
+    "family": ("family", "--tilt", "10", "--legs", "braced", "--page"),
     "plate": ("plate", "--tilt", "10", "--copies", "3"),
     "calibration": ("plate", "--calibration", "--no-pictures"),
     "sweep": ("sweep", "--set", "legs.tilt_deg=2:20:1", "--workers", "1"),
     "movie": ("movie", "--tilt", "10", "--legs", "braced", "--seconds", "0.01", "--slow", "40"),
     "trajectory": ("simulate", "--tilt", "10", "--legs", "braced", "--seconds", "0.5"),
-    "report": ("report", "FAMILY"),
     "analyse": ("analyse", "TRACKS"),
     "copy": ("templates", "copy", "koumakis2016"),
     "design": ("design", "--speed", "40", "--model", "prediction"),
@@ -425,7 +424,7 @@ def started(name, folder):
     """Process of a command that writes into a folder, seen from its own, where Ctrl-C is heard."""
     folder.parent.mkdir(exist_ok=True)
     words = [str(FOLDERS.get(word, word)) for word in LONG[name]]
-    ends = {"movie": "film.gif", "report": "page.html", "copy": "mine.toml", "trajectory": "t.csv"}
+    ends = {"movie": "film.gif", "copy": "mine.toml", "trajectory": "t.csv"}
     where = f"{folder.name}/{ends.get(name, '')}"
     if name != "copy":
         words.append("--trajectory" if name == "trajectory" else "--out")
@@ -446,10 +445,9 @@ FOLDERS = {}
 
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    """Family and tracks for the commands that read some."""
+    """Tracks, speeds and a form for the commands that read some."""
     base = tmp_path_factory.mktemp("inputs")
     FOLDERS.update(
-        FAMILY=base / "family",
         TRACKS=base / "t.csv",
         SPEEDS=base / "f.csv",
         FORM=base / "c.csv",
@@ -458,7 +456,6 @@ def inputs(tmp_path_factory):
     for name in ("SPEEDS", "FORM"):
         FOLDERS[name].write_text(hostile.TABLES[FOLDERS[name].name][0])
     run = CliRunner().invoke
-    assert run(command_line, [*LONG["family"], "--out", str(base / "family")]).exit_code == 0
     words = [*LONG["trajectory"], "--runs", "4", "--trajectory", str(base / "t.csv")]
     assert run(command_line, words).exit_code == 0
 

@@ -70,9 +70,6 @@ def test_what_is_no_file_is_not_read(kind, tmp_path):
 @pytest.mark.nightly
 def test_thousands_of_hostile_tries(tmp_path):
     hostile.warm()
-    family = tmp_path / "family"
-    family.mkdir()
-    hostile.make_family(family)
     assert not judged(hostile.drawn(SEED, TRIES), tmp_path)
 
 

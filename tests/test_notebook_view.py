@@ -12,16 +12,15 @@ from html.parser import HTMLParser
 import matplotlib.image
 import numpy as np
 import pytest
-from report_folder import folder_of
+from report_folder import files_of, rendered
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select, WebDriverWait
 from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, requested
 
 import walkergen as wg
 from walkergen.errors import InputError
-from walkergen.files import output, viewer
-from walkergen.jobs.page.report import contents, members, play
-from walkergen.jobs.page.report import make as page
+from walkergen.files import viewer
+from walkergen.jobs.make.family import page, play
 from walkergen.shapes import stl
 from walkergen.walker import solids
 
@@ -126,28 +125,17 @@ def stood(corners):
     return np.column_stack([x, -z, y])
 
 
-def test_a_part_that_prints_legs_up_is_turned_onto_its_feet(bristles, tmp_path):
-    found = contents.read(bristles.folder)
-    made = members.of(found)
-    assert found.manifest.legs_up == [one.name for one in made]
-    for one, member in zip(made, bristles.members, strict=True):
-        assert page._part(one, found.manifest.legs_up)["legs_up"] is True
-        mesh, turned = member.mesh, stood(one.corners)
+def test_a_part_that_prints_legs_up_is_turned_onto_its_feet(bristles):
+    for member in bristles.members:
+        assert page._part(member)["legs_up"] is True
+        name = f"{member.name}.stl"
+        corners = stl.unpack((bristles.folder / "stl" / name).read_bytes(), name)[0]
+        mesh, turned = member.mesh, stood(corners)
         # A played run has O and the corners of feet in the frame of the mesh so turned.
         turned[:, 1] += play._lowered(member.design)
         truth = mesh.vertices[mesh.triangles].reshape(-1, 3)
         np.testing.assert_allclose(turned, truth, atol=1e-5)
-    folder = folder_of(tmp_path, (10.0,), pictures=False)
-    assert contents.read(folder).manifest.legs_up == []
     assert play._lowered(PAPER) == 0.0
-
-
-def test_a_folder_that_does_not_say_how_its_members_lie_is_refused(bristles, tmp_path):
-    facts = json.loads((bristles.folder / output.MANIFEST).read_text(encoding="utf-8"))
-    del facts["legs_up"]
-    (tmp_path / output.MANIFEST).write_text(json.dumps(facts), encoding="utf-8")
-    with pytest.raises(InputError, match="legs_up: Field required; write the folder again"):
-        contents.read(tmp_path)
 
 
 def test_the_stl_of_a_family_is_what_its_name_says(bristles):
@@ -163,7 +151,7 @@ def browser(bristles, tmp_path_factory):
     (folder / "bare.html").write_text(
         f"<!DOCTYPE html><meta charset=utf-8><body>{bristles._repr_html_()}", encoding="utf-8"
     )
-    (folder / "report.html").write_bytes(page.render(contents.read(bristles.folder), "0"))
+    (folder / "report.html").write_text(rendered(bristles, files_of(bristles.folder)), encoding="utf-8")
     browser = browser_at(folder / "bare.html", folder / "profile")
     browser.implicitly_wait(10)
     yield browser

@@ -5,7 +5,6 @@ import hashlib
 import json
 import math
 import re
-import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,17 +12,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report_folder import add, edit, folder_of, rendered
-from typer.testing import CliRunner
+from report_folder import files_of, job_of, made_in, rendered, silent, text_of
 
 import walkergen
-from walkergen.cli import command_line
-from walkergen.errors import InputError, OutputError
+from walkergen.analysis.speeds import Measured
+from walkergen.errors import OutputError
 from walkergen.files import viewer
-from walkergen.jobs.page.report import chart, chart_data, contents, members, references
+from walkergen.jobs.make.family import chart, chart_data, references
+from walkergen.jobs.make.family import make as family
+from walkergen.jobs.make.family.chart_data import ChartData
+from walkergen.points.members import Simulated
 
 ROOT = Path(__file__).parent.parent
-ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "report" / "assets"
+ASSETS = Path(walkergen.__file__).parent / "jobs" / "make" / "family" / "assets"
 HOSTILE = "</script><script>alert(1)</script><img src=//example.org/x onerror=alert(1)>"
 
 
@@ -52,29 +53,24 @@ class Elements(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def family_folder(tmp_path_factory):
-    return folder_of(tmp_path_factory.mktemp("family") / "mine")
+def made(tmp_path_factory):
+    """Report of a family with its page."""
+    return made_in(tmp_path_factory.mktemp("family") / "mine")
 
 
-@pytest.fixture
-def folder(family_folder, tmp_path):
-    return shutil.copytree(family_folder, tmp_path / "mine")
+@pytest.fixture(scope="module")
+def folder(made):
+    return made.folder
+
+
+@pytest.fixture(scope="module")
+def files(folder):
+    return files_of(folder)
 
 
 def parts_of(text):
     (data,) = re.findall(r'<script type="application/json" id="parts">(.*?)</script>', text)
     return json.loads(data)
-
-
-def run(*words):
-    return CliRunner().invoke(command_line, ["report", *map(str, words)])
-
-
-def refused(folder):
-    with pytest.raises(InputError) as caught:
-        rendered(folder)
-    assert "\n" not in str(caught.value)
-    return str(caught.value)
 
 
 def downloads(text):
@@ -89,47 +85,36 @@ def downloads(text):
 
 
 def test_every_part_is_seen_and_saved_as_its_stl_file(folder):
-    text = rendered(folder)
+    text = text_of(folder)
     parts = parts_of(text)
     assert [(part["tilt_deg"], part["legs"]) for part in parts] == [
         (tilt, kind) for kind in ("flexible", "braced") for tilt in (0.0, 10.0, 35.0)
     ]
     links = [link["download"] for link in Elements(text).all("a") if "data-stl" in link]
     assert links == [f"{part['name']}.stl" for part in parts]  # as the viewer counts them
-    for part in parts:
-        assert part["seen"]
 
 
-def test_files_are_saved_whole_and_under_names_without_folders(folder):
-    add(folder, "plates/a&b.csv", b"item\n1\n")
-    add(folder, "plates/run.sh", b"echo no")
-    saved = downloads(rendered(folder))
-    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+def test_files_are_saved_whole_and_under_names_without_folders(made, files):
+    more = files | {"plates/a&b.csv": b"item\n1\n", "plates/run.sh": b"echo no"}
+    saved = downloads(rendered(made, more))
     kinds = (".stl", ".3mf", ".csv", ".ini", ".json", ".pdf")
-    wanted = [name for name in manifest["files"] if name.endswith(kinds)]
-    assert sorted(saved) == sorted(Path(name).name for name in wanted)
-    for name in wanted:
-        assert saved[Path(name).name] == (folder / name).read_bytes()
+    assert saved == {Path(name).name: data for name, data in more.items() if name.endswith(kinds)}
 
 
-def test_the_command_writes_one_file_that_asks_for_no_other(folder):
-    result = run(folder, "--json")
-    assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)
-    assert told == {"file": str(folder / "report.html"), "changed": [], "missing": []}
+def test_the_page_is_one_file_that_asks_for_no_other(folder):
     data = (folder / "report.html").read_bytes()
     assert 0.5e6 < len(data) < 2e6
-    page = Elements(data.decode())
-    assert page.all("link") == [{"rel": "icon", "href": "data:,"}]
-    assert all(image["src"].startswith("data:image/png;base64,") for image in page.all("img"))
-    assert all("src" not in script for script in page.all("script"))
-    assert len(page.all("img")) == 2  # parts, the map of one plate
-    assert run(folder, "--out", folder / "again.html").exit_code == 0
-    assert (folder / "again.html").read_bytes() == data
+    elements = Elements(data.decode())
+    assert elements.all("link") == [{"rel": "icon", "href": "data:,"}]
+    assert all(image["src"].startswith("data:image/png;base64,") for image in elements.all("img"))
+    assert all("src" not in script for script in elements.all("script"))
+    assert len(elements.all("img")) == 2  # parts, the map of one plate
+    family.make(job_of(), folder, silent, silent)  # ours is made anew, and equal families have equal pages
+    assert (folder / "report.html").read_bytes() == data
 
 
 def test_the_policy_admits_the_two_scripts_and_nothing_from_outside(folder):
-    text = rendered(folder)
+    text = text_of(folder)
     (policy,) = [meta["content"] for meta in Elements(text).all("meta") if "http-equiv" in meta]
     assert policy.startswith("default-src 'none'; img-src data:;")
     allowed = re.search("script-src (.*)", policy).group(1).split()
@@ -138,62 +123,36 @@ def test_the_policy_admits_the_two_scripts_and_nothing_from_outside(folder):
     assert allowed == [f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests]
 
 
-def test_text_of_files_is_shown_and_never_run(folder):
-    edit(folder, lambda facts: facts["design"].update(name=HOSTILE, description=HOSTILE))
-    table = (folder / "family.csv").read_text(encoding="utf-8")
-    (folder / "family.csv").write_text(table.replace("both feet can stick", HOSTILE))
-    add(folder, "plates/<b>.csv", f"item\n{HOSTILE}\n".encode())
-    sheet = f"{HOSTILE}\n\n![x](//example.org/x.png)\n\n[link](javascript:alert(1))\n"
-    add(folder, "print_sheet.md", sheet.encode())
-    old = "stl/walker_t10.0_braced_s1.00.stl"
-    add(folder, f"stl/{HOSTILE.replace('/', '|')}.stl", (folder / old).read_bytes())
+def test_text_of_files_is_shown_and_never_run(made, files):
     name = HOSTILE.replace("/", "|")
-    edit(folder, lambda facts: facts["members"].__setitem__(4, name))
-    page = Elements(rendered(folder))
-    assert [script.get("type") for script in page.all("script")] == ["application/json", None, None]
-    assert all(image["src"].startswith("data:") for image in page.all("img"))
-    assert not [link for link in page.all("a") if link["href"].startswith("javascript:")]
-    assert not [1 for _, attributes in page.found for key in attributes if key.startswith("on")]
-    assert page.texts["h1"][0] == HOSTILE
-    assert HOSTILE in page.texts["td"]
-    assert name in page.texts["button"]
+    sheet = f"{HOSTILE}\n\n![x](//example.org/x.png)\n\n[link](javascript:alert(1))\n"
+    more = {"plates/<b>.csv": f"item\n{HOSTILE}\n".encode(), "print_sheet.md": sheet.encode()}
+    more |= {f"stl/{name}.stl": files[f"stl/{made.members[4].name}.stl"]}
+    walkers = list(made.members)
+    walkers[4] = walkers[4]._replace(name=name)
+    text = rendered(made, files | more, walkers=walkers, name=HOSTILE, description=HOSTILE)
+    elements = Elements(text)
+    assert [script.get("type") for script in elements.all("script")] == ["application/json", None, None]
+    assert all(image["src"].startswith("data:") for image in elements.all("img"))
+    assert not [link for link in elements.all("a") if link["href"].startswith("javascript:")]
+    assert not [1 for _, attributes in elements.found for key in attributes if key.startswith("on")]
+    assert elements.texts["h1"][0] == HOSTILE
+    assert HOSTILE in elements.texts["td"]
+    assert name in elements.texts["button"]
 
 
-def test_a_changed_and_a_missing_file_are_told(folder):
-    changed, missing = "stl/walker_t00.0_flexible_s0.40.stl", "stl/walker_t10.0_braced_s1.00.stl"
-    (folder / changed).write_bytes((folder / "stl/walker_t35.0_flexible_s0.40.stl").read_bytes())
-    (folder / missing).unlink()
-    told = json.loads(run(folder, "--json").stdout)
-    assert (told["changed"], told["missing"]) == ([changed], [missing])
-    page = Elements((folder / "report.html").read_text(encoding="utf-8"))
-    assert [text for text in page.texts["code"] if text.startswith("stl/")] == [changed, missing]
-    (without,) = [part for part in parts_of(rendered(folder)) if not part["seen"]]
-    assert f"stl/{without['name']}.stl" == missing
-    text = run(folder).stdout
-    assert f"{changed}: changed" in text
-    assert f"{missing}: missing" in text
-
-
-def test_plates_and_print_sheet_are_there_when_the_folder_has_them(folder):
-    page = Elements(rendered(folder))
-    assert "Map of the plate plates/family_prusa-mk3s_1.png" in [i["alt"] for i in page.all("img")]
-    assert "Print sheet: family_prusa-mk3s, Prusa i3 MK3S / MK3S+" in page.texts["h3"]
-    assert "walker_t10.0_flexible_s0.40" in page.texts["code"]
-    for name in (folder / "plates").iterdir():
-        name.unlink()
-    edit(
-        folder,
-        lambda facts: facts.update(
-            files={name: digest for name, digest in facts["files"].items() if "plates/" not in name}
-        ),
-    )
-    text = rendered(folder)
+def test_plates_and_print_sheet_are_there_when_the_folder_has_them(made, folder, files):
+    elements = Elements(text_of(folder))
+    assert "Map of the plate plates/family_prusa-mk3s_1.png" in [i["alt"] for i in elements.all("img")]
+    assert "Print sheet: family_prusa-mk3s, Prusa i3 MK3S / MK3S+" in elements.texts["h3"]
+    assert "walker_t10.0_flexible_s0.40" in elements.texts["code"]
+    text = rendered(made, {name: data for name, data in files.items() if "plates/" not in name})
     assert '<h2 id="print-heading">' not in text
     assert '<h2 id="plates-heading">' not in text
 
 
 def test_every_setting_of_the_manifest_is_told(folder):
-    cells = Elements(rendered(folder)).texts["td"]
+    cells = Elements(text_of(folder)).texts["td"]
     facts = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
     for value in (
         facts["scene"]["drive"]["gamma"],
@@ -207,7 +166,7 @@ def test_every_setting_of_the_manifest_is_told(folder):
 
 @pytest.mark.parametrize(("law", "name"), [("poisson", "Routh"), ("newton", "Newton"), ("stronge", "Stronge")])
 def test_only_the_law_in_use_is_cited(tmp_path, law, name):
-    text = rendered(folder_of(tmp_path, (10.0,), law, pictures=False))
+    text = text_of(made_in(tmp_path, (10.0,), law, pictures=False).folder)
     cited = text[text.index('<ul id="references">') :]
     assert "Koumakis" in cited
     assert [one for one in ("Routh", "Newton", "Stronge") if one in cited] == [name]
@@ -226,114 +185,52 @@ def test_simulations_and_plates_are_cited_by_what_they_used():
     assert uses(set(), ["speed.png"]) - nothing == {"J. D. Hunter"}
 
 
-def test_a_page_that_is_not_ours_is_left_alone(folder):
-    """Nor one of ours that somebody changed; wherever it lies."""
-    assert run(folder).exit_code == 0
-    made = (folder / "report.html").read_bytes()
-    assert run(folder).exit_code == 0  # ours is made anew
-    assert (folder / "report.html").read_bytes() == made
-    elsewhere = folder.parent / "page.html"
-    for page, words in ((folder / "report.html", ()), (elsewhere, ("--out", elsewhere))):
-        for theirs in (b"mine", made + b"<!-- mine -->\n", made.replace(b"<title>", b"<title>my ")):
-            page.write_bytes(theirs)
-            result = run(folder, *words)
-            assert isinstance(result.exception, OutputError)
-            assert "not as walkergen wrote it: left alone" in str(result.exception)
-            assert page.read_bytes() == theirs
-        page.write_bytes(b"")
-        assert run(folder, *words).exit_code == 0
-        assert page.read_bytes() == made
+def test_a_page_that_somebody_changed_is_left_alone(tmp_path):
+    job = job_of((10.0,), pictures=False)
+    family.make(job, tmp_path, silent, silent)
+    (tmp_path / "report.html").write_bytes(b"mine")
+    with pytest.raises(OutputError, match=r"report\.html.*not as walkergen wrote it: left alone"):
+        family.make(job, tmp_path, silent, silent)
+    assert (tmp_path / "report.html").read_bytes() == b"mine"
 
 
-def test_a_folder_that_family_did_not_write_is_refused(tmp_path):
-    assert "walkergen family" in refused(tmp_path)
-    assert "walkergen family" in refused(tmp_path / "nowhere")
-    manifest = tmp_path / "manifest.json"
-    for text, told in (("{", "not valid JSON"), ("[]", "its contents"), ("{}", "design"), ('{"design": 1}', "design")):
-        manifest.write_text(text)
-        assert told in refused(tmp_path)
-    assert isinstance(run(tmp_path).exception, InputError)
-    assert not (tmp_path / "report.html").exists()
-
-
-@pytest.mark.parametrize("name", ["../secret.csv", "/etc/hostname", "stl/../../secret.csv"])
-def test_a_manifest_never_leads_out_of_its_folder(folder, name):
-    (folder.parent / "secret.csv").write_text("secret")
-    edit(folder, lambda facts: facts["files"].update({name: "0" * 64}))
-    assert f"{name!r} is not inside the folder" in refused(folder)
-
-
-def test_broken_files_are_refused_by_name(folder):
-    stl = folder / "stl" / "walker_t10.0_braced_s1.00.stl"
-    whole = stl.read_bytes()
-    for data in (whole[:-1], whole[:40], b"", whole[:80] + b"\0" * 4):
-        stl.write_bytes(data)
-        assert refused(folder).startswith("stl/walker_t10.0_braced_s1.00.stl: ")
-    stl.write_bytes(whole)
-    table = folder / "family.csv"
-    lines = table.read_text(encoding="utf-8").splitlines()
-    for broken, told in (
-        (lines[:-1], "family.csv: 5 rows for 6 members"),
-        ([*lines[:-1], lines[-1].replace("35.0", "nan", 1)], "family.csv:7: tilt_deg: must be a"),
-        ([*lines[:-1], lines[-1].replace("braced", "", 1)], "family.csv:7: legs: missing"),
-        ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv:7: not valid CSV"),
-        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 22 cells, the header has 21"),
-    ):
-        table.write_text("\n".join(broken), encoding="utf-8")
-        assert refused(folder).startswith(told)
-    table.unlink()
-    assert refused(folder).startswith("family.csv: missing")
-
-
-def test_the_page_does_not_overwrite_what_it_is_made_from(folder):
-    before = (folder / "family.csv").read_bytes()
-    result = run(folder, "--out", folder / "stl" / ".." / "family.csv")
-    assert "one of the family's files" in str(result.exception)
-    assert (folder / "family.csv").read_bytes() == before
-
-
-def test_simulated_speeds_are_marks_of_their_own(folder):
-    table = folder / "family.csv"
-    first, *rows = table.read_text(encoding="utf-8").splitlines()
-    more = ["57.5,2.5,52.5,62.5,compliant,event,4 ended", "60.5,,,,compliant,step,4 ended"]
-    more += [",,,,rigid,event,4 toppled"] * 4
-    columns = "sim_speed_mm_s,sim_se_mm_s,sim_low_95_mm_s,sim_high_95_mm_s"
-    lines = [f"{first},{columns},sim_model,sim_method,sim_outcomes"]
-    lines += [f"{row},{cells}" for row, cells in zip(rows, more, strict=True)]
-    table.write_text("\n".join(lines), encoding="utf-8")
-    drawn = chart.speeds(members.of(contents.read(folder)))
-    labels = [point.label for point in drawn.points if point.simulated]
+def test_simulated_speeds_are_marks_of_their_own(made, files):
+    runs = [
+        Simulated(57.5, 2.5, 52.5, 62.5, "compliant", "event", "4 ended", "agree"),
+        Simulated(60.5, None, None, None, "compliant", "step", "4 ended", "unknown"),
+        *[Simulated(None, None, None, None, "rigid", "event", "4 toppled", "unknown")] * 4,
+    ]
+    walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
+    labels = [point.label for point in chart.speeds(walkers).points if point.simulated]
     assert labels == [
         "flexible legs, 0°: simulated 57.5 mm/s (95 %: 52.5 to 62.5)",
         "flexible legs, 10°: simulated 60.5 mm/s, error unknown",
     ]
-    page = Elements(rendered(folder))
-    assert "point flexible simulated" in [group.get("class") for group in page.all("g")]
+    elements = Elements(rendered(made, files, walkers=walkers))
+    assert "point flexible simulated" in [group.get("class") for group in elements.all("g")]
     for cell in ("57.5 ± 2.5", "52.5 to 62.5", "60.5 ± ?", "4 toppled"):
-        assert cell in page.texts["td"]
-    assert any("Dormand" in text for text in page.texts["li"])
-    assert any("Moreau" in text for text in page.texts["li"])
+        assert cell in elements.texts["td"]
+    assert any("Dormand" in text for text in elements.texts["li"])
+    assert any("Moreau" in text for text in elements.texts["li"])
 
 
-def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
-    found = members.of(contents.read(family_folder))
-    drawn = chart.speeds(found)
+def test_marks_of_the_chart_lie_where_the_numbers_say(made):
+    drawn = chart.speeds(made.members)
     heights = {tick.text: tick.at for tick in drawn.y_ticks}
     top = drawn.y_ticks[-1]
     per_mm_s = (heights["0"] - top.at) / float(top.text)
     for point in drawn.points:
-        speed = found[point.member].number("speed_mm_s")
-        low, high = (found[point.member].number(f"speed_{end}_68_mm_s") for end in ("low", "high"))
+        row = made.members[point.member].row
         # coordinates are rounded to 0.01
-        assert heights["0"] - point.y == pytest.approx(speed * per_mm_s, abs=0.03)
-        assert point.low - point.high == pytest.approx((high - low) * per_mm_s, abs=0.03)
+        assert heights["0"] - point.y == pytest.approx(row.speed_mm_s * per_mm_s, abs=0.03)
+        wide = row.speed_high_68_mm_s - row.speed_low_68_mm_s
+        assert point.low - point.high == pytest.approx(wide * per_mm_s, abs=0.03)
 
 
-def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
-    """Lines, bands, measured and stated speeds of the page stand where speed.csv has them."""
-    found = members.of(contents.read(family_folder))
-    rows = chart_data.of(contents.read(family_folder))
-    drawn = chart.speeds(found, rows)
+def test_the_chart_stands_where_the_numbers_of_speed_csv_say(made):
+    """Lines, bands, measured and stated speeds."""
+    rows = made["speed"].rows
+    drawn = chart.speeds(made.members, rows)
     scale = {tick.text: tick.at for tick in drawn.y_ticks}
     per_mm_s = (scale["0"] - scale["100"]) / 100.0
     along = {tick.text: tick.at for tick in drawn.x_ticks}
@@ -353,36 +250,15 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
     (mark,) = drawn.marks
     assert mark.label == "flexible legs, 10°: stated by the paper 60.0 mm/s"
     assert mark.y == pytest.approx(scale["0"] - 60.0 * per_mm_s, abs=0.05)
-    text = (folder / "speed.csv").read_text(encoding="utf-8")
-    more = text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,,\nmeasured,flexible,10,5,,,,,,\n"
-    (folder / "speed.csv").write_text(more, encoding="utf-8")
-    *_, barred, bare = chart.speeds(found, chart_data.of(contents.read(folder))).marks
-    assert barred.label == "braced legs, 10°: measured 12.0 mm/s (95 %: 10.0 to 14.0)"
-    assert (bare.low, bare.label) == (None, "flexible legs, 10°: measured 5.0 mm/s")
+    for se, bars in ((1.0, (10.0, 14.0)), (float("nan"), None)):
+        measured = Measured(np.array([10.0]), ["braced"], np.array([12.0]), np.array([se]), np.array([31.0]), "")
+        (mark,) = chart.speeds(made.members, chart_data.speeds(ChartData({}, measured))).marks
+        told = "" if bars is None else " (95 %: 10.0 to 14.0)"
+        assert (mark.label, mark.low is None) == (f"braced legs, 10°: measured 12.0 mm/s{told}", bars is None)
 
 
-@pytest.mark.parametrize(
-    ("line", "told"),
-    [
-        ("hearsay,flexible,10,1,,,,,,", "speed.csv:2: what: must be predicted, measured, paper,"),
-        ("predicted,wooden,10,1,,,,,,", "speed.csv:2: legs: must be flexible or braced, not 'wooden'"),
-        ("predicted,flexible,nan,1,,,,,,", "speed.csv:2: tilt_deg: must be a number within ±1e+09"),
-        ("predicted,flexible,10,1e300,,,,,,", "speed.csv:2: speed_mm_s: must be a number within"),
-        ("predicted,flexible,10,,,,,,,", "speed.csv:2: tilt_deg, speed_mm_s: a number is missing"),
-        ("predicted,flexible,10,1,x,,,,,", "speed.csv:2: speed_low_68_mm_s: must be a number"),
-        ("predicted,flexible", "speed.csv:2: 2 cells, the header has 10"),
-    ],
-)
-def test_a_broken_curve_is_refused_by_its_line(folder, line, told):
-    path = folder / "speed.csv"
-    header = path.read_text(encoding="utf-8").splitlines()[0]
-    path.write_text(f"{header}\n{line}\n", encoding="utf-8")
-    assert refused(folder).startswith(told)
-
-
-def test_without_a_curve_the_chart_joins_the_members(folder):
-    (folder / "speed.csv").unlink()
-    text = rendered(folder)
+def test_without_a_curve_the_chart_joins_the_members(made, files):
+    text = rendered(made, files)
     assert 'class="guide flexible"' in text
     assert "Lines only join the members" in text
 

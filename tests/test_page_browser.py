@@ -1,11 +1,9 @@
 """The report page in a real browser, by what a person does with it; offline, from a file."""
 
-import csv
 import io
 import json
 import os
 import re
-import shutil
 import time
 from pathlib import Path
 
@@ -13,10 +11,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 from browsed import BROWSER, DRIVER, WANTED, chromium
-from report_folder import add, folder_of, written
+from report_folder import files_of, made_in, rendered
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+
+from walkergen.points.members import Simulated
 
 TILTS = (0.0, 10.0, 35.0)
 
@@ -45,9 +45,13 @@ def requested(browser):
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
-    folder = folder_of(tmp_path_factory.mktemp("family"), TILTS)
-    return written(folder)
+def made(tmp_path_factory):
+    return made_in(tmp_path_factory.mktemp("family"), TILTS)
+
+
+@pytest.fixture(scope="module")
+def page(made):
+    return made.folder / "report.html"
 
 
 @pytest.fixture(scope="module")
@@ -218,30 +222,14 @@ def test_the_print_sheet_is_unfolded_and_fits(browser, width):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-RUNS = {
-    "sim_speed_mm_s": "55.9",
-    "sim_se_mm_s": "0.5",
-    "sim_low_95_mm_s": "53.7",
-    "sim_high_95_mm_s": "58.1",
-    "sim_model": "space",
-    "sim_method": "step",
-    "sim_outcomes": "16 ok",
-    "verdict": "agree",
-}
-
-
 @pytest.fixture(scope="module")
-def simulated_page(page, tmp_path_factory):
+def simulated_page(made, tmp_path_factory):
     """The page of a family that was simulated too, whose table has the most columns."""
-    folder = shutil.copytree(page.parent, tmp_path_factory.mktemp("simulated") / "family")
-    with (folder / "family.csv").open(encoding="utf-8", newline="") as stream:
-        rows = [row | RUNS | {"sim_outcomes": f"{k} ok"} for k, row in enumerate(csv.DictReader(stream))]
-    stream = io.StringIO()
-    writer = csv.DictWriter(stream, rows[0])
-    writer.writeheader()
-    writer.writerows(rows)
-    add(folder, "family.csv", stream.getvalue().encode())
-    return written(folder)
+    runs = [Simulated(55.9, 0.5, 53.7, 58.1, "space", "step", f"{k} ok", "agree") for k in range(len(made.members))]
+    walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
+    path = tmp_path_factory.mktemp("simulated") / "report.html"
+    path.write_text(rendered(made, files_of(made.folder), walkers), encoding="utf-8")
+    return path
 
 
 @pytest.mark.parametrize("simulated", [False, True])

@@ -6,22 +6,20 @@ import json
 import os
 import re
 import time
-from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
-from report_folder import folder_of
+from report_folder import folder_of, job_of, text_of
 from selenium.webdriver.common.by import By
 from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels, size, styled
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
-from walkergen.errors import WalkergenError
+from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.page.report import contents, play
-from walkergen.jobs.page.report import make as page
+from walkergen.jobs.make.family import make as family
+from walkergen.jobs.make.family import play
 from walkergen.scene import Scene
+from walkergen.shapes import stl
 from walkergen.simulation import poses
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
@@ -42,17 +40,18 @@ def floats(text, width):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    return folder_of(tmp_path_factory.mktemp("family") / "mine", (10.0, 35.0))
+    design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=35.0)
+    return folder_of(tmp_path_factory.mktemp("family") / "mine", (10.0, 35.0), design=design, run_in=PLANE)
+
+
+def run_of(folder):
+    """What the page of a folder plays."""
+    return json.loads(re.search(r'id="run-data">(.*?)</script>', text_of(folder), re.DOTALL)[1])
 
 
 @pytest.fixture(scope="module")
-def found(folder):
-    return contents.read(folder)
-
-
-@pytest.fixture(scope="module")
-def run(found):
-    return play.simulate(found.manifest, PLANE, 35.0, None)
+def run(folder):
+    return run_of(folder)
 
 
 @pytest.fixture(scope="module")
@@ -74,10 +73,9 @@ def test_the_part_stands_where_the_run_has_it(run, truth):
         assert turned + rows[at, :3] == pytest.approx(truth.corners[at], abs=0.1)
 
 
-def test_corners_are_those_of_the_part(run, found):
-    (points,) = [
-        one.corners.reshape(-1, 3) for one in page.members.of(found) if one.name == "walker_t35.0_flexible_s0.40"
-    ]
+def test_corners_are_those_of_the_part(run, folder):
+    name = "walker_t35.0_flexible_s0.40.stl"
+    points = stl.unpack((folder / "stl" / name).read_bytes(), name)[0].reshape(-1, 3)
     half = 0.2 / np.cos(np.radians(35.0))  # of a flat foot's width
     for corner in run["corners"]:
         assert np.linalg.norm(points - corner, axis=1).min() == pytest.approx(half, abs=0.05)
@@ -95,56 +93,31 @@ def test_lights_are_those_of_the_landings(run, truth):
     assert (np.unpackbits(masks[:, None], axis=1)[:, :4] == truth.closed).all()
 
 
-def test_pages_are_equal_for_equal_input_and_a_run_is_small(found, run):
-    plain, one, two = (page.render(found, "0", played) for played in (None, run, run))
-    assert one == two
-    assert len(one) - len(plain) < 300_000
-    assert b"run-data" in one
-    assert b'id="run-data"' not in plain
-    assert b'id="run"' not in plain
-    assert b"Numba" in one
+def test_a_run_is_small_and_cited_where_there_is_one(folder, tmp_path):
+    with_run, plain = text_of(folder), text_of(folder_of(tmp_path, (10.0, 35.0)))
+    assert len(with_run) - len(plain) < 300_000
+    assert "Numba" in with_run
+    assert 'id="run-data"' not in plain
+    assert 'id="run"' not in plain
 
 
-@pytest.fixture
-def report(folder, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    keys = '[drive]\nfrequency_hz = 90\ngamma = 1.8\n[legs]\nmodel = "compliant"\n'
-    Path("planar.toml").write_text(keys, encoding="utf-8")
-    return lambda *words: CliRunner().invoke(command_line, ["report", str(folder), *words])
+def test_the_page_plays_the_design_itself_or_the_first_member(run, tmp_path):
+    assert run["words"].startswith("walker_t35.0_flexible_s0.40 in plane-90hz: 90 Hz, 1.8 g")
+    assert run["member"] == 1
+    other = run_of(folder_of(tmp_path, (20.0, 35.0), pictures=False, run_in=PLANE))
+    assert (other["member"], other["words"].partition(" ")[0]) == (0, "walker_t20.0_flexible_s0.40")
 
 
-def test_the_command_plays_the_member_asked_for(report, tmp_path):
-    result = report("--run", "plane-90hz", "--tilt", "35", "--legs", "braced", "--out", "a.html")
-    assert result.exit_code == 0, result.output
-    text = (tmp_path / "a.html").read_text(encoding="utf-8")
-    data = json.loads(re.search(r'id="run-data">(.*?)</script>', text, re.DOTALL)[1])
-    assert data["words"].startswith("walker_t35.0_braced_s1.00 in plane-90hz: 90 Hz, 1.8 g")
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--run", "plane-90hz", "--tilt", "11"), "the family has no walker_t11.0_flexible"),
-        (("--run", "planar.toml"), "the walker moves in a plane"),
-        (("--run", "nowhere"), "nowhere"),
-        (("--run", "plane-90hz", "--legs", "flexible,braced"), "one kind at a time"),
-        (("--run", "plane-90hz", "--legs", "<script>"), "must be one of"),
-        (("--run", "plane-90hz", "--tilt", "nan"), "nan"),
-        (("--tilt", "10"), "choose the member that --run SCENE simulates"),
-    ],
-)
-def test_bad_requests_are_one_line(report, words, told):
-    result = report(*words)
-    assert isinstance(result.exception, WalkergenError)
-    assert told in str(result.exception)
-    assert "\n" not in str(result.exception)
+def test_a_scene_in_which_the_walker_moves_in_a_plane_is_refused_before_anything_is_written(tmp_path):
+    planar = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}, "legs": {"model": "compliant"}})
+    with pytest.raises(InputError, match="the walker moves in a plane"):
+        family.make(job_of((10.0,), run_in=planar), tmp_path / "x", lambda *told: None, lambda findings: None)
+    assert not (tmp_path / "x").exists()
 
 
 @pytest.fixture(scope="module")
-def browser(found, run, tmp_path_factory):
-    path = tmp_path_factory.mktemp("page") / "report.html"
-    path.write_bytes(page.render(found, "0", run))
-    browser = browser_at(path, tmp_path_factory.mktemp("profile"))
+def browser(folder, tmp_path_factory):
+    browser = browser_at(folder / "report.html", tmp_path_factory.mktemp("profile"))
     yield browser
     browser.quit()
 

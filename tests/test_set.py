@@ -33,7 +33,6 @@ TAKES = {
     ("movie",): "design scene",
     ("plate",): "design printer",
     ("predict",): "design scene",
-    ("report", "folder", "--run", "plane-90hz"): "scene",
     ("reproduce",): "design scene",
     ("simulate",): "design scene",
 }
@@ -95,9 +94,7 @@ def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
             yield path, {option for one in group.params for option in (*one.opts, one.name)}
 
     found = dict(commands(typer.main.get_command(command_line)))
-    loading_ones = {
-        path for path, options in found.items() if options & {"design", "scene", "--scene", "--printer"}
-    } | {("report",)}
+    loading_ones = {path for path, options in found.items() if options & {"design", "scene", "--scene", "--printer"}}
     assert loading_ones == {path for path, options in found.items() if "--set" in options}
     own = {words[: 2 if words[0] == "bench" else 1] for words in TAKES}
     assert loading_ones == own | {("sweep",)}  # whose values are axes: test_axes.py
@@ -222,7 +219,6 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
         (("plate", "--copies", "5:2", "--set", "legs.tilt_deg=12"), ("--copies", "legs.tilt_deg")),
         (("plate", "--orders", "o.csv", "--set", "body.depth_mm=9"), ("--orders", "body.depth_mm")),
         (("reproduce", "--set", "legs.tilt_deg=12"), ("legs.tilt_deg", "--tilt")),
-        (("report", "folder", "--set", "scene.drive.gamma=2"), ("--run",)),
         (("simulate", "--error", "5%", "--set", "scene.run.seconds=3"), ("--error", "seconds")),
         (("simulate", "--uncertain", "--set", "scene.run.runs=3"), ("--uncertain", "runs")),
         (("fit", "s.csv", "--model", "space", "--set", "scene.legs.model=rigid"), ("--model",)),

@@ -11,7 +11,7 @@ from walkergen.errors import WalkergenError
 def main() -> int:
     """Print the run of the document that the server sent, packed as JSON; returns the exit code."""
     document = Document(**children.listen())
-    from walkergen.jobs.page.report import play
+    from walkergen.jobs.make.family import play
 
     try:
         print(json.dumps(play.run(document.design(), document.ground())))

@@ -59,10 +59,7 @@ def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
         "stl": [documents.arguments(document, "export", "--format", "stl", *out)],
         "3mf": [documents.arguments(document, "export", "--format", "3mf", *out)],
         "plate": [documents.arguments(document, "plate", "--copies", str(copies), *out)],
-        "page": [
-            documents.arguments(document, "family", "--out", str(target / "family")),
-            ["report", str(target / "family")],
-        ],
+        "page": [documents.arguments(document, "family", "--page", "--out", str(target / "family"))],
         "toml": [],
     }
     wanted = [name for name in made if what in (name, "zip")]

@@ -27,7 +27,7 @@ COMMANDS = {
     "Simulate": ("simulate", "crowd", "movie", "explain"),
     "Measure": ("track", "analyse", "card", "fit", "calibrate", "weigh", "bench"),
     "Trust": ("accuracy", "selftest", "reproduce"),
-    "Files": ("report", "templates"),
+    "Files": ("templates",),
 }
 """Commands under the headings of the help; each is in the module of its name."""
 

@@ -32,7 +32,6 @@ EXAMPLES: dict[str, tuple[str, str]] = {
     "accuracy": ("accuracy --budget 30s", "accuracy --tilt 10 --only models,steps"),
     "selftest": ("selftest", "selftest --only 6.7"),
     "reproduce": ("reproduce --tilt 5,10,20 --runs 8", "reproduce --gamma 1.5,1.8"),
-    "report": ("report out/koumakis2016", "report out/koumakis2016 --run plane-90hz --tilt 10"),
     "templates": ("templates", "templates copy koumakis2016 my.toml"),
     "templates show": ("templates show lane-90hz", "templates show prusa-mk3s"),
     "templates copy": ("templates copy lane-90hz", "templates copy koumakis2016 my.toml"),

@@ -10,6 +10,7 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
+from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.analysis.speeds import Measured
@@ -43,13 +44,24 @@ def family(
     measured: Annotated[
         Path | None, typer.Option("--measured", metavar="FILE", help="Measured speeds (CSV) for speed.png.")
     ] = None,
+    page: Annotated[bool, typer.Option("--page", help="Write report.html, a page of all of it.")] = False,
+    run: Annotated[
+        str | None, typer.Option("--run", metavar="SCENE", help="Scene of a second's run for the page to play.")
+    ] = None,
     pictures: Annotated[bool, typer.Option(show_default=False, help="Draw speed.png and preview.png.")] = True,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
+    """Make a family of walkers: STL files, plates, predicted speeds, pictures.
+
+    With --page also one self-contained HTML page that opens offline; with --run SCENE it plays a
+    second of a walker's run, in a scene in which walkers move in space, such as plane-90hz.
+    """
     from walkergen.jobs.make.family import make as families
+
+    if run is not None and not page:
+        raise InputError("--run: the page plays it: give --page")
 
     inputs = loading.inputs(
         keys,
@@ -78,6 +90,8 @@ def family(
         weighed=loading.weighed(weights, members, quiet),
         strict=strict,
         measured=_measured(measured, chosen, resolved),
+        page=page,
+        run_in=None if run is None else loading.inputs(None, "scene").scene(run),
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
@@ -87,6 +101,7 @@ def family(
         print(
             f"{len(result.members)} walkers in {folder}/: stl, plates, family, weights"
             + (", speed, preview" if pictures else "")
+            + (", report.html" if page else "")
         )
     show.kept_forms(folder, members)
 

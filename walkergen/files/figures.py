@@ -96,7 +96,7 @@ SERIES: tuple[Look, ...] = (
 """Looks of series without a role: the last two parts tell them apart where colours are lost."""
 
 FEW = 12
-"""Number of points of a series up to which its symbols are large."""
+"""Number of points of a series up to which its symbols are large, and its bars have ends."""
 
 BAND = 0.2
 """Opacity of a band of errors."""
@@ -230,6 +230,7 @@ def points(
 ) -> Any:
     """Draw symbols with bars of their errors, none where an error is NaN; `joined` by the look's line."""
     at, value, error = data
+    few = len(at) <= FEW
     return axes.errorbar(
         at,
         value,
@@ -237,7 +238,8 @@ def points(
         fmt=look.marker,
         linestyle=look.line if joined else "none",
         color=look.colour,
-        markersize=4.0 if len(at) <= FEW else 3.0,
+        markersize=(5.0 if hollow else 4.0) if few else 3.0,
+        capsize=2.0 if few else 0.0,
         markerfacecolor="white" if hollow else look.colour,
         linewidth=0.9,
         elinewidth=0.8,

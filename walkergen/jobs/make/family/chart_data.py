@@ -1,30 +1,33 @@
 """What a family's chart shows beside its members: predicted between them, measured, the paper's."""
 
+import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.analysis.speeds import Measured
 from walkergen.files.report import Table
 from walkergen.theory.prediction import Curve
 from walkergen.walker.limbs import Kind
 
-Array = npt.NDArray[np.float64]
 
-KEYS = (
-    "what",
-    "legs",
-    "tilt_deg",
-    "speed_mm_s",
-    "speed_low_68_mm_s",
-    "speed_high_68_mm_s",
-    "speed_low_95_mm_s",
-    "speed_high_95_mm_s",
-    "theory_mm_s",
-    "foot_can_stick",
-)
+class Speed(NamedTuple):
+    """Speed at a tilt; the field names are the columns of speed.csv."""
+
+    what: Literal["predicted", "measured", "paper"]
+    legs: str
+    tilt_deg: float
+    speed_mm_s: float
+    speed_low_68_mm_s: float | None = None
+    speed_high_68_mm_s: float | None = None
+    speed_low_95_mm_s: float | None = None
+    speed_high_95_mm_s: float | None = None
+    theory_mm_s: float | None = None
+    """Speed by the theory; None but with a predicted one."""
+    foot_can_stick: Literal["yes", "no"] | None = None
+    """Whether a foot can stick, so that the paper's formula fails; None but with a predicted one."""
+
 
 SURE = 1.96
 """Standard errors on either side that hold a normal number with 95 %."""
@@ -38,11 +41,6 @@ class ChartData(NamedTuple):
     measured: Measured | None = None
     stated: tuple[float, float] | None = None
     """Tilt (deg) and speed (mm/s) that the paper states for this walker on this plate."""
-
-
-def ends(speed: Array, se: Array, errors: float = SURE) -> tuple[Array, Array]:
-    """Ends of the bars of measured speeds, mm/s, so many standard errors away."""
-    return speed - errors * se, speed + errors * se
 
 
 def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
@@ -60,29 +58,27 @@ def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
     )
 
 
-def table(chart_data: ChartData) -> Table:
-    """Table with a row a point: `what` is predicted, measured or the paper's."""
-    rows: list[tuple[object, ...]] = []
+def speeds(chart_data: ChartData) -> list[Speed]:
+    """Speeds beside the members, a row a point."""
+    rows = []
     for kind, curve in chart_data.curves.items():
-        low95, low68, high68, high95 = curve.bounds
-        columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95, curve.theory)
-        rows += [
-            ("predicted", kind, *map(_cell, values), "yes" if sticks else "no")
-            for *values, sticks in zip(*columns, curve.can_stick, strict=True)
-        ]
+        columns = np.column_stack([curve.tilt_deg, curve.speed, curve.bounds[[1, 2, 0, 3]].T, curve.theory]).tolist()
+        for (tilt, speed, low68, high68, low95, high95, theory), sticks in zip(columns, curve.can_stick, strict=True):
+            stick: Literal["yes", "no"] = "yes" if sticks else "no"
+            rows.append(Speed("predicted", kind, tilt, speed, low68, high68, low95, high95, theory, stick))
     if (measured := chart_data.measured) is not None:
-        speed = measured.speed
-        se = np.full(len(speed), np.nan) if measured.se is None else measured.se
-        seen = (measured.tilt, speed, *ends(speed, se, 1.0), *ends(speed, se))
-        rows += [
-            ("measured", kind, *map(_cell, values), None, None)
-            for kind, values in zip(measured.legs, zip(*seen, strict=True), strict=True)
-        ]
+        errors = [math.nan] * len(measured.speed) if measured.se is None else measured.se
+        for kind, tilt, speed, se in zip(measured.legs, measured.tilt, measured.speed, errors, strict=True):
+            row = Speed("measured", kind, float(tilt), float(speed))
+            if not math.isnan(se):
+                low, high = float(speed - SURE * se), float(speed + SURE * se)
+                row = Speed("measured", kind, *row[2:4], float(speed - se), float(speed + se), low, high)
+            rows.append(row)
     if chart_data.stated is not None:
-        rows.append(("paper", "flexible", *chart_data.stated, *[None] * 6))
-    return Table("speed", rows, KEYS)
+        rows.append(Speed("paper", "flexible", *chart_data.stated))
+    return rows
 
 
-def _cell(value: float) -> float | None:
-    """Every digit of a number; nothing where it is unknown."""
-    return None if np.isnan(value) else float(value)
+def table(chart_data: ChartData) -> Table:
+    """Table of the speeds beside the members."""
+    return Table("speed", speeds(chart_data), Speed._fields)

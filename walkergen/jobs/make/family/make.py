@@ -58,6 +58,11 @@ class Job(NamedTuple):
     """True to refuse what prints otherwise than predicted, not only what fails."""
     measured: Measured | None = None
     """Measured speeds of printed walkers, for the figure."""
+    page: bool = False
+    """True to write report.html, one page of all of it that opens offline."""
+    run_in: Scene | None = None
+    """Scene in which the page plays a second of a run, of the member that is the design itself, else
+    of the first; None for no run."""
 
 
 Tell = Callable[[Sequence[Finding]], None]
@@ -69,7 +74,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
     speed.csv (what speed.png shows beside the members), speed.png, speed.pdf, preview.png,
-    manifest.json. Files of an earlier run that this run does not
+    report.html, manifest.json. Files of an earlier run that this run does not
     make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
     too large for the printer, PrintabilityError when a part would not print and InputError when
     weighed masses are impossible, all before anything is written, and OutputError when a file
@@ -83,6 +88,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     )
     tell(layout.findings)
     checks.refuse(layout.findings, job.strict)
+    run = None if job.run_in is None else _played(job, job.run_in)
     with Folder(path) as folder:
         walkers: list[Member] = []
         every = members.predicted(job.members, built, job.scene, job.mode, job.weighed)
@@ -99,15 +105,30 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
         written.write(folder, pictures=False)
         if job.simulate:  # takes long: everything else is already safe in the folder
             walkers = runs.simulated(job.scene, walkers, progress)
+        shown = _beside(job, walkers) if job.pictures else None
         if job.simulate or job.pictures:
-            shown = _beside(job, walkers) if job.pictures else None
             written = report.of(job.design, job.scene, job.mode, walkers, path, shown)
             written.write(folder, job.pictures)
         if job.pictures:
             folder.write("preview.png", _preview(job, walkers))
-        folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
+        facts = _facts(job, layout.findings, time.perf_counter() - started)
+        if job.page:
+            from walkergen.jobs.make.family import page
+
+            files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
+            folder.write("report.html", page.render(walkers, shown, written.caption, files, facts, run))
+        folder.finish(facts)
         progress("done", steps, steps)
     return written
+
+
+def _played(job: Job, scene: Scene) -> dict[str, Any]:
+    """Run of a member for the page to play. Raises InputError where walkers do not move in space."""
+    from walkergen.jobs.make.family import play
+
+    own = job.design.tilt_deg, job.design.kind
+    number = next((at for at, one in enumerate(job.members) if (one.tilt_deg, one.kind) == own), 0)
+    return play.run(job.members[number], scene, "--run ") | {"member": number}
 
 
 def _preview(job: Job, walkers: Sequence[Member]) -> bytes:

@@ -1,16 +1,15 @@
 """Chart of speeds against tilt for the page: places of its marks, bands, bars, axes and labels.
 
-Members come from family.csv, all else from speed.csv, which holds what speed.png shows: both
-pictures have one source. Only numbers here; the page's template draws them. Coordinates are SVG
-user units, y downwards.
+It shows what speed.png shows, of the same rows. Only numbers here; the page's template draws them.
+Coordinates are SVG user units, y downwards.
 """
 
 import math
 from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
-from walkergen.jobs.page.report.chart_data import Speed
-from walkergen.jobs.page.report.members import Member
+from walkergen.jobs.make.family.chart_data import Speed
+from walkergen.points.members import Member
 
 WIDTH, HEIGHT = 600.0, 400.0
 LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 30.0, 50.0
@@ -118,7 +117,7 @@ def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart
     family = [speed for number, member in enumerate(members) for speed in _of(number, member)]
     ends = [speed.value for speed in family]
     ends += [end for speed in family for end in (speed.low, speed.high) if end is not None]
-    ends += [end for speed in chart_data for end in (speed.speed_mm_s, *(speed.bounds or ()))]
+    ends += [end for speed in chart_data for end in (speed.speed_mm_s, *_bounds(speed)) if end is not None]
     ends += [speed.theory_mm_s for speed in chart_data if speed.theory_mm_s is not None]
     frame = _Frame(
         _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in chart_data)]), _padded([*ends, 0.0])
@@ -131,7 +130,7 @@ def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart
     return Chart(
         [_point(speed, frame) for speed in family],
         [line for legs, curve in curves.items() for line in _lines(legs, curve, family, frame)],
-        [band for legs, curve in curves.items() for band in _bands(legs, curve, frame)],
+        [band for legs, curve in curves.items() for band in _bands_of(legs, curve, frame)],
         [_mark(speed, frame) for speed in chart_data if speed.what != "predicted"],
         _sticking(between, frame),
         [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
@@ -149,13 +148,18 @@ def ticks(low: float, high: float) -> list[float]:
 
 def _of(number: int, member: Member) -> list[_Speed]:
     """Speeds of one member, predicted and simulated."""
-    bounds = member.number("speed_low_68_mm_s"), member.number("speed_high_68_mm_s")
-    speeds = [_Speed(number, member.tilt_deg, member.legs, False, float(member.row["speed_mm_s"]), *bounds)]
-    speed = member.number("sim_speed_mm_s")
-    if speed is not None:
-        ends = member.number("sim_low_95_mm_s"), member.number("sim_high_95_mm_s")
-        speeds.append(_Speed(number, member.tilt_deg, member.legs, True, speed, *ends))
+    row, runs = member.row, member.simulated
+    bounds = row.speed_low_68_mm_s, row.speed_high_68_mm_s
+    speeds = [_Speed(number, row.tilt_deg, row.legs, False, row.speed_mm_s, *bounds)]
+    if runs is not None and runs.sim_speed_mm_s is not None:
+        ends = runs.sim_low_95_mm_s, runs.sim_high_95_mm_s
+        speeds.append(_Speed(number, row.tilt_deg, row.legs, True, runs.sim_speed_mm_s, *ends))
     return speeds
+
+
+def _bounds(speed: Speed) -> tuple[float | None, ...]:
+    """Lower and upper bound of 68 %, then of 95 %, mm/s."""
+    return speed[4:8]
 
 
 def _tilt(speed: Speed) -> float:
@@ -193,29 +197,18 @@ def _lines(legs: str, curve: Sequence[Speed], family: Sequence[_Speed], frame: _
     yield Line(legs, "theory", frame.path(theory))
 
 
-def _bands(legs: str, curve: Sequence[Speed], frame: _Frame) -> list[Band]:
+def _bands_of(legs: str, curve: Sequence[Speed], frame: _Frame) -> Iterator[Band]:
     """Bounds of 95 and 68 % around a kind's predicted speed."""
-    bounded = [(speed.tilt_deg, speed.bounds) for speed in curve if speed.bounds is not None]
-    if not bounded:
-        return []
-    return [
-        Band(
-            legs,
-            share,
-            frame.path(
-                [(tilt, bounds[low]) for tilt, bounds in bounded]
-                + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(bounded)]
-            ),
-        )
-        for share, low in ((95, 2), (68, 0))
-    ]
+    for share in (95, 68) if curve else ():
+        there = [(speed.tilt_deg, getattr(speed, f"speed_low_{share}_mm_s")) for speed in curve]
+        back = [(speed.tilt_deg, getattr(speed, f"speed_high_{share}_mm_s")) for speed in reversed(curve)]
+        yield Band(legs, share, frame.path([*there, *back]))
 
 
 def _mark(speed: Speed, frame: _Frame) -> Mark:
     amount = f"{round(speed.speed_mm_s, 1) + 0.0:.1f} mm/s"
-    low = high = None
-    if speed.bounds is not None:
-        _, _, low, high = speed.bounds
+    low, high = speed.speed_low_95_mm_s, speed.speed_high_95_mm_s
+    if low is not None and high is not None:
         amount += f" (95 %: {low:.1f} to {high:.1f})"
     source = "measured" if speed.what == "measured" else "stated by the paper"
     return Mark(
@@ -230,7 +223,7 @@ def _mark(speed: Speed, frame: _Frame) -> Mark:
 
 
 def _sticking(between: Sequence[Speed], frame: _Frame) -> tuple[float, float] | None:
-    tilts = [speed.tilt_deg for speed in between if speed.sticks and speed.legs == "flexible"]
+    tilts = [speed.tilt_deg for speed in between if speed.foot_can_stick == "yes" and speed.legs == "flexible"]
     return (frame.x(min(tilts)), frame.x(max(tilts))) if tilts else None
 
 

@@ -5,7 +5,7 @@
 (() => {
   const byId = (id) => document.getElementById(id);
   const parts = JSON.parse(byId('parts').textContent);
-  const shown = parts.flatMap((part, member) => (part.seen ? [member] : []));
+  const shown = parts.map((part, member) => member);
   const slider = byId('tilt');
   let viewer = null;
   let chosen = null;

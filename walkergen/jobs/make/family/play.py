@@ -7,9 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files.config import validate
-from walkergen.files.output import MANIFEST
-from walkergen.jobs.page.report.contents import Manifest
 from walkergen.scene import Scene
 from walkergen.simulation import poses
 from walkergen.simulation.effects.resolve import resolve
@@ -17,7 +14,6 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind
 from walkergen.walker.mass import from_centre
 
 SECONDS = 1.0
@@ -25,21 +21,6 @@ SECONDS = 1.0
 
 RATE = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
-
-
-def simulate(manifest: Manifest, scene: Scene, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
-    """Simulate one member of a family and pack what the viewer plays.
-
-    Without a tilt or a kind of legs those of the design. Raises InputError for a walker that the
-    family has not, and for a scene in which walkers do not move in space.
-    """
-    family = validate(manifest.design, Design, f"{MANIFEST}: design")
-    tilt = family.tilt_deg if tilt_deg is None else tilt_deg
-    (design,) = family.members([tilt], [kind or family.kind])
-    name = names.part(design)
-    if name not in manifest.members:
-        raise InputError(f"--run: the family has no {name}; it has {', '.join(manifest.members[:20])}")
-    return run(design, scene, "--run ") | {"member": manifest.members.index(name)}
 
 
 def run(design: Design, scene: Scene, before: str = "") -> dict[str, Any]:

@@ -5,9 +5,9 @@ lets only the page's own scripts run and nothing be fetched.
 """
 
 import base64
+import io
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from itertools import pairwise
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
@@ -15,13 +15,14 @@ import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
-from walkergen.files import viewer, words
-from walkergen.files.ledger import BLANK, sealed
-from walkergen.files.report import Report
-from walkergen.jobs.page.report import chart, chart_data, members, references
-from walkergen.jobs.page.report.contents import Contents
-from walkergen.jobs.page.report.members import Member
+from walkergen import __version__
+from walkergen.files import columns, viewer
+from walkergen.jobs.make.family import chart, chart_data, references
+from walkergen.jobs.make.family.chart_data import ChartData
+from walkergen.points import members
+from walkergen.points.members import Member
 from walkergen.points.speed_table import MEANINGS
+from walkergen.walker import solids
 
 TABLE_PAGE, PREVIEW = "family.md", "preview.png"
 
@@ -115,41 +116,42 @@ class Download(NamedTuple):
     size: str
 
 
-def render(contents: Contents, version: str, run: Mapping[str, Any] | None = None) -> bytes:
-    """Page as UTF-8, with a run to be played (see `play`), if any; equal input gives equal bytes.
+def render(
+    walkers: Sequence[Member],
+    shown: ChartData | None,
+    caption: str,
+    files: Mapping[str, bytes],
+    facts: Mapping[str, Any],
+    run: Mapping[str, Any] | None = None,
+) -> bytes:
+    """Page as UTF-8 of walkers, what the chart shows beside them, and the files of their folder by name.
 
-    Its last line is a hash of all others, by which it is known to be ours.
-
-    Raises InputError when a table or an STL file of the folder is not as `family` writes it.
+    `facts` are those of the manifest; a `run` is played (see `play`). Equal input gives equal bytes.
     """
-    walkers = members.of(contents)
-    manifest = contents.manifest
+    design = facts["design"]
+    speeds = chart_data.speeds(shown) if shown is not None else []
+    maps = {name: columns.records(io.StringIO(files[name].decode()), name) for name in _plates(files, ".csv")}
     values: dict[str, Any] = {
-        "name": str(manifest.design.get("name", "walkers")),
-        "description": str(manifest.design.get("description", "")),
-        "version": version,
-        "contents": contents,
-        "members": walkers,
-        "parts": [_part(member, manifest.legs_up) for member in walkers],
+        "name": str(design.get("name", "walkers")),
+        "description": str(design.get("description", "")),
+        "version": __version__,
+        "sizes": {name: len(data) for name, data in files.items()},
+        "parts": [_part(member) for member in walkers],
         "table": table(walkers),
-        "chart": chart.speeds(walkers, chart_data.of(contents)),
+        "chart": chart.speeds(walkers, speeds),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
-        "caption": caption(contents),
-        "preview": _picture(contents, PREVIEW),
-        "downloads": [_download(contents, name) for name in contents.files if _offered(name)],
-        "stl": {
-            member.name: _download(contents, f"stl/{member.name}.stl")
-            for member in walkers
-            if member.corners is not None
-        },
-        "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
-        "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
-        "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
-        "settings": settings(manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})),
+        "caption": f"{caption}.",
+        "preview": _picture(files, PREVIEW),
+        "downloads": [_download(files, name) for name in files if _offered(name)],
+        "stl": [_download(files, f"stl/{member.name}.stl") for member in walkers],
+        "plates": {name: _picture(files, name) for name in _plates(files, ".png")},
+        "maps": maps,
+        "sheets": {name: markup(data) for name, data in files.items() if name.endswith(".md") and name != TABLE_PAGE},
+        "settings": settings({key: value for key, value in facts.items() if key not in ("members", "legs_up")}),
         "references": references.cited(
-            {member.row["law"] for member in walkers},
-            {method for member in walkers if (method := member.row.get("sim_method"))},
-            list(manifest.files),
+            {member.row.law for member in walkers},
+            {member.simulated.sim_method for member in walkers if member.simulated},
+            list(files),
             played=run is not None,
         ),
         "run": run,
@@ -160,26 +162,26 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
         "script_hashes": [viewer.hashed(text) for text in scripts.values()],
     }
-    return sealed(_template().render(values).encode() + b"<!-- sealed: %s -->\n" % BLANK)
+    return _template().render(values).encode()
 
 
 def table(walkers: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
-    notes = list(dict.fromkeys(note for member in walkers if (note := member.row.get(NOTE))))
+    rows = [row._asdict() for row in members.rows(walkers)]
+    notes = list(dict.fromkeys(row[NOTE] for row in rows if row[NOTE]))
     seconds = {*ERRORS.values(), *RANGES.values()}
-    listed = [column for column in walkers[0].row if column not in seconds]
-    columns = [column for column in FIRST if column in listed]
-    columns += [column for column in listed if column not in FIRST]
+    listed = [column for column in rows[0] if column not in seconds]
+    ordered = [*(column for column in FIRST if column in listed), *(one for one in listed if one not in FIRST)]
     common = {
-        column: first
-        for column in columns
-        if (first := walkers[0].row[column]) == "" or (words.value(first) is None and column != NOTE)
-        if all(member.row[column] == first for member in walkers)
+        column: first or ""
+        for column in ordered
+        if (first := rows[0][column]) in (None, "") or (isinstance(first, str) and column != NOTE)
+        if all(row[column] == first for row in rows)
     }
-    shown = [column for column in columns if column not in common]
+    shown = [column for column in ordered if column not in common]
     return Table(
         [HEADINGS.get(column, column) for column in shown],
-        [[_cell(member, column, notes) for column in shown] for member in walkers],
+        [[_cell(row, column, notes) for column in shown] for row in rows],
         {HEADINGS.get(column, column): text for column, text in common.items() if text},
         "; ".join(dict.fromkeys(MEANINGS[column] for column in shown if column in MEANINGS)),
         notes,
@@ -202,15 +204,6 @@ def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
     return groups
 
 
-def caption(contents: Contents) -> str:
-    """Caption of the speeds, which says what they rest on: the first paragraph of family.md."""
-    source = contents.files.get(TABLE_PAGE, b"").decode("utf-8", "replace")
-    tokens = MarkdownIt("js-default").parse(source)
-    following = (after for token, after in pairwise(tokens) if token.type == "paragraph_open")
-    first = next(following, None)
-    return first.content if first is not None else ""
-
-
 def markup(source: bytes) -> markupsafe.Markup:
     """HTML of a Markdown file, without its pictures and with its own HTML shown as text.
 
@@ -224,28 +217,24 @@ def markup(source: bytes) -> markupsafe.Markup:
     return markupsafe.Markup(markdown.renderer.render(tokens, markdown.options, {}))
 
 
-def _is_sheet(name: str) -> bool:
-    """True for a print sheet: any Markdown file of the folder but the table's."""
-    return name.endswith(".md") and name != TABLE_PAGE
-
-
-def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
-    text = member.row[column]
-    value = words.value(text)
-    if column == NOTE and text:
-        return Cell(f"[{notes.index(text) + 1}]", text)
-    if value is None:
-        return Cell(text or ("" if column == NOTE else "-"), text)
-    if column in ERRORS and ERRORS[column] in member.row:
-        bar = member.number(ERRORS[column])
+def _cell(row: Mapping[str, Any], column: str, notes: Sequence[str]) -> Cell:
+    """Cell of a row, whose values are numbers, words or None."""
+    value = row[column]
+    text = "" if value is None else str(value)
+    if column == NOTE:
+        return Cell(f"[{notes.index(text) + 1}]" if text else "", text)
+    if not isinstance(value, (int, float)):
+        return Cell(text or "-", text)
+    if column in ERRORS and ERRORS[column] in row:
+        bar = row[ERRORS[column]]
         return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
-    if column in RANGES and (upper := member.number(RANGES[column])) is not None:
+    if column in RANGES and (upper := row[RANGES[column]]) is not None:
         return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
     if column in ("speed_mm_s", "speed_sd_mm_s", "theory_mm_s"):
         return Cell(_fixed(value), text)
     if column.startswith("factor_"):
         return Cell(_fixed(value, 3), text)
-    exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
+    exact = column == "tilt_deg" or isinstance(value, int)
     return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
 
 
@@ -258,14 +247,13 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-def _part(member: Member, legs_up: Sequence[str]) -> dict[str, Any]:
+def _part(member: Member) -> dict[str, Any]:
     """Data of a member for the viewer, which takes its mesh from the download of its STL file.
 
     The file has members as they print; the viewer, whose y is up, stands them on their feet.
     """
-    seen = member.corners is not None
-    up = member.name in legs_up
-    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen, "legs_up": up}
+    legs_up = not solids.on_side(member.design)
+    return {"name": member.name, "legs": member.row.legs, "tilt_deg": member.row.tilt_deg, "legs_up": legs_up}
 
 
 def _offered(name: str) -> bool:
@@ -274,20 +262,20 @@ def _offered(name: str) -> bool:
     return path.suffix in DOWNLOADS and path.parts[0] != "stl"
 
 
-def _download(contents: Contents, name: str) -> Download:
+def _download(files: Mapping[str, bytes], name: str) -> Download:
     """File of the folder, whole, as a link that needs nothing but the page."""
-    kind, data = DOWNLOADS[PurePosixPath(name).suffix], contents.files[name]
+    kind, data = DOWNLOADS[PurePosixPath(name).suffix], files[name]
     url = f"data:{kind};base64,{base64.b64encode(data).decode()}"
     return Download(name, PurePosixPath(name).name, url, f"{len(data) / 1e3:,.1f} kB")
 
 
-def _plates(contents: Contents, suffix: str) -> list[str]:
-    return [name for name in contents.files if name.startswith("plates/") and name.endswith(suffix)]
+def _plates(files: Mapping[str, bytes], suffix: str) -> list[str]:
+    return [name for name in files if name.startswith("plates/") and name.endswith(suffix)]
 
 
-def _picture(contents: Contents, name: str) -> str | None:
+def _picture(files: Mapping[str, bytes], name: str) -> str | None:
     """Data URL of a PNG file; None when the folder has none."""
-    data = contents.files.get(name)
+    data = files.get(name)
     return None if data is None else f"data:image/png;base64,{base64.b64encode(data).decode()}"
 
 
@@ -318,21 +306,3 @@ def _template() -> jinja2.Template:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     return environment.from_string(_asset("page.html.jinja"))
-
-
-def report_of(path: Path, contents: Contents) -> Report:
-    """Report of a page that was written, and of the family's files that are not as they were."""
-    changed, missing = contents.named("changed"), contents.named("missing")
-    size = f"{path.stat().st_size / 1e6:.1f} MB"
-    return Report(
-        name="page",
-        title="Page of a family",
-        tables=[],
-        facts={"file": str(path), "changed": changed, "missing": missing},
-        lines=[
-            *(f"{name}: changed since the family was made" for name in changed),
-            *(f"{name}: missing" for name in missing),
-            f"{size}, opens in any browser, offline",
-        ],
-        files=[path],
-    )

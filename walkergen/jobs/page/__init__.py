@@ -1,1 +1,0 @@
-"""The wing of the job that shows a family in a browser."""

@@ -1,1 +1,0 @@
-"""The job `report`: a family on one HTML page that opens offline."""
