@@ -229,7 +229,7 @@ def test_slopes_are_told_in_words(drawn):
 
 def test_what_speed_png_shows_is_in_speed_csv():
     lines = chart_data.table(SHOWN).csv().splitlines()
-    assert lines[0].split(",") == list(chart_data.KEYS)
+    assert lines[0].split(",") == list(chart_data.Speed._fields)
     kinds = [line.split(",")[0] for line in lines[1:]]
     assert kinds == ["predicted"] * 182 + ["measured"] * 2 + ["paper"]
     assert lines[1] == "predicted,flexible,0.0,40.0,30.0,60.0,20.0,80.0,40.0,yes"
