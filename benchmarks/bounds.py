@@ -35,7 +35,7 @@ from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.jobs.run.simulate import uncertain as prints
 from walkergen.lab.fit import learn
-from walkergen.lab.fit.request import Request
+from walkergen.lab.fit.job import Job
 from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation.experiments import Walker
@@ -162,12 +162,12 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})
         return prints.measure(short, design, draws, silent).bounds_mm_s
-    request = Request(design, scene, "space", prior="flat", ahead=[design.tilt_deg])
+    job = Job(design, scene, "space", prior="flat", ahead=[design.tilt_deg])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "speeds.csv")
         lines = [(tilt, speed, FILM_SE) for tilt, speed in filmed]
         path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), lines))
-        learned = learn.learn(path, request, silent)
+        learned = learn.learn(path, job, silent)
     (band,) = [one for one in learned.bands if not one.measured]
     return band.low_95, band.low_68, band.high_68, band.high_95
 

@@ -7,8 +7,8 @@ from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.lab.fit import emulated, make, parameters, posterior, tabled, weighed
+from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.posterior import Observed
-from walkergen.lab.fit.request import Request
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
 from walkergen.theory.prediction import MODEL, PRINT
@@ -59,7 +59,7 @@ def fitted(folder, speeds, errors=True, **choices):
     rows = [(tilt, one, FILM_NOISE)[: 2 + errors] for tilt, one in zip(TILTS, speeds, strict=True)]
     path = folder / "speeds.csv"
     path.write_text(csv_text(header, rows), encoding="utf-8")
-    wish = Request(PAPER, LANE, **{"pictures": False} | choices)
+    wish = Job(PAPER, LANE, **{"pictures": False} | choices)
     return make.fit(path, wish, folder / "out", silent)
 
 
@@ -152,7 +152,7 @@ def test_weighted_draws_are_the_posterior_of_a_grid(error):
 def test_speeds_that_no_contact_has_are_called_so_and_walkers_outside_are_named(tmp_path):
     found = fitted(tmp_path, [20.0, 5.0, 90.0, 5.0, 60.0])
     assert any("does not describe these speeds" in note for note in found.notes)
-    rough = Request(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
+    rough = Job(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
     with pytest.raises(InputError, match=r"tilt 5 deg: .*--model space"):
         make.fit(tmp_path / "speeds.csv", rough, tmp_path / "no", silent)
     assert not (tmp_path / "no").exists()

@@ -8,7 +8,7 @@ import pytest
 from evidence.tables import make, motor_cases
 from walkergen.files import templates
 from walkergen.lab.fit import learn
-from walkergen.lab.fit.request import Request
+from walkergen.lab.fit.job import Job
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Scene
@@ -147,8 +147,8 @@ def test_the_moment_comes_back_from_simulated_speeds(tmp_path):
     (tmp_path / "speeds.csv").write_text(rows)
     doubt = {"drive.eccentric_g_mm": 0.36, "drive.eccentric_sd_g_mm": 0.12}
     held = (f"restitution={TABLE.contact.restitution}", f"friction={TABLE.contact.friction}")
-    request = Request(COINBOT, TABLE.variant(**doubt), fix=held, prior="flat", ahead=())
-    learnt = learn.learn(tmp_path / "speeds.csv", request, lambda *progress: None)
+    job = Job(COINBOT, TABLE.variant(**doubt), fix=held, prior="flat", ahead=())
+    learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
     (moment,) = (row for row in learnt.rows if row.name == "eccentric_g_mm")
     assert moment.mean == pytest.approx(0.3, abs=2.0 * moment.sd)
     assert moment.sd < 0.7 * 0.12  # learnt: 0.26 +- 0.07

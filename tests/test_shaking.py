@@ -5,7 +5,7 @@ import pytest
 from motor_rival import carrying, throwing
 
 from walkergen.lab.fit import learn
-from walkergen.lab.fit.request import Request
+from walkergen.lab.fit.job import Job
 from walkergen.scene import Scene
 from walkergen.simulation.run import simulate
 from walkergen.theory import prediction, shaking, uncertain
@@ -93,8 +93,8 @@ def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):
     true = drive["eccentric_g_mm"]
     doubt = {"eccentric_g_mm": 1.25 * true, "eccentric_sd_g_mm": 0.5 * true}
     scene = carrying(drive | doubt).scene
-    request = Request(design, scene, fix=("restitution=0.22", "friction=0.25"), prior="flat", ahead=())
-    learnt = learn.learn(tmp_path / "speeds.csv", request, lambda *progress: None)
+    job = Job(design, scene, fix=("restitution=0.22", "friction=0.25"), prior="flat", ahead=())
+    learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
     (moment,) = (row for row in learnt.rows if row.name == "eccentric_g_mm")
     assert moment.sd < 0.6 * doubt["eccentric_sd_g_mm"]
     assert moment.mean == pytest.approx(true, abs=2.0 * moment.sd)

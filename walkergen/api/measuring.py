@@ -17,7 +17,7 @@ from walkergen.jobs.make.weigh.report import WeighReport
 from walkergen.lab.bench import make as benches
 from walkergen.lab.calibrate import make as calibrations
 from walkergen.lab.fit import make as fitting
-from walkergen.lab.fit import request
+from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.report import FitReport
 from walkergen.lab.report import LabReport
 from walkergen.theory.speed import Mode
@@ -52,7 +52,7 @@ def fit(
     path = Path(speeds)
     held = [f"{name}={value!r}" for name, value in (fix or {}).items()]
     ahead = None if predict is None else [float(tilt) for tilt in predict]
-    wish = request.Request(walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures)
+    wish = Job(walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures)
     return fitting.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
 
 

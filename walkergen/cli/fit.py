@@ -55,13 +55,14 @@ def fit(
     eq. 15, is found by least squares. All write scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
-    from walkergen.lab.fit import make, request
+    from walkergen.lab.fit import make
+    from walkergen.lab.fit.job import Job
 
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":
         raise InputError("--seed: the theory has none; leave out --model theory")
     inputs = loading.inputs(keys, "design scene", law=law, seed=seed, model=model if simulated else None)
-    wish = request.Request(
+    wish = Job(
         inputs.design(design),
         inputs.scene(scene),
         model,

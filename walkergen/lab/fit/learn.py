@@ -16,9 +16,9 @@ from walkergen.files.progress import Progress
 from walkergen.lab.fit import emulated, identifiability, posterior, tabled, weighed
 from walkergen.lab.fit.emulated import Ground, Setting
 from walkergen.lab.fit.identifiability import Learnt
+from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.parameters import KEYS, OF_SCENE, ModelName, held, unknown
 from walkergen.lab.fit.posterior import Observed, Posterior, Responds
-from walkergen.lab.fit.request import Request
 from walkergen.lab.report import named
 from walkergen.scene import Scene
 from walkergen.walker import solids
@@ -73,21 +73,21 @@ class Learned(NamedTuple):
     """Design with the thickness and Young's modulus as learnt."""
 
 
-def learn(path: Path, request: Request, progress: Progress) -> Learned:
+def learn(path: Path, job: Job, progress: Progress) -> Learned:
     """Learn from a CSV file of speeds by a model.
 
     Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
     """
-    model, fixed = request.model, request.held
-    total = float(solids.mass_of(request.design).total)
-    table = measured.read(path, request.design.kind, request.scene.drive.beneath(total).peak_speed)
+    model, fixed = job.model, job.held
+    total = float(solids.mass_of(job.design).total)
+    table = measured.read(path, job.design.kind, job.scene.drive.beneath(total).peak_speed)
     measured.refuse_slips(path, table)
     seen, notes = _flexible(table, path, model)
-    scene, design = held(request.scene, request.design, fixed)
-    ground = Ground(scene, model, unknown(scene, design, model, request.prior, fixed, seen.se is not None))
+    scene, design = held(job.scene, job.design, fixed)
+    ground = Ground(scene, model, unknown(scene, design, model, job.prior, fixed, seen.se is not None))
     settings, observed = _observed(design, seen)
-    ahead = _ahead(request.ahead, design, seen, settings)
+    ahead = _ahead(job.ahead, design, seen, settings)
     respond = _by_table if model == "prediction" else _by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters

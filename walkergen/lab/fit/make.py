@@ -4,24 +4,24 @@ from pathlib import Path
 
 from walkergen.files.progress import Progress
 from walkergen.lab.fit import learn, report, theory
+from walkergen.lab.fit.job import Job, checked
 from walkergen.lab.fit.report import FitReport
-from walkergen.lab.fit.request import Request, checked
 from walkergen.lab.report import written
 
 
-def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitReport:
+def fit(path: Path, job: Job, folder: Path, progress: Progress) -> FitReport:
     """Fit a model to a CSV file of speeds, and write what follows into a folder.
 
     Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
     given) and a manifest. See `learn.learn` and `theory.fit`. Raises InputError, before anything is
     written, for unusable input and for choices that do not go together.
     """
-    request = checked(request)
-    choices = {"file": path.name, "fixed": request.held}
-    if request.model == "theory":
-        told, word = report.of_theory(theory.fit(path, request, progress), request, path, folder), "Fitted to"
-        choices["mode"] = request.mode
+    job = checked(job)
+    choices = {"file": path.name, "fixed": job.held}
+    if job.model == "theory":
+        told, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
+        choices["mode"] = job.mode
     else:
-        told, word = report.of_model(learn.learn(path, request, progress), request, path, folder), "Learnt from"
-        choices |= {"model": request.model, "prior": request.prior}
-    return written(told, request, choices, f"{word} {path.name}: {request.caption}", every=True)
+        told, word = report.of_model(learn.learn(path, job, progress), job, path, folder), "Learnt from"
+        choices |= {"model": job.model, "prior": job.prior}
+    return written(told, job, choices, f"{word} {path.name}: {job.caption}", every=True)

@@ -12,8 +12,8 @@ from walkergen.analysis.fits import ContactFit
 from walkergen.analysis.speeds import Measured
 from walkergen.files import report, words
 from walkergen.files.report import Column, Table
+from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.learn import Learned
-from walkergen.lab.fit.request import Request
 from walkergen.lab.fit.theory import Fitted
 from walkergen.lab.report import LabReport
 
@@ -39,7 +39,7 @@ class FitReport(LabReport):
         return self["bands"]
 
 
-def of_theory(fitted: Fitted, request: Request, path: Path, folder: Path) -> FitReport:
+def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
     """Report of the theory's contact, fitted to a file of speeds."""
     fit = fitted.fit
     rows = [
@@ -81,10 +81,10 @@ def of_theory(fitted: Fitted, request: Request, path: Path, folder: Path) -> Fit
         return figures.fit_figure(fitted.seen, fitted.curves, path.name)
 
     said = [quality(fit), *correlations(fit)]
-    return _report(path, f"fitted with {request.caption}", tables, facts, said, fitted, request.design, draw, folder)
+    return _report(path, f"fitted with {job.caption}", tables, facts, said, fitted, job.design, draw, folder)
 
 
-def of_model(learned: Learned, request: Request, path: Path, folder: Path) -> FitReport:
+def of_model(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
     """Report of what a model learnt from a file of speeds."""
     posterior = learned.posterior
     columns = (
@@ -122,7 +122,7 @@ def of_model(learned: Learned, request: Request, path: Path, folder: Path) -> Fi
 
         return figures.bands_figure(learned.bands, learned.seen, path.name)
 
-    caption = f"learnt with {request.caption}"
+    caption = f"learnt with {job.caption}"
     return _report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
 
 

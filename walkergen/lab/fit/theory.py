@@ -13,7 +13,7 @@ from walkergen.analysis.speeds import Measured
 from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.files.progress import Progress
-from walkergen.lab.fit.request import Request
+from walkergen.lab.fit.job import Job
 from walkergen.lab.report import named
 from walkergen.scene import Scene
 from walkergen.walker import solids
@@ -39,7 +39,7 @@ class Fitted(NamedTuple):
     fit: ContactFit
     seen: Measured
     speeds: Speeds
-    request: Request
+    job: Job
     notes: list[str]
     scene: Scene
     """Scene with the fitted contact."""
@@ -50,35 +50,33 @@ class Fitted(NamedTuple):
         return {kind: _curve(self, kind) for kind in KINDS if kind in self.seen.legs}
 
 
-def fit(path: Path, request: Request, progress: Progress) -> Fitted:
+def fit(path: Path, job: Job, progress: Progress) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
     where blank). Raises InputError for unusable input.
     """
-    design, scene = request.design, request.scene
+    design, scene = job.design, job.scene
     if not design.alike:
         raise InputError(
             f"{design.name}: the theory's mean over two equal feet is fitted, and its legs are "
             "not two equal ones: learn from simulated speeds, --model space"
         )
-    held = request.held
+    held = job.held
     seen = measured.read(path, design.kind, scene.drive.peak_speed)
     measured.refuse_slips(path, seen)
-    speeds = _with_tensors(request, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
+    speeds = _with_tensors(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
     progress("fitting", 0, 1)
     result = fits.fit_contact(speeds, held)
     notes = [*result.notes, *seen.notes, OF_THEORY]
-    return Fitted(result, seen, speeds, request, notes, _scene(scene, result, path))
+    return Fitted(result, seen, speeds, job, notes, _scene(scene, result, path))
 
 
-def _with_tensors(
-    request: Request, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array
-) -> Speeds:
+def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
     """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
-    masses = [solids.mass_of(request.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *fits.tensors(masses), request.scene.contact.law, request.mode)
+    masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
+    return Speeds(speed, se, plate, *fits.tensors(masses), job.scene.contact.law, job.mode)
 
 
 def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
@@ -100,7 +98,7 @@ def _curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
-    along = _with_tensors(fitted.request, tilt, [kind] * len(tilt), ones, None, ones)
+    along = _with_tensors(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
     unit = fits.unit_speeds(along, values["restitution"], values["friction"])
     slopes = fits.jacobian(along, values, result.free)

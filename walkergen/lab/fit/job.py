@@ -26,7 +26,7 @@ OF_MODEL = {
 """Ranges of the parameters that a fit of simulated speeds may hold."""
 
 
-class Request(NamedTuple):
+class Job(NamedTuple):
     """Choices of a fit, as people write them."""
 
     design: Design
@@ -76,25 +76,25 @@ class Request(NamedTuple):
         return ", ".join([*parts, *([f"given {held}"] if held else [])])
 
 
-def checked(request: Request) -> Request:
-    """Request with its prior and with the scene of its model. Raises InputError for what does not go together."""
-    model, prior, mode = request.model, request.prior, request.mode
+def checked(job: Job) -> Job:
+    """Job with its prior and with the scene of its model. Raises InputError for what does not go together."""
+    model, prior, mode = job.model, job.prior, job.mode
     if model not in MODELS:
         raise InputError(f"--model {str(model)[:30]!r}: must be one of {', '.join(MODELS)}")
     if mode not in MODES:
         raise InputError(f"--mode {str(mode)[:30]!r}: must be one of {', '.join(MODES)}")
     if model == "theory":
-        if (prior, request.ahead) != (None, None):
+        if (prior, job.ahead) != (None, None):
             name = "--predict" if prior is None else "--prior"
             raise InputError(f"{name}: the theory has none; leave out --model theory")
-        return request
+        return job
     if mode != "coulomb":
         raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
-    scene = request.scene if model == "prediction" else request.scene.variant(**{"legs.model": model})
+    scene = job.scene if model == "prediction" else job.scene.variant(**{"legs.model": model})
     prior = PRIORS[0] if prior is None else prior
     if prior not in PRIORS:
         raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {', '.join(PRIORS)}")
-    return request._replace(scene=scene, prior=prior)
+    return job._replace(scene=scene, prior=prior)
 
 
 def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
