@@ -16,7 +16,7 @@ import time
 
 import numpy as np
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd, deck
 from walkergen.crowd.space.placing import place
 from walkergen.dish import Dish

@@ -204,7 +204,7 @@ PICTURES = (
     Picture(
         "crowd.png",
         CROWD,
-        (*STYLE, *SIMULATION, *SCENES, "walkergen/crowd/job/*.py", "walkergen/points/crowd*.py"),
+        (*STYLE, *SIMULATION, *SCENES, "walkergen/crowd/*.py", "walkergen/crowd/s*/*.py"),
         40,
         "crowd.png",
     ),

@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 from walkergen.analysis import motion, relaxation
 from walkergen.analysis.tracks import of_places
 from walkergen.cli import command_line
-from walkergen.crowd import card as cards
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards import card as cards
 from walkergen.crowd.cards import inputs, make, overdamped, walled
 from walkergen.crowd.cards import walker_motion as measured
+from walkergen.crowd.cards.card import Card
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent

@@ -13,11 +13,11 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line
-from walkergen.crowd import card as cards
-from walkergen.crowd.card import Card
+from walkergen.crowd import in_plane
+from walkergen.crowd.cards import card as cards
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.flat.crowd import FlatRun
-from walkergen.crowd.job import plane
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.scene import Scene
@@ -137,7 +137,7 @@ def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_pat
 
 def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
     scene = Scene().variant(**{"crowd.friction": 0.7})
-    (kind,) = plane.asked(scene, [card_of(restitution=0.2, friction=0.1)], [3], 25.0).kinds
+    (kind,) = in_plane.asked(scene, [card_of(restitution=0.2, friction=0.1)], [3], 25.0).kinds
     assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
 
 

@@ -15,8 +15,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.crowd import in_space as crowd_space
-from walkergen.crowd import members
-from walkergen.crowd.job import make
+from walkergen.crowd import make, members
 from walkergen.crowd.space import placing
 from walkergen.crowd.space import run as crowds
 from walkergen.crowd.space.result import CrowdRun

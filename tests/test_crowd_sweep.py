@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.crowd import in_space as crowd_space
-from walkergen.crowd.job.make import simulate
+from walkergen.crowd.make import simulate
 from walkergen.crowd.members import RATE_HZ
 from walkergen.crowd.space import run as crowds
 from walkergen.errors import InputError

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd, deck, dump, engine
 from walkergen.dish import Dish
 from walkergen.errors import InputError, OutputError

@@ -13,8 +13,8 @@ from evidence.crowd_checks.meetings import MEETINGS
 from evidence.crowd_checks.runs import Array, Run
 from evidence.crowd_checks.setting import COUNT, CROWD_RATE_HZ, DISH, RATE_HZ, Size
 from walkergen.analysis import tracks
-from walkergen.crowd.card import Card
 from walkergen.crowd.cards import make, walker_motion
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.space.placing import place
 from walkergen.crowd.statistics import measure

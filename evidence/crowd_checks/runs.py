@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.card import Card
 from walkergen.crowd.cards import walker_motion
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.space import run as crowds
 from walkergen.dish import Dish

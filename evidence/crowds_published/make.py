@@ -7,7 +7,7 @@ from evidence.crowds_published import numbers, report
 from evidence.crowds_published.cases import ALONE, Case, Size, alone, crowds
 from evidence.crowds_published.compared import Numbers, compared
 from walkergen.crowd import in_space
-from walkergen.crowd.job.make import simulate
+from walkergen.crowd.make import simulate
 from walkergen.crowd.runs import Simulated
 from walkergen.errors import InputError
 from walkergen.files.output import Folder

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from walkergen.api.loading import Ground, Name, Walker, scene_of, walker_of
-from walkergen.crowd import card as cards
+from walkergen.crowd import in_plane, make, report
 from walkergen.crowd import in_space as crowd_space
 from walkergen.crowd import members as crowd_members
-from walkergen.crowd.card import Card
-from walkergen.crowd.job import files, make, plane, report
-from walkergen.crowd.job.report import CrowdReport
+from walkergen.crowd.cards import card as cards
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.members import RATE_HZ, RUNS
+from walkergen.crowd.report import CrowdReport
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
 
@@ -65,13 +65,13 @@ def crowd(
     shown = progress or silent
     if all(flat):
         known = [own if isinstance(own, Card) else cards.read(Path(own)) for own in sources]
-        job = plane.asked(ground, known, counts, rate_hz)
+        job = in_plane.asked(ground, known, counts, rate_hz)
     else:
         job = crowd_space.asked(ground, [walker_of(own) for own in sources], counts, rate_hz)
     simulated = make.simulate(job, threads, shown)
     folder = None if out is None else Path(out)
     result = report.of(simulated, folder)
-    return result if folder is None else files.write(result, folder, True, shown)
+    return result if folder is None else report.write(result, folder, True, shown)
 
 
 def _is_card(source: Any) -> bool:

@@ -90,9 +90,9 @@ def crowd(
     the same bytes on any number of threads. A card, as `walkergen card` writes it, in place of a
     design makes a crowd in a plane, of thousands.
     """
+    from walkergen.crowd import make, report
     from walkergen.crowd import members as crowd_members
     from walkergen.crowd import movie as crowd_movie
-    from walkergen.crowd.job import files, make, report
 
     asked = None if count is None else crowd_members.parse(count)
     shares = asked if isinstance(asked, list) else None
@@ -122,13 +122,13 @@ def crowd(
     if write_only and not flat:
         raise InputError("--write-only: is for --model flat, whose input of LAMMPS it writes")
     job = (_flat if flat else _in_space)(inputs, ground, names, counts, rate, tilt, legs)
-    folder = out or Path("out") / files.name_of(job)
+    folder = out or Path("out") / report.name_of(job)
     if write_only:
-        show.report(files.write_inputs(job, folder), json, quiet)
+        show.report(report.write_inputs(job, folder), json, quiet)
         return
     with show.progress("crowd", wanted=not quiet) as progress:
         simulated = make.simulate(job, threads, progress)
-        result = files.write(report.of(simulated, folder), folder, pictures, progress)
+        result = report.write(report.of(simulated, folder), folder, pictures, progress)
         if movie is not None:
             film, fps = simulated.films[0], min(max(round(rate), 1), MOST_FPS)
             crowd_movie.write(movie, film, result.title, "heading", fps, progress)
@@ -185,8 +185,8 @@ def _flat(
     legs: str | None,
 ) -> "Job":
     """Crowd of cards. Raises InputError for what their measurement has settled."""
-    from walkergen.crowd import card
-    from walkergen.crowd.job import plane
+    from walkergen.crowd import in_plane
+    from walkergen.crowd.cards import card
 
     why = "a card was measured with its own: make another card (`walkergen card`), or leave it out"
     for flag, value in (("--tilt", tilt), ("--legs", legs)):
@@ -194,7 +194,7 @@ def _flat(
             raise InputError(f"{flag} {value}: {why}")
     settled = [key for key in inputs.values if not key.startswith(("scene.crowd.", "scene.run."))]
     inputs.refuse([*settled, "scene.run.step_us"], why)
-    return plane.asked(scene, [card.read(Path(name)) for name in names], counts, rate)
+    return in_plane.asked(scene, [card.read(Path(name)) for name in names], counts, rate)
 
 
 def _walkers(inputs: "Inputs", names: list[str], tilt: float | None, legs: str | None) -> "list[Design]":

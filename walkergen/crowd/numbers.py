@@ -4,7 +4,7 @@ A crowd takes minutes: its record holds every statistic, so that others may be s
 """
 
 from walkergen.crowd import in_space as crowd_space
-from walkergen.crowd.job import make
+from walkergen.crowd import make
 from walkergen.crowd.members import RATE_HZ
 from walkergen.crowd.runs import Simulated
 from walkergen.crowd.statistics.measuring import TIMELESS, UNITS

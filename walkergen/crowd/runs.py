@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.space.placing import place
 from walkergen.crowd.space.result import CrowdRun
 from walkergen.crowd.statistics import CrowdFilm, CrowdStatistics

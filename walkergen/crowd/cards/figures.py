@@ -9,7 +9,7 @@ from walkergen.analysis import delay, walks
 from walkergen.analysis.motion import Array, Curve
 from walkergen.analysis.relaxation import Relaxation
 from walkergen.analysis.walks import Spread
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.cards.walled import Walled
 from walkergen.files.figures import COLUMN, logarithmic, panels_of, style, wrapped

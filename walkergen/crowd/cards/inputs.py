@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 
 HERE = "#CARD#"
 """Line of a script that the numbers replace."""

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from walkergen.analysis.tracks import Units
-from walkergen.crowd import card as cards
-from walkergen.crowd.card import Card, measured
+from walkergen.crowd.cards import card as cards
 from walkergen.crowd.cards import inputs, overdamped, report, walker_motion, walled
+from walkergen.crowd.cards.card import Card, measured
 from walkergen.crowd.cards.report import CardReport
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.errors import InputError

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat.discs import Discs, rim
 from walkergen.crowd.flat.motion import Motion
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import deck, doors, dump, engine
 from walkergen.dish import Dish
 from walkergen.files import output

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import contact, discs, motion
 from walkergen.dish import Dish
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from shapely import Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.errors import InputError
 
 Array = npt.NDArray[np.float64]

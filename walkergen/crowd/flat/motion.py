@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from scipy.integrate import quad
 
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.errors import InputError
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from walkergen.crowd import members
 from walkergen.crowd import runs as jobs
-from walkergen.crowd.card import Card
+from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.runs import Job, Kind
 from walkergen.crowd.statistics import CrowdFilm, measure

@@ -1,18 +1,24 @@
-"""Report of a crowd: order, clusters and packing with errors, runs, what contacts took."""
+"""Report of a crowd, and its folder: numbers with errors, what contacts took, figures, tracks of every run."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.crowd import figures as crowd_figures
-from walkergen.crowd import tables as crowd_tables
+from walkergen.crowd import files as tracks
+from walkergen.crowd import in_plane, tables
 from walkergen.crowd.runs import WELL, Job, Simulated
 from walkergen.crowd.space.result import CrowdRun
 from walkergen.crowd.statistics import CrowdStatistics
 from walkergen.files import report, words
+from walkergen.files.output import Folder, versions
+from walkergen.files.progress import Progress
 from walkergen.files.report import Report, Table
 from walkergen.simulation.run import Outcome
+
+MOST_ROWS = 2_000_000
+"""Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -66,14 +72,23 @@ def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
     title = title_of(job)
     rows = [_contacts(run, statistics.seconds) for run in simulated.runs]
     contacts = Table("contacts", rows, Contacts._fields, CONTACTS, "Contacts of bodies and walls")
-    tables = [*crowd_tables.tables(statistics), *([contacts] if rows else [])]
     return CrowdReport(
         name="report",
         title=title,
         caption=caption_of(job),
-        tables=tables,
-        facts=facts(simulated),
-        lines=[crowd_tables.line(statistics)],
+        tables=[*tables.tables(statistics), *([contacts] if rows else [])],
+        facts={
+            "scene": job.scene.name,
+            "model": job.model,
+            "kinds": {kind.name: kind.walkers for kind in job.kinds},
+            "seed": job.scene.run.seed,
+            "asked_runs": job.scene.run.runs,
+            "packing": job.packing,
+            **tables.facts(statistics),
+            "contacts": [row._asdict() for row in rows],
+            "outcomes": dict(simulated.outcomes),
+        },
+        lines=[tables.line(statistics)],
         warnings=list(_warnings(simulated)),
         figures=crowd_figures.figures(statistics, title),
         folder=folder,
@@ -97,22 +112,6 @@ def caption_of(job: Job) -> str:
         f"{job.scene.name}, model space, packing {job.packing:.3g}; bodies meet with restitution "
         f"{crowd.restitution:g} and friction {crowd.friction:g}"
     )
-
-
-def facts(simulated: Simulated) -> dict[str, object]:
-    """What JSON holds."""
-    job = simulated.job
-    return {
-        "scene": job.scene.name,
-        "model": job.model,
-        "kinds": {kind.name: kind.walkers for kind in job.kinds},
-        "seed": job.scene.run.seed,
-        "asked_runs": job.scene.run.runs,
-        "packing": job.packing,
-        **crowd_tables.facts(simulated.statistics),
-        "contacts": [_contacts(run, simulated.statistics.seconds)._asdict() for run in simulated.runs],
-        "outcomes": dict(simulated.outcomes),
-    }
 
 
 def _contacts(run: CrowdRun, seconds: float) -> Contacts:
@@ -141,3 +140,62 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
             f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "
             f"is unaccounted for, more than {100.0 * allowed:g} % (run.energy_tolerance)"
         )
+
+
+def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress) -> CrowdReport:
+    """Write everything into a folder. Raises OutputError where a file there is not ours."""
+    with Folder(folder) as target:
+        report.write(target, pictures)
+        if pictures:
+            from walkergen.crowd import movie  # brings matplotlib
+
+            target.write("crowd.png", movie.still(report.simulated.films[0], report.title))
+        for number, film in enumerate(report.simulated.films):
+            if film.x.size > MOST_ROWS:
+                continue
+            for suffix in tracks.writable():
+                progress("writing tracks", 99, 100)
+                target.write(f"tracks/run-{number}{suffix}", tracks.FORMATS[suffix](film))
+        target.finish(inputs_of(report.simulated.job))
+    return report
+
+
+def write_inputs(job: Job, folder: Path) -> Report:
+    """Write the input of LAMMPS for every run into a folder, and say what is there."""
+    inputs = in_plane.inputs(job)
+    with Folder(folder) as target:
+        for name, data in inputs.items():
+            target.write(name, data)
+        target.finish(inputs_of(job))
+    return Report(
+        name="inputs",
+        title=title_of(job),
+        tables=[],
+        lines=["in each of its folders: `lmp -in crowd.in`"],
+        folder=folder,
+        caption=caption_of(job),
+        facts={"files": sorted(inputs)},
+    )
+
+
+def inputs_of(job: Job) -> dict[str, Any]:
+    """What a manifest says of a crowd: every input resolved."""
+    designs = [kind.design for kind in job.kinds if kind.design]
+    return {
+        "model": job.model,
+        "scene": job.scene.model_dump(mode="json"),
+        "designs": [design.model_dump(mode="json") for design in designs],
+        "bodies_sha256": [design.body.shape.sha256 for design in designs],
+        "cards": [kind.card.model_dump(mode="json") for kind in job.kinds if kind.card],
+        "counts": [kind.walkers for kind in job.kinds],
+        "rate_hz": job.rate_hz,
+        "versions": versions(),
+    }
+
+
+def name_of(job: Job) -> str:
+    """Name of a crowd's folder, after its walkers and the dish."""
+    who = "-".join(kind.name for kind in job.kinds)
+    count = sum(kind.walkers for kind in job.kinds)
+    dish = job.scene.crowd.dish.words.replace(":", "-").replace(",", "-")
+    return f"crowd-{who}-{count}-{dish}"[:100]

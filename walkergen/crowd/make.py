@@ -1,8 +1,8 @@
 """A crowd by its model: walkers in space, or cards in a plane."""
 
 from walkergen.crowd import statistics
+from walkergen.crowd.in_plane import InPlane
 from walkergen.crowd.in_space import InSpace
-from walkergen.crowd.job.plane import InPlane
 from walkergen.crowd.runs import Job, Simulated
 from walkergen.files.progress import Progress
 from walkergen.points.measure import Runs, measure
