@@ -60,7 +60,7 @@ ROOMS = {
         "points/request",
         "points/point",
         "points/measure",
-        "points/evaluate",
+        "points/alone",
         "points/run",
         "points/worker_pool",
         "points/drops",

@@ -15,7 +15,7 @@ from walkergen.jobs.make.design.lab import Bench, Job
 from walkergen.jobs.make.design.wish import Wish
 from walkergen.points import worker_pool
 from walkergen.points.axes import Span
-from walkergen.points.evaluate import evaluate
+from walkergen.points.kinds import evaluate
 from walkergen.points.point import Point
 from walkergen.points.store import Store
 from walkergen.points.tolerance import Tolerance
@@ -292,7 +292,7 @@ def test_wishes_that_cannot_be_are_refused(given, told):
 
 def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
     record = {
-        "status": "ok",
+        "went": "ok",
         "model": "space",
         "runs": 8,
         "speed_mm_s": -30.0,

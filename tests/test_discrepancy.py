@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from evidence.tables import cases, fit, make
-from walkergen.points.evaluate import evaluate
+from walkergen.points.kinds import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Drive, Scene
 from walkergen.theory import discrepancy, surrogate, uncertain

@@ -7,11 +7,11 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
+from walkergen.points import alone, kinds, tolerance, walkers
 from walkergen.points import point as points
-from walkergen.points import tolerance, walkers
 from walkergen.points.axes import Space
-from walkergen.points.evaluate import evaluate
-from walkergen.points.point import key
+from walkergen.points.kinds import evaluate
+from walkergen.points.point import Went, key
 from walkergen.points.request import Request
 from walkergen.printing import checks
 from walkergen.printing.printers import Printer
@@ -100,7 +100,7 @@ NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
 def test_an_error_that_cannot_be_met_is_said():
     found = evaluate(point_at("relaxed", error="0.001mm/s", **NO_TIME))
     assert found["runs"] == 512
-    assert found["status"].startswith("error ")
+    assert found["went"] == Went.NOT_MET
     assert found["status"].endswith("not within the 0.001 asked")
     assert math.isfinite(found["speed_mm_s"])
 
@@ -130,10 +130,9 @@ def test_a_wrong_error_is_refused(text):
 
 
 def test_what_is_not_asked_is_not_there():
-    assert set(evaluate(point_at())) == {"status", "speed_mm_s", "theory_mm_s", "model"}
-    kept = evaluate(point_at(keep=("speed", "masses")))
-    assert set(kept) == {"status", "speed_mm_s", "theory_mm_s", "model", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"}
-    assert "impacts_per_s" not in evaluate(point_at("compliant"))
+    for model, keep in (("prediction", ("speed",)), ("prediction", ("speed", "spread", "masses")), ("compliant", ())):
+        columns = alone.columns(model, keep) if keep else set(alone.SIMULATED) - {"predicted_mm_s", "theory_mm_s"}
+        assert set(evaluate(point_at(model)._replace(keep=keep))) == {"went", "status", *columns}
 
 
 def test_printability_is_what_the_checks_find():
@@ -164,15 +163,13 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
     ):
         record = request.at(values)
         assert isinstance(record, dict)
-        assert list(record) == ["status"]
-        assert record["status"].startswith("refused: ")
-        assert told in record["status"]
-        assert "\n" not in record["status"]
+        assert record["went"] == Went.REFUSED
+        assert record["status"] == f"refused: {record['reason']}"
+        assert told in record["reason"]
+        assert "\n" not in record["reason"]
     # Refused by the simulation, which first sees design and scene together.
     record = evaluate(point_at("space", scene__contact__law="newton"))
-    assert list(record) == ["status"]
-    assert record["status"].startswith("refused: ")
-    assert "newton" in record["status"]
+    assert "newton" in record["reason"]
 
 
 @pytest.mark.parametrize(
@@ -187,7 +184,7 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
 )
 def test_groups_and_models_that_do_not_go_together_are_refused(model, keep, told):
     with pytest.raises(InputError) as refused:
-        points.check(keep, model, None)
+        kinds.check(keep, model, None)
     assert str(refused.value).startswith(told)
 
 
@@ -276,3 +273,9 @@ def test_an_error_of_the_time_in_contact_is_met():
     found = walkers.to_error(asked, tolerance.parse("20%"), "contact_fraction")
     assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
     assert found.error >= found.results.step_errors["contact_fraction"].error > 0.0
+
+
+def test_a_kind_that_is_not_installed_names_its_extra(monkeypatch):
+    monkeypatch.setitem(kinds.KINDS, "crowd", "walkergen.nowhere")
+    with pytest.raises(InputError, match=r"pip install 'walkergen\[crowd\]'"):
+        kinds.named("crowd")

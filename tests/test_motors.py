@@ -9,7 +9,7 @@ from evidence.tables import make, motor_cases
 from walkergen.files import templates
 from walkergen.lab.fit import learn
 from walkergen.lab.fit.job import Job
-from walkergen.points.evaluate import evaluate
+from walkergen.points.kinds import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare

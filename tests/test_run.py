@@ -13,7 +13,7 @@ from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.points import axes, run, worker_pool
 from walkergen.points.axes import Space
-from walkergen.points.evaluate import evaluate
+from walkergen.points.kinds import evaluate
 from walkergen.points.point import digest
 from walkergen.points.request import Request
 from walkergen.points.store import Store

@@ -3,11 +3,11 @@
 import functools
 import hashlib
 import json
-from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.errors import InputError
+from walkergen.errors import WalkergenError
 from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
@@ -15,24 +15,33 @@ from walkergen.simulation import experiments
 from walkergen.theory import surrogate
 from walkergen.walker.design import Design
 
-KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")
-"""Groups of numbers that a point may be asked for."""
+ALONE = "alone"
+"""Kind of a point that is one walker alone."""
 
 PREDICTION = "prediction"
 """Model of a point that is not simulated: its record's model says by what it is predicted."""
-
-MODELS = (PREDICTION, "rigid", "relaxed", "compliant", "space", "auto")
-
-CROWD = "crowd"
-"""Model of a point that is a crowd in space, of as many walkers as its scene says."""
 
 Value = float | int | str | None
 Record = dict[str, Value]
 """Numbers of a point by the names of their columns, with units; None where there is none."""
 
-STATUS = "status"
-"""Name of the column that says how a point went: OK, or what is wrong with its numbers."""
-OK = "ok"
+
+class Went(StrEnum):
+    """How a point went."""
+
+    OK = "ok"
+    REFUSED = "refused"
+    """It cannot be built, or simulated."""
+    NO_SPEED = "no speed"
+    RUNS_ENDED_BADLY = "some runs ended badly"
+    WALKERS_ENDED_BADLY = "some walkers ended badly"
+    UNBALANCED = "energy error"
+    NOT_MET = "error not met"
+    """Its error is larger than asked, or not known."""
+
+
+WENT, STATUS, REASON = "went", "status", "reason"
+"""Keys of a record beside its numbers: how the point went, that in words for the table, and why it is refused."""
 
 
 class Point(NamedTuple):
@@ -44,14 +53,14 @@ class Point(NamedTuple):
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Groups of KEPT that shall be known. Without any, a simulated point is its runs alone: its key
+    """Groups of `alone.GROUPS` that shall be known. Without any, a simulated point is its runs alone: its key
     then does not depend on how speeds are predicted."""
     wanted: Tolerance | None = None
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None
     """Printer of the group "printability"."""
-    crowd: bool = False
-    """True for many walkers that meet. Its numbers are all that crowds have, whatever is kept."""
+    kind: str = ALONE
+    """Kind of the experiment, of `kinds.KINDS`: that of one that is not ALONE has all its numbers, whatever is kept."""
 
     @property
     def predicted(self) -> bool:
@@ -59,33 +68,15 @@ class Point(NamedTuple):
         return bool(self.keep) or not self.simulated
 
 
-def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
-    """Refuse groups and models that are not known, or do not go together. Raises InputError."""
-    if model not in (*MODELS, CROWD):
-        every = ", ".join((*MODELS, CROWD))
-        raise InputError(f"--model {model[:30]!r}: must be one of {every}")
-    groups = kept(model)
-    for name in keep:
-        if name not in groups:
-            raise InputError(f"--keep {name[:30]!r}: must be one of {', '.join(groups)}")
-    if model == CROWD:
-        return
-    for name in ("persistence", "impacts"):
-        if name in keep and model == PREDICTION:
-            raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
-    if "persistence" in keep and model not in ("space", "auto"):
-        raise InputError(f"--keep persistence: model {model} cannot turn: --model space")
-    if "printability" in keep and printer is None:
-        raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
+def went(how: Went, words: str = "") -> Record:
+    """Beginning of a record: how a point went, and the same in words."""
+    return {WENT: how, STATUS: words or how.value}
 
 
-def kept(model: str) -> tuple[str, ...]:
-    """Groups of numbers that a model has: of a walker alone KEPT, of a crowd its statistics."""
-    if model != CROWD:
-        return KEPT
-    from walkergen.crowd.statistics.measuring import UNITS
-
-    return tuple(UNITS)
+def refused(error: WalkergenError) -> Record:
+    """Record of a point that cannot be built or simulated."""
+    reason = " ".join(str(error).split())[:300]
+    return went(Went.REFUSED, f"{Went.REFUSED}: {reason}") | {REASON: reason}
 
 
 def key(point: Point) -> str:
@@ -99,7 +90,7 @@ def key(point: Point) -> str:
         sorted(point.keep),
         point.wanted,
         printer,
-        point.crowd,
+        point.kind,
         digest(),
     ]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]

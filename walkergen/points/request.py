@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments
-from walkergen.points import point
+from walkergen.points import kinds
 from walkergen.points.axes import Space
-from walkergen.points.evaluate import refused
-from walkergen.points.point import CROWD, PREDICTION, Point
+from walkergen.points.kinds import Kind
+from walkergen.points.point import ALONE, PREDICTION, Point, refused
 from walkergen.points.run import Asked
 from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
@@ -27,7 +27,7 @@ class Request(NamedTuple):
     scene: Scene
     space: Space
     model: str = PREDICTION
-    """One of `point.MODELS`, or CROWD."""
+    """One of `kinds.EVERY`."""
     keep: tuple[str, ...] = ("speed",)
     wanted: Tolerance | None = None
     printer: Printer | None = None
@@ -35,16 +35,21 @@ class Request(NamedTuple):
     """Data of the design as in its file, where these are known: one that stands as built is turned
     anew when a key is set."""
 
+    @property
+    def kind(self) -> Kind:
+        """What is known of points of this model."""
+        return kinds.named(kinds.kind_of(self.model))
+
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
-        point.check(self.keep, self.model, self.printer)
+        kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(f"--error {self.wanted}: the prediction has no runs: --model compliant")
-        if self.wanted is not None and self.model == CROWD:
+        if self.wanted is not None and not self.kind.MEETS_ERRORS:
             raise InputError(f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
             check(key, f"--set {key}")
-            if self.model != CROWD:
+            if kinds.kind_of(self.model) == ALONE:
                 check_alone(key, f"--set {key}")
         for axis in self.space.axes:
             for value in axis.values:
@@ -56,7 +61,7 @@ class Request(NamedTuple):
         try:
             changed(self.design, self.scene, {key: value}, "--set", self.data)
         except InputError as error:
-            if of_crowds(key) or f"{key} = {value!r}" in str(error):
+            if kinds.of_key(key) or f"{key} = {value!r}" in str(error):
                 raise
 
     def at(self, values: Mapping[str, Any]) -> Asked:
@@ -69,8 +74,8 @@ class Request(NamedTuple):
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = changed(self.design, self.scene, values, data=self.data)
-        if self.model == CROWD:
-            return Point(design, scene, True, (), crowd=True)
+        if (kind := kinds.kind_of(self.model)) != ALONE:
+            return Point(design, scene, True, (), kind=kind)
         if self.model != PREDICTION:
             legs = scene.legs.model_copy(update={"model": self.model})
             scene = scene.model_copy(update={"legs": legs})
@@ -92,14 +97,9 @@ def check(key: str, source: str) -> None:
         assignments.check(bare_key, Scene, source, SCENE)
 
 
-def of_crowds(key: str) -> bool:
-    """Whether a key says something of crowds alone."""
-    return key.startswith(f"{SCENE}crowd.")
-
-
 def check_alone(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
-    if of_crowds(key):
+    if kinds.of_key(key) == "crowd":
         raise InputError(
             f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
             "--model, or with --model crowd, is of crowds"

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.errors import WalkergenError
-from walkergen.points.evaluate import evaluate
+from walkergen.points.kinds import evaluate
 from walkergen.points.point import Point, Record, digest, key
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool

@@ -12,8 +12,7 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.make.design import wish as wishes
 from walkergen.jobs.make.design.box import Box
 from walkergen.jobs.make.design.wish import Seen, Wish
-from walkergen.points.evaluate import refused
-from walkergen.points.point import PREDICTION, STATUS, Point, Record
+from walkergen.points.point import PREDICTION, WENT, Point, Record, Went, refused
 from walkergen.points.request import changed
 from walkergen.points.run import Asked, each
 from walkergen.points.store import Store
@@ -111,7 +110,7 @@ class Trial(NamedTuple):
     @property
     def buildable(self) -> bool:
         """True when it can be built."""
-        return not str(self.record[STATUS]).startswith("refused")
+        return self.record[WENT] != Went.REFUSED
 
     @property
     def printable(self) -> bool:

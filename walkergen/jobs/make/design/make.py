@@ -10,7 +10,8 @@ from walkergen.jobs.make.design import limits, report, search, verify
 from walkergen.jobs.make.design.lab import FRICTION, Bench, Job
 from walkergen.jobs.make.design.report import DesignReport
 from walkergen.jobs.make.design.verify import Verified
-from walkergen.points.point import MODELS, PREDICTION
+from walkergen.points.kinds import MODELS
+from walkergen.points.point import PREDICTION
 from walkergen.scene import Scene
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids

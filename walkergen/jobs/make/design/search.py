@@ -13,7 +13,7 @@ from walkergen.jobs.make.design import lab
 from walkergen.jobs.make.design.lab import Bench, Job, Trial
 from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
-from walkergen.points.point import STATUS
+from walkergen.points.point import REASON, STATUS
 
 Array = npt.NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def _nothing(job: Job, trials: Sequence[Trial]) -> str:
 def _reason(trial: Trial) -> str:
     if trial.buildable and trial.record.get("print_errors"):
         return str(trial.record["print_told"])
-    reason = str(trial.record[STATUS]).removeprefix("refused: ").removeprefix("--vary: ")
+    reason = str(trial.record[REASON] if REASON in trial.record else trial.record[STATUS]).removeprefix("--vary: ")
     return reason if len(reason) <= 160 else reason[:157] + "..."
 
 

@@ -4,7 +4,7 @@ import math
 from typing import Literal, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.points.point import OK, STATUS, Record
+from walkergen.points.point import WENT, Record, Went
 from walkergen.points.tolerance import Tolerance
 
 Quantity = Literal["speed", "persistence length", "turning radius"]
@@ -167,5 +167,4 @@ def bounds(record: Record, of: Quantity) -> tuple[float, float] | None:
 
 def ended_well(record: Record) -> bool:
     """True for a record whose numbers stand, with whatever error."""
-    status = str(record[STATUS])
-    return status == OK or status.startswith("error ")
+    return record[WENT] in (Went.OK, Went.NOT_MET)

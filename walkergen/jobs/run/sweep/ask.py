@@ -4,25 +4,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
-from walkergen.crowd.members import RUNS
 from walkergen.errors import InputError
 from walkergen.files import assignments, columns, templates
 from walkergen.jobs.run.sweep import sweep_file
-from walkergen.points import axes, request
+from walkergen.points import axes, kinds, request
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
-from walkergen.points.point import CROWD, PREDICTION
+from walkergen.points.point import ALONE, PREDICTION
 from walkergen.points.request import SCENE as SCENES
-from walkergen.points.request import Request, check_alone, of_crowds
+from walkergen.points.request import Request, check_alone
 from walkergen.points.tolerance import Tolerance, parse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
-PAPER, LANE, PLANE = "koumakis2016", "lane-90hz", "plane-90hz"
-"""Templates of the design and the scene that a file need not name; PLANE is that of crowds."""
-
-KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
-"""Statistics of crowds that a table has unless asked for others; of a walker alone its speed."""
+PAPER = "koumakis2016"
+"""Template of the design that a file need not name."""
 
 ERROR = parse("5%")
 """Error of simulated speeds unless asked otherwise."""
@@ -46,15 +42,15 @@ class Ask(NamedTuple):
     def request(self) -> Request:
         """Checked request. Raises InputError.
 
-        Simulated speeds meet ERROR unless another is asked for, or the runs are set; crowds have
-        RUNS runs unless these are set.
+        Simulated speeds meet ERROR unless another is asked for, or the runs are set.
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
-        default = None if self.model in (PREDICTION, CROWD) or own_runs else ERROR
-        scene, keep = self.scene, self.keep or (KEPT if self.model == CROWD else ("speed",))
-        if self.model == CROWD and "scene.run.runs" not in keys:
-            scene = scene.variant(**{"run.runs": RUNS})
+        kind = kinds.named(kinds.kind_of(self.model))
+        default = None if self.model == PREDICTION or not kind.MEETS_ERRORS or own_runs else ERROR
+        scene, keep = self.scene, self.keep or kind.KEPT
+        if kind.RUNS is not None and "scene.run.runs" not in keys:
+            scene = scene.variant(**{"run.runs": kind.RUNS})
         request = Request(
             self.design,
             scene,
@@ -66,16 +62,15 @@ class Ask(NamedTuple):
             self.data,
         )
         for key in self.constants:
-            if self.model != CROWD:
+            if kinds.kind_of(self.model) == ALONE:
                 check_alone(key, f"--set {key}")
         request.check()
         return request
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
-        words = {PREDICTION: "predicted", CROWD: "crowds"}
-        model = words.get(self.model, f"model {self.model}")
-        return f"{self.design.name}, {self.scene.name}, {model}"
+        by = kinds.named(kinds.kind_of(self.model)).title(self.model)
+        return f"{self.design.name}, {self.scene.name}, {by}"
 
     def name(self) -> str:
         """Name of the folder, after the design and the keys that vary."""
@@ -127,13 +122,13 @@ def of_file(path: Path) -> Ask:
 
 
 def model_of(model: str | None, keys: Sequence[str]) -> str:
-    """Model of a sweep over these keys where none is named: crowds where a key is theirs."""
-    return model or (CROWD if any(map(of_crowds, keys)) else PREDICTION)
+    """Model of a sweep over these keys where none is named: the kind that a key is of."""
+    return model or next(filter(None, map(kinds.of_key, keys)), PREDICTION)
 
 
 def scene_for(model: str) -> str:
     """Template of the scene where none is named."""
-    return PLANE if model == CROWD else LANE
+    return kinds.named(kinds.kind_of(model)).SCENE
 
 
 def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:

@@ -8,7 +8,7 @@ from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.points import run
 from walkergen.points.measure import FIRST_RUNS
-from walkergen.points.point import CROWD, PREDICTION, Point, Record, key
+from walkergen.points.point import PREDICTION, Point, Record, key
 from walkergen.points.request import Request
 from walkergen.points.run import Asked
 from walkergen.points.store import Store
@@ -63,7 +63,7 @@ def check(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
     if request.model == PREDICTION:
         raise InputError("--budget: predictions have no runs to add: --model compliant, or space")
-    if request.model == CROWD:
+    if not request.kind.MEETS_ERRORS:
         raise InputError("--budget: is for speeds of one walker: set scene.run.runs of crowds")
     if request.space.points > MOST_POINTS:
         raise InputError(f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget")

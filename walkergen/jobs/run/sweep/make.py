@@ -14,7 +14,7 @@ from walkergen.jobs.run.sweep import budget, report, table
 from walkergen.jobs.run.sweep.report import Points, SweepReport
 from walkergen.jobs.run.sweep.table import Table
 from walkergen.points import run
-from walkergen.points.point import digest
+from walkergen.points.point import STATUS, digest
 from walkergen.points.request import Request
 from walkergen.points.run import Asked, Done
 from walkergen.points.store import Store
@@ -95,7 +95,8 @@ def _evaluated(
 
 
 def _names(job: Job) -> tuple[str, ...]:
-    return table.columns(job.request.model, job.request.keep)
+    request = job.request
+    return (*request.kind.columns(request.model, request.keep), STATUS)
 
 
 def _finished(job: Job, folder: Folder) -> SweepReport | None:

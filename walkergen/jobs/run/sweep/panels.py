@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.ticker import MaxNLocator
 
 from walkergen.jobs.run.sweep.scales import Array, Scale, dress, edges
-from walkergen.points.point import OK
+from walkergen.points.point import Went
 
 Mask = npt.NDArray[np.bool_]
 
@@ -84,7 +84,7 @@ class Columns(NamedTuple):
     @property
     def doubtful(self) -> Mask:
         """Points whose number is not to be taken as it is."""
-        doubtful: Mask = np.array([status != OK for status in self.status], dtype=bool)
+        doubtful: Mask = np.array([status != Went.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 
 

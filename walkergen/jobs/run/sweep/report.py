@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from walkergen.files.report import Report, Table
-from walkergen.jobs.run.sweep import table
-from walkergen.jobs.run.sweep.table import Quantity
-from walkergen.points.point import OK, STATUS
+from walkergen.points.kinds import Picture
+from walkergen.points.point import STATUS, WENT, Went
 from walkergen.points.request import Request
 from walkergen.points.run import Done
 
@@ -38,10 +37,8 @@ class Points:
         """Count a point, and keep its row where rows are kept."""
         self.count += 1
         self.stored += done.stored
-        if done.record[STATUS] != OK:
-            name = str(done.record[STATUS]).partition(":")[0].partition(" of ")[0]
-            name = "error not met" if name.startswith("error ") else name
-            self.bad[name] = self.bad.get(name, 0) + 1
+        if (how := str(done.record[WENT])) != Went.OK:
+            self.bad[how] = self.bad.get(how, 0) + 1
         if self.kept:
             self.rows.append((*values, *map(done.record.get, self.names)))
 
@@ -64,14 +61,13 @@ def of(request: Request, title: str, points: Points, warnings: Sequence[str] = (
     """
     keys = request.space.keys
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
-    quantities = table.quantities(request.model, request.keep)
     return SweepReport(
         name="sweep",
         title=title,
         tables=[rows],
         lines=_lines(points),
         facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
-        figures=_figures(rows, keys, quantities),
+        figures=_figures(rows, keys, request.kind.pictures(request.keep)),
         keys=keys,
         warnings=warnings,
     )
@@ -92,8 +88,8 @@ def _lines(points: Points) -> list[str]:
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 
 
-def _figures(rows: Table, keys: Sequence[str], quantities: Sequence[Quantity]) -> "Mapping[str, Callable[[], Figure]]":
-    """What draws each quantity over the keys: lines, a map or clouds.
+def _figures(rows: Table, keys: Sequence[str], pictures: Sequence[Picture]) -> "Mapping[str, Callable[[], Figure]]":
+    """What draws each number over the keys: lines, a map or clouds.
 
     Nothing where no key has two values, or no point the number: there is nothing to compare.
     """
@@ -101,20 +97,20 @@ def _figures(rows: Table, keys: Sequence[str], quantities: Sequence[Quantity]) -
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
         return {}
     return {
-        quantity.name: partial(_draw, rows, keys, quantity)
-        for quantity in quantities
-        if any(value is not None for value in columns[quantity.value])
+        picture.name: partial(_draw, rows, keys, picture)
+        for picture in pictures
+        if any(value is not None for value in columns[picture.value])
     }
 
 
-def _draw(rows: Table, keys: Sequence[str], quantity: Quantity) -> "Figure":
-    """Draw a quantity over the keys."""
+def _draw(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
+    """Draw a number over the keys."""
     from walkergen.jobs.run.sweep import figures
     from walkergen.jobs.run.sweep.panels import Columns
 
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=True))
     unknown = np.full(len(rows), np.nan)
-    low, high = (rows[end] if end in columns else unknown for end in (quantity.low, quantity.high))
+    low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
     values = {key: columns[key] for key in keys}
-    drawn = Columns(values, rows[quantity.value], low, high, columns[STATUS], quantity.label)
+    drawn = Columns(values, rows[picture.value], low, high, columns[STATUS], picture.label)
     return figures.figure(drawn, keys, rows.title)

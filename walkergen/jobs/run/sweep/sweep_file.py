@@ -14,9 +14,9 @@ from pydantic import Field, field_validator
 from walkergen.errors import InputError
 from walkergen.files import config, plain
 from walkergen.files.config import Section
-from walkergen.points import axes, request, tolerance
+from walkergen.points import axes, kinds, request, tolerance
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
-from walkergen.points.point import CROWD, KEPT, MODELS, kept
+from walkergen.points.point import ALONE
 from walkergen.points.tolerance import Tolerance
 
 Table = dict[str, Any]
@@ -55,17 +55,17 @@ class Contents(Section):
     @field_validator("model")
     @classmethod
     def _known_model(cls, name: str | None) -> str | None:
-        if name is not None and name not in (*MODELS, CROWD):
-            every = ", ".join((*MODELS, CROWD))
-            raise ValueError(f"{name[:30]!r}: must be one of {every}")
+        if name is not None and name not in kinds.EVERY:
+            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(kinds.EVERY)}")
         return name
 
     @field_validator("keep")
     @classmethod
     def _known_groups(cls, names: list[str] | None) -> list[str] | None:
         for name in names or ():
-            if name not in KEPT and name not in kept(CROWD):
-                every = f"{', '.join(KEPT)}; of crowds {', '.join(kept(CROWD))}"
+            if not any(name in kinds.named(kind).GROUPS for kind in kinds.KINDS):
+                groups = {kind: ", ".join(kinds.named(kind).GROUPS) for kind in kinds.KINDS}
+                every = "; ".join(f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items())
                 raise ValueError(f"{name[:30]!r}: must be one of {every}")
         return names
 

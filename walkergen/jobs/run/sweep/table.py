@@ -8,14 +8,14 @@ import os
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 from walkergen.errors import InputError, OutputError
 from walkergen.files import reading
 from walkergen.files.columns import cells as cells_of
 from walkergen.files.ledger import flags
 from walkergen.files.tables import csv_text
-from walkergen.points.point import CROWD, PREDICTION, STATUS, Record
+from walkergen.points.point import STATUS, Record
 
 NAME = "table.csv"
 POINT, CHECK = "point", "check"
@@ -23,79 +23,6 @@ POINT, CHECK = "point", "check"
 
 WORDS = ("model", "print_told", STATUS)
 """Columns of a record that hold words."""
-
-SPEED = {
-    False: ("speed_mm_s", "theory_mm_s", "model"),
-    True: (
-        "speed_mm_s",
-        "se_mm_s",
-        "low_95_mm_s",
-        "high_95_mm_s",
-        "step_error_mm_s",
-        "predicted_mm_s",
-        "theory_mm_s",
-        "runs",
-        "seconds",
-        "model",
-    ),
-}
-"""Columns of a predicted speed, and of a simulated one."""
-
-MORE = {
-    "spread": ("predicted_low_95_mm_s", "predicted_high_95_mm_s", "predicted_low_68_mm_s", "predicted_high_68_mm_s"),
-    "persistence": (
-        "persistence_time_s",
-        "persistence_time_se_s",
-        "persistence_length_mm",
-        "persistence_length_se_mm",
-        "rotational_diffusion_rad2_s",
-        "rotational_diffusion_se_rad2_s",
-        "turning_bias_rad_s",
-        "turning_bias_se_rad_s",
-    ),
-    "impacts": ("impacts_per_s", "impacts_per_s_se", "contact_fraction", "contact_fraction_se"),
-    "masses": ("total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"),
-    "printability": ("print_errors", "print_warnings", "print_told"),
-}
-"""Columns of the other groups of numbers."""
-
-
-class Quantity(NamedTuple):
-    """Number of a table that a picture shows, by its columns."""
-
-    name: str
-    """Name of the picture's files."""
-    value: str
-    low: str
-    high: str
-    """Bounds of 95 %."""
-    label: str
-    """Number in words, with its unit."""
-
-
-def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
-    """Columns of the records of a model that keep these groups, the status last."""
-    if model == CROWD:
-        from walkergen.crowd import numbers as crowd_numbers
-
-        statistics = [column for name in keep for column in crowd_numbers.columns(name)]
-        return (*crowd_numbers.SIZE, *statistics, STATUS)
-    more = [name for group in MORE if group in keep for name in MORE[group]]
-    return (*SPEED[model != PREDICTION], *more, STATUS)
-
-
-def quantities(model: str, keep: Sequence[str]) -> tuple[Quantity, ...]:
-    """What pictures of a model's table show: the speed, or each statistic of crowds."""
-    if model != CROWD:
-        return (Quantity("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
-    from walkergen.crowd import numbers as crowd_numbers
-    from walkergen.crowd import tables as crowd_tables
-
-    made = []
-    for name in keep:
-        value, _, low, high = crowd_numbers.columns(name)
-        made.append(Quantity(name, value, low, high, crowd_tables.in_words(name)))
-    return tuple(made)
 
 
 class Table:

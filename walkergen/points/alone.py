@@ -1,11 +1,15 @@
-"""Evaluation of a point: masses, predicted speed, what a simulation says; or those of a crowd."""
+"""Points that are a walker alone: masses, predicted speed, what a simulation says (see `kinds`)."""
+
+from collections.abc import Sequence
 
 from walkergen.analysis.estimates import UNITS
-from walkergen.errors import WalkergenError
+from walkergen.errors import InputError
 from walkergen.points import walkers
-from walkergen.points.point import OK, STATUS, Point, Record
+from walkergen.points.kinds import Picture
+from walkergen.points.point import PREDICTION, Point, Record, Went, went
 from walkergen.points.walkers import Met
 from walkergen.printing import checks
+from walkergen.printing.printers import Printer
 from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.experiments import Results, Walker
@@ -14,31 +18,69 @@ from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 
+GROUPS = ("speed", "spread", "persistence", "impacts", "masses", "printability")
+KEPT, SCENE, RUNS, MEETS_ERRORS = ("speed",), "lane-90hz", None, True
+
 MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
 """Estimates of the group "persistence", by the names of `estimates.UNITS`."""
 
+PREDICTED = "speed_mm_s", "theory_mm_s", "model"
+SIMULATED = (
+    "speed_mm_s",
+    "se_mm_s",
+    "low_95_mm_s",
+    "high_95_mm_s",
+    "step_error_mm_s",
+    "predicted_mm_s",
+    "theory_mm_s",
+    "runs",
+    "seconds",
+    "model",
+)
+"""Columns of a predicted speed, and of a simulated one."""
+
+MORE = {
+    "spread": tuple(f"predicted_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")),
+    "persistence": tuple(f"{name}{se}_{UNITS[name]}" for name in MOTION for se in ("", "_se")),
+    "impacts": ("impacts_per_s", "impacts_per_s_se", "contact_fraction", "contact_fraction_se"),
+    "masses": ("total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"),
+    "printability": ("print_errors", "print_warnings", "print_told"),
+}
+"""Columns of the other groups of numbers."""
+
+
+def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
+    """Refuse groups that do not go with a model. Raises InputError."""
+    for name in ("persistence", "impacts"):
+        if name in keep and model == PREDICTION:
+            raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
+    if "persistence" in keep and model not in ("space", "auto"):
+        raise InputError(f"--keep persistence: model {model} cannot turn: --model space")
+    if "printability" in keep and printer is None:
+        raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
+
+
+def title(model: str) -> str:
+    """By what the numbers come, in words."""
+    return "predicted" if model == PREDICTION else f"model {model}"
+
+
+def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
+    """Columns of records that keep these groups, without the status."""
+    more = [name for group in MORE if group in keep for name in MORE[group]]
+    return (*(PREDICTED if model == PREDICTION else SIMULATED), *more)
+
+
+def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
+    """What pictures of a table show: the speed."""
+    return (Picture("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
+
 
 def evaluate(point: Point) -> Record:
-    """Numbers of a point; one that cannot be built, or simulated, says so in its status."""
-    try:
-        return _evaluated(point)
-    except WalkergenError as error:
-        return refused(error)
-
-
-def refused(error: WalkergenError) -> Record:
-    """Record of a point that cannot be built or simulated: the reason as its status."""
-    return {STATUS: f"refused: {' '.join(str(error).split())[:300]}"}
-
-
-def _evaluated(point: Point) -> Record:
-    if point.crowd:
-        from walkergen.crowd import numbers as crowd_numbers
-
-        return crowd_numbers.evaluate(point)
+    """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    record: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
+    record = _simulated(point, mass) if point.simulated else went(Went.OK)
     if point.predicted:
         row = prediction.predict(design, mass, scene)
         if point.simulated:
@@ -47,8 +89,7 @@ def _evaluated(point: Point) -> Record:
             record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
-            ends = [f"speed_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")]
-            record |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
+            record |= {name: getattr(row, name.replace("predicted", "speed")) for name in MORE["spread"]}
     if "masses" in keep:
         leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
         record |= {
@@ -81,8 +122,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
     if results.partial:
         raise KeyboardInterrupt
     summary, scene = results.summary, results.walker.scene
-    record: Record = {
-        STATUS: _status(summary, met),
+    record = _went(summary, met) | {
         "speed_mm_s": summary.speed_mm_s,
         "se_mm_s": summary.speed_se_mm_s,
         "low_95_mm_s": summary.speed_low_95_mm_s,
@@ -114,18 +154,18 @@ def _motion(results: Results) -> Record:
     return record
 
 
-def _status(summary: Summary, met: Met | None) -> str:
+def _went(summary: Summary, met: Met | None) -> Record:
     """How the runs of a point went."""
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:
-        return f"no speed: {listed(summary.outcomes)}"
+        return went(Went.NO_SPEED, f"{Went.NO_SPEED}: {listed(summary.outcomes)}")
     if bad:
-        return f"some runs ended badly: {listed(bad)}"
+        return went(Went.RUNS_ENDED_BADLY, f"{Went.RUNS_ENDED_BADLY}: {listed(bad)}")
     if Outcome.TOO_FEW.value in summary.outcomes:
-        return "error unknown: too few data; take more runs, or longer ones"
+        return went(Went.NOT_MET, "error unknown: too few data; take more runs, or longer ones")
     if Outcome.ORBIT.value in summary.outcomes:
-        return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
+        return went(Went.NOT_MET, f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not")
     if met is not None and met.error > met.allowed:
-        return f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked"
-    return OK
+        return went(Went.NOT_MET, f"error {met.error:.3g} mm/s, not within the {met.allowed:.3g} asked")
+    return went(Went.OK)
