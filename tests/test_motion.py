@@ -146,23 +146,6 @@ def test_stubs_of_tracks_do_not_pass_for_walkers():
     assert one.se == pytest.approx(alone.se, rel=0.5)
 
 
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        (lambda rng, heading: heading, None),
-        (lambda rng, heading: heading + np.pi * rng.integers(0, 2, len(heading)), "half turn"),
-        (lambda rng, heading: -heading, "mirrored"),
-        (lambda rng, heading: heading + np.pi, "backwards"),
-    ],
-    ids=["sound", "half-turns", "mirrored", "backwards"],
-)
-def test_headings_that_cannot_be_right_are_doubted(change, told):
-    rng, one = np.random.default_rng(1), film(10, 8, 10.0)
-    changed = tuple(t._replace(heading=change(rng, t.heading)) for t in one.tracks)
-    doubts = motion.analyse(one._replace(tracks=changed)).doubts
-    assert doubts == [] if told is None else any(told in doubt for doubt in doubts)
-
-
 @pytest.mark.parametrize(("particles", "frames"), [(1, 3000), (10, 400)])
 def test_lane_speed_covers_the_truth_within_one_track_and_between_many(particles, frames):
     scores = []

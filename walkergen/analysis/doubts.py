@@ -8,7 +8,6 @@ import numpy.typing as npt
 from scipy import special
 
 from walkergen.analysis import moments
-from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.files import words
 
@@ -20,31 +19,17 @@ FLIPPING = 0.01
 CHANCE = 1e-3
 """Probability of a doubt about headings that displacements give by chance (Student's t)."""
 
-MISFIT = 0.01
-"""Probability of a misfit below which the law of the squared displacement is doubted."""
-
 JUMP, LOCAL_JUMP, NEIGHBOURS = 8.0, 10.0, 8
 """Ratio of a jump to what 9 of 10 steps of all walkers stay below, and to the median of as many
 steps of the same walker before it and after it; diffusion alone gives up to 3."""
 
 
-def of(tracks: Tracks, groups: Sequence[Sequence[Track]], fitted: Fitted | None) -> list[str]:
-    """All doubts about tracks, whose independent samples are `groups`, in words."""
+def of(tracks: Tracks) -> list[str]:
+    """All doubts about tracks of a film, in words."""
+    groups, _ = moments.samples(tracks.tracks)
     headed = not tracks.lane and any(track.heading is not None for track in tracks.tracks)
-    poor = fitted is not None and fitted.p_value < MISFIT
-    return [
-        *(_flipping(tracks.tracks) + _turned(groups) if headed else ()),
-        *_jumps(tracks),
-        *_fragments(tracks.tracks),
-        *(
-            (
-                "the squared displacement follows another law: diffusivity, crossover, ballistic speed "
-                "and noise are those of the best fit, see msd.csv",
-            )
-            if poor
-            else ()
-        ),
-    ]
+    of_headings = _flipping(tracks.tracks) + _turned(groups) if headed else []
+    return [*of_headings, *_jumps(tracks), *_fragments(tracks.tracks)]
 
 
 def of_scale(share: float | None) -> str:

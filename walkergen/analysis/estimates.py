@@ -6,13 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.walks import Spread
 from walkergen.files import words
-from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
@@ -88,33 +86,6 @@ TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_
 IN_A_LANE = "along a lane, where direction does not turn"
 HEADINGS_KNOWN = "headings are known: see body_speed"
 """Reasons of refusals that no better film would change; tables leave such lines out."""
-
-
-class Estimate(NamedTuple):
-    """A number with its standard error; both are None when refused, and `reason` then says why."""
-
-    value: float | None
-    se: float | None
-    reason: str = ""
-    freedom: float = math.inf
-    """Degrees of freedom of the error: bounds follow Student's t."""
-    noise: float | None = None
-    """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
-    root: bool = False
-    """True for the root of such a variance."""
-
-    def interval(self, confidence: float) -> tuple[float, float] | None:
-        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1."""
-        if self.value is None or self.se is None:
-            return None
-        if self.noise is not None:
-            tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
-            power = 2 if self.root else 1
-            total = (self.value**power + self.noise) * self.freedom
-            ends = (total / special.chdtri(self.freedom, tail) - self.noise for tail in tails)
-            low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
-            return low, high
-        return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
 
 
 class Frame(NamedTuple):

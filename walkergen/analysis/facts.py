@@ -88,10 +88,12 @@ def _fit(motion: Motion) -> dict[str, float | None] | None:
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
-    return [
-        {name: None if math.isnan(value) else float(value) for name, value in zip(names, point, strict=True)}
-        for point in zip(*curve, strict=True)
-    ]
+    return [dict(zip(names, point, strict=True)) for point in points(curve)]
+
+
+def points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
+    """Points of a curve; None where a number is not known."""
+    return [tuple(None if math.isnan(value) else float(value) for value in point) for point in zip(*curve, strict=True)]
 
 
 def scale_se(number: Quantity, motion: Motion) -> float | None:

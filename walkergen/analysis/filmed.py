@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, tracks
+from walkergen.analysis.speeds import TRACKS
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Columns
@@ -21,8 +22,8 @@ from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 
-TRACKS, PARTICLE = "tracks", "particle"
-"""Columns of a file of tracks, by its name beside the file of speeds, and of a walker in it."""
+PARTICLE = "particle"
+"""Column of a walker in a file of tracks."""
 
 SPEED, ERROR, PLATE = "speed_mm_s", "speed_se_mm_s", "plate_speed_mm_s"
 
@@ -128,7 +129,7 @@ def _film(path: Path) -> _Film:
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
     speeds = {walker.particle: walker.of("speed") for walker in measured.walkers}
     mean = measured.estimates["speed"]
-    notes = [*measured.doubts, doubts.of_scale(read.scale_se), read.note]
+    notes = [*doubts.of(read), *measured.doubts, doubts.of_scale(read.scale_se), read.note]
     return _Film(path, speeds, mean, plates, read.scale_se, [note for note in notes if note])
 
 

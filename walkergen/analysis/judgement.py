@@ -1,4 +1,10 @@
-"""Errors of numbers by the jackknife, and the reasons for which a number is refused."""
+"""Errors of numbers by the jackknife, whether turning lasts, and reasons to refuse a number.
+
+Rates of turning may last for a while: tracks show it, exclude it, or leave it open. Where it is open,
+headings that lose direction late cannot be told from noise of the headings. An exponential would then
+give a persistence too long, with an error that knows nothing of it: so the rate is that of the fit
+with a memory, whose error holds for walkers without one as well.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,9 +25,11 @@ from walkergen.analysis.estimates import (
     TURNING,
     UNITS,
     Frame,
+    evaluate,
     quantity,
     refusal,
 )
+from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
@@ -33,6 +41,10 @@ UNLIKE = 0.05
 
 CHANCE = 5e-3
 """Probability of a number that counts as larger than 0 though it is not (Student's t)."""
+
+
+EXCLUDED = 0.025
+"""Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
 
 
 def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
@@ -56,6 +68,58 @@ def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
     if len(spread) < FEWEST_SAMPLES or not np.isfinite(spread).all():
         return math.nan
     return float(statistics.jackknife_error(spread)[0])
+
+
+def choose(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str, float]]]:
+    """Frame that says what the tracks tell of the memory, and the numbers that it gives.
+
+    `sums` are those of all samples, then of those without each one, and so are the numbers.
+    """
+    if frame.lane or not frame.headed:
+        return frame, numbers(sums, frame)
+    late = frame._replace(memory=True)
+    lasting = numbers(sums, late)
+    memory = measured(lasting, "turning_memory")
+    # Within a sample it cannot be told from less noise of the headings.
+    if resolved(memory) and lasting[0]["turning_memory"] > frame.interval:
+        return late, lasting
+    at_once = numbers(sums, frame)
+    if _shorter(memory, frame.interval):
+        return frame, at_once
+    return frame._replace(memory_open=True), _joined(at_once, lasting)
+
+
+def numbers(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
+    """Numbers of each of the sums, with what `frame` says of the memory."""
+    values = [evaluate(sample, frame) for sample in sums]
+    if not frame.memory_open:
+        return values
+    late = frame._replace(memory=True)
+    return _joined(values, [evaluate(sample, late) for sample in sums])
+
+
+def _shorter(memory: Quantity, seconds: float) -> bool:
+    """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
+    if memory.value is None or memory.se is None:
+        return False
+    errors = float(special.stdtrit(memory.freedom, 1.0 - EXCLUDED))
+    return memory.value + errors * memory.se < seconds
+
+
+def _joined(at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    """Numbers of walkers without memory, but for the persistence, which is that with one.
+
+    The memory itself is there to name a bound.
+    """
+    names = "persistence_rate", "persistence_time", "turning_memory"
+    return [
+        {
+            **plain,
+            **{name: late[name] for name in names},
+            "persistence_length": abs(plain["speed"]) * late["persistence_time"],
+        }
+        for plain, late in zip(at_once, lasting, strict=True)
+    ]
 
 
 def judge(

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import between, doubts, estimates, judgement, lagged, memory, moments, spreads, turning
+from walkergen.analysis import between, estimates, judgement, lagged, moments, spreads, turning
 from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
@@ -30,6 +30,8 @@ Array = npt.NDArray[np.float64]
 
 FITTED = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
+MISFIT = 0.01
+"""Probability of a misfit below which the law of the squared displacement is doubted."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
 
@@ -57,7 +59,7 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """Reasons to doubt the tracks, or what they mean for a number."""
+    """Reasons to doubt what a number means; those to doubt tracks of a film are in `doubts`."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     exponent: Curve
@@ -161,7 +163,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
     )
-    frame, numbers = memory.choose(both, frame)
+    frame, numbers = judgement.choose(both, frame)
     longest = length // FITTED
     numbers, fit = _with_fit(numbers, both, frame, longest)
     alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], mean_steps)
@@ -173,7 +175,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
-    unlike = memory.numbers(without_one, frame)
+    unlike = judgement.numbers(without_one, frame)
     judged = judgement.judge(
         numbers[0],
         numbers[1:],
@@ -199,7 +201,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=doubts.of(tracks, groups, fit) + _unlike(judged),
+        doubts=[*_poor(fit), *_unlike(judged)],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
@@ -324,6 +326,15 @@ def _mean_of_roots(judged: Mapping[str, Quantity], scatter: Quantity) -> Mapping
         return {}
     speed = speed._replace(value=math.sqrt(speed.value**2 - scatter.value**2))
     return {"speed": speed, "motion_speed": speed}
+
+
+def _poor(fit: Fitted | None) -> list[str]:
+    if fit is None or not fit.p_value < MISFIT:
+        return []
+    return [
+        "the squared displacement follows another law: diffusivity, crossover, ballistic speed "
+        "and noise are those of the best fit, see msd.csv"
+    ]
 
 
 def _unlike(judged: Mapping[str, Quantity]) -> list[str]:

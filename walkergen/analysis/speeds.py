@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import filmed
 from walkergen.errors import InputError
 from walkergen.files import columns
 from walkergen.walker.limbs import KINDS, Kind
@@ -24,6 +23,9 @@ LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_spe
 SLOWEST, FASTEST = 0.005, 50.0
 """Largest speed of a file over the plate's, below and above which its unit is another: walkers
 run at a twentieth to three times the plate's speed, and m/s or µm/s are a thousand times off."""
+
+TRACKS = "tracks"
+"""Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
 
 SAME_PLATE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
@@ -60,7 +62,9 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     of_films: tuple[str, ...] = ()
-    if filmed.TRACKS in columns.header(path):
+    if TRACKS in columns.header(path):
+        from walkergen.analysis import filmed
+
         more = (filmed.SPEED, filmed.PARTICLE)
         table = columns.read(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
         table, of_films = filmed.with_speeds(path, table)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import delay, motion, relaxation, tracks
+from walkergen.analysis import delay, doubts, motion, relaxation, tracks
 from walkergen.analysis.delay import Delay
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.relaxation import Relaxation
@@ -117,7 +117,7 @@ def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     rotation = moved.estimates["rotational_diffusion"]
     turning = relaxation.turning(own, exact, rotation)
     leaning = relaxation.leaning(own, velocity.time.value or 0.0)
-    doubts = () if exact else tuple(moved.doubts)
+    reasons = () if exact else (*doubts.of(own), *moved.doubts)
     return Measured(
         moved,
         velocity,
@@ -127,7 +127,7 @@ def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
         leaning,
         own.interval,
         len(own.tracks),
-        (*notes, *doubts),
+        (*notes, *reasons),
     )
 
 

@@ -1,18 +1,16 @@
 """Report of measured motion: estimates, each walker, speeds by plate speed, and curves."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from walkergen.analysis import facts
+from walkergen.analysis import doubts, facts
 from walkergen.analysis.between import Alone
-from walkergen.analysis.doubts import of_scale
 from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, WRITTEN, with_error
 from walkergen.analysis.facts import OF_WALKERS
-from walkergen.analysis.motion import Array, Motion
+from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks
 from walkergen.files import words
 from walkergen.files.report import Column, Report, Table
@@ -72,7 +70,8 @@ AT_PLATES = ("plate_speed_mm_s", *SPEED, "speed_scale_se_mm_s", "refused")
 def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
     """Report of the motion of tracks, of a file called `title`."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
-    lines = [motion.method, fit, *motion.doubts, of_scale(motion.scale_se), tracks.note]
+    reasons = [*doubts.of(tracks), *motion.doubts, doubts.of_scale(motion.scale_se)]
+    lines = [motion.method, fit, *reasons, tracks.note]
     notes = [f"{line}." for line in lines if line]
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
     hidden = len(motion.walkers) - MOST_WALKERS
@@ -187,16 +186,11 @@ def _curves(motion: Motion) -> Iterator[Table]:
     """Tables of the curves, for CSV and Python alone."""
     squared = (*motion.msd, facts.scale_errors(motion), *motion.exponent[1:])
     keys = ("lag_s", "msd_mm2", "se_mm2", "scale_se_mm2", "exponent", "exponent_se")
-    yield Table("msd", _points(squared), keys)
-    yield Table("correlation", _points(motion.correlation), ("lag_s", "value", "se"))
+    yield Table("msd", facts.points(squared), keys)
+    yield Table("correlation", facts.points(motion.correlation), ("lag_s", "value", "se"))
     sides = {"parallel": motion.parallel, "orthogonal": motion.orthogonal}
-    rows = [(name, *point) for name, curve in sides.items() for point in _points(curve)]
+    rows = [(name, *point) for name, curve in sides.items() for point in facts.points(curve)]
     yield Table("density", rows, ("direction", "mm", "density_per_mm", "se_per_mm"))
-
-
-def _points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
-    """Points of a curve; None where a number is not known."""
-    return [tuple(None if math.isnan(value) else float(value) for value in point) for point in zip(*curve, strict=True)]
 
 
 def _drawn(motion: Motion) -> Iterator[str]:
