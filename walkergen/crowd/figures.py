@@ -1,7 +1,8 @@
 """Figures of what a crowd did, the same for films and for simulations."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,199 +10,141 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.motion import Curve
 from walkergen.crowd.statistics.measuring import CrowdStatistics
-from walkergen.files.figures import SERIES, SMALLEST, axes_of, logarithmic, panels_of, style
-
-GREY = "0.6"
-"""Colour of what walkers at random would do."""
+from walkergen.files import figures as plots
+from walkergen.files.figures import GREY, INK, SERIES, SMALLEST, Look, axes_of, panels_of, style
 
 MOST_MARKED = 40
 """Most points of a curve that have markers and bars; of longer ones the error is a band."""
 
 
+class Panel(NamedTuple):
+    """Panel of a figure: curves of one kind."""
+
+    label: str
+    height: float
+    """Inches."""
+    names: tuple[str, ...]
+    """Curves, those of which the crowd has are drawn."""
+    chance: float | None = None
+    """What walkers at random would have."""
+
+
+COURSE = (
+    Panel("order", 1.5, ("polar_order", "nematic_order", "local_polar_order", "milling")),
+    Panel("share of walkers", 1.5, ("largest_cluster", "alone")),
+    Panel("speed (mm/s)", 1.5, ("speed", "wall_speed")),
+)
+PAIRS = (
+    Panel("pair correlation g", 2.0, ("g",), 1.0),
+    Panel("alignment of pairs", 1.4, ("polar_correlation", "nematic_correlation"), 0.0),
+)
+WALLS = (
+    Panel("density / mean", 1.3, ("wall_density",), 1.0),
+    Panel("speed (mm/s)", 1.3, ("wall_speed",)),
+    Panel("along the wall", 1.3, ("wall_alignment",), 0.0),
+)
+
+
 def figures(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
     """What draws each figure that the crowd has, by the stems of their files."""
-    return {
-        name: partial(draw, statistics, title)
-        for name, (needs, draw) in FIGURES.items()
-        if needs in statistics.series or _rises(statistics, needs)
+    curves = statistics.curves
+    draws: dict[str, tuple[str, Callable[[], Figure]]] = {
+        "crowd_pairs": ("g", partial(_stacked, curves, title, "distance of centres (mm)", PAIRS)),
+        "crowd_fluctuations": ("fluctuations", partial(_fluctuations, curves, title)),
+        "crowd_msd": ("msd", partial(_msd, curves, title)),
+        "crowd_walls": (
+            "wall_density",
+            partial(_stacked, curves, title, "distance of the centre from the wall (mm)", WALLS),
+        ),
+        "crowd_clusters": ("cluster_shares", partial(_clusters, curves, title)),
+        "crowd_packing": ("local_packing", partial(_packing, statistics, title)),
     }
+    course = {"crowd_course": partial(_stacked, statistics.series, title, "time (s)", COURSE)}
+    return course | {name: draw for name, (needs, draw) in draws.items() if needs in curves and _rises(curves[needs])}
 
 
-def _rises(statistics: CrowdStatistics, needs: str) -> bool:
+def _rises(curve: Curve) -> bool:
     """Whether a curve has points above 0 enough to be drawn, on a logarithmic axis as well."""
-    return needs in statistics.curves and int((statistics.curves[needs].value > 0).sum()) > 1
+    return int((curve.value > 0).sum()) > 1
 
 
 @style()
-def course_figure(statistics: CrowdStatistics, title: str) -> Figure:
-    """Draw order of headings and clusters against time."""
-    groups = [
-        ("order", ("polar_order", "nematic_order", "local_polar_order", "milling")),
-        ("share of walkers", ("largest_cluster", "alone")),
-        ("speed (mm/s)", ("speed", "wall_speed")),
-    ]
-    shown = [(label, [name for name in names if name in statistics.series]) for label, names in groups]
-    shown = [(label, names) for label, names in shown if names]
-    figure, panels = panels_of(title, [1.5] * len(shown))
-    for axes, (label, names) in zip(panels, shown, strict=True):
-        for number, name in enumerate(names):
-            _draw(axes, statistics.series[name], number, name.replace("_", " "))
-        axes.set_ylabel(label)
+def _stacked(curves: Mapping[str, Curve], title: str, at: str, panels: Sequence[Panel]) -> Figure:
+    """Draw curves over one axis in panels, those that there are."""
+    shown = [panel._replace(names=tuple(name for name in panel.names if name in curves)) for panel in panels]
+    shown = [panel for panel in shown if panel.names]
+    figure, grid = panels_of(title, [panel.height for panel in shown])
+    for axes, panel in zip(grid, shown, strict=True):
+        for look, name in zip(SERIES, panel.names, strict=False):
+            _draw(axes, curves[name], look, name.replace("_", " ") if len(panel.names) > 1 else "")
+        if panel.chance is not None:
+            plots.level(axes, panel.chance)
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-        axes.margins(x=0)
-        axes.legend(ncols=2, loc="best")
-    panels[-1].set_xlabel("time (s)")
+        if len(panel.names) > 1:
+            axes.legend(ncols=2, loc="best")
+        plots.name(axes, y=panel.label)
+    grid[-1].set_xlim(left=0)
+    plots.name(grid[-1], at)
     return figure
 
 
 @style()
-def pairs_figure(statistics: CrowdStatistics, title: str) -> Figure:
-    """Draw the pair correlation and, below, how alike headings are, by distance."""
-    alike = [name for name in ("polar_correlation", "nematic_correlation") if name in statistics.curves]
-    figure, panels = panels_of(title, [2.0, 1.4][: 1 + bool(alike)])
-    _draw(panels[0], statistics.curves["g"], 0, "")
-    panels[0].axhline(1.0, color=GREY, lw=0.8, zorder=0)
-    panels[0].set_ylabel("pair correlation g")
-    panels[0].set_ylim(bottom=0)
-    for number, name in enumerate(alike):
-        _draw(panels[1], statistics.curves[name], number, name.split("_")[0])
-    if alike:
-        panels[1].axhline(0.0, color=GREY, lw=0.8, zorder=0)
-        panels[1].set_ylabel("alignment of pairs")
-        panels[1].legend()
-    panels[-1].set_xlabel("distance of centres (mm)")
-    panels[-1].set_xlim(left=0)
-    return figure
-
-
-@style()
-def fluctuations_figure(statistics: CrowdStatistics, title: str) -> Figure:
+def _fluctuations(curves: Mapping[str, Curve], title: str) -> Figure:
     """Draw the standard deviation of the number of walkers in boxes against its mean."""
     figure, axes = axes_of(title)
-    mean, variance, se = statistics.curves["fluctuations"]
-    use = variance > 0
-    deviation = np.sqrt(variance[use])
-    error = np.nan_to_num(se[use]) / (2.0 * deviation)
-    colour, _, marker = SERIES[0]
-    axes.errorbar(mean[use], deviation, error, fmt=marker, color=colour, label="measured")
-    fine = np.array([mean[use].min(), mean[use].max()])
-    axes.plot(fine, np.sqrt(fine), "--", color=GREY, label="at random: mean$^{1/2}$", zorder=0)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
-    axes.set_xlabel("mean number of walkers in a box")
-    axes.set_ylabel("standard deviation with time")
+    mean, variance, se = (part[curves["fluctuations"].value > 0] for part in curves["fluctuations"])
+    deviation = np.sqrt(variance)
+    plots.points(axes, (mean, deviation, se / (2.0 * deviation)), label="measured")
+    ends = np.array([mean.min(), mean.max()])
+    axes.plot(ends, np.sqrt(ends), "--", color=GREY, label="at random: mean$^{1/2}$", zorder=0)
     axes.legend()
+    plots.name(axes, "mean number of walkers in a box", "standard deviation with time", log="xy")
     return figure
 
 
 @style()
-def msd_figure(statistics: CrowdStatistics, title: str) -> Figure:
+def _msd(curves: Mapping[str, Curve], title: str) -> Figure:
     """Draw the mean squared displacement by lag."""
     figure, axes = axes_of(title)
-    lag, squares, se = statistics.curves["msd"]
-    use = squares > 0
-    colour, _, marker = SERIES[0]
-    axes.errorbar(lag[use], squares[use], np.nan_to_num(se[use]), fmt=marker, color=colour)
-    for power, at, words in ((2, 0, "slope 2"), (1, -1, "slope 1")):
-        line = squares[use][at] * (lag[use] / lag[use][at]) ** power
-        axes.plot(lag[use], line, (":", "--")[power - 1], color=GREY, label=words, zorder=0)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    logarithmic(axes.xaxis)
-    logarithmic(axes.yaxis)
-    axes.set_xlabel("lag (s)")
-    axes.set_ylabel("mean squared displacement (mm²)")
+    lag, squares, se = (part[curves["msd"].value > 0] for part in curves["msd"])
+    plots.points(axes, (lag, squares, se))
+    for power, at, line in ((2, 0, ":"), (1, -1, "--")):
+        axes.plot(lag, squares[at] * (lag / lag[at]) ** power, line, color=GREY, label=f"slope {power}", zorder=0)
     axes.legend()
+    plots.name(axes, "lag (s)", "mean squared displacement (mm²)", log="xy")
     return figure
 
 
 @style()
-def walls_figure(statistics: CrowdStatistics, title: str) -> Figure:
-    """Draw density, speed and alignment against the distance from the wall."""
-    shown = [
-        (name, label, chance)
-        for name, label, chance in (
-            ("wall_density", "density / mean", 1.0),
-            ("wall_speed", "speed (mm/s)", None),
-            ("wall_alignment", "along the wall", 0.0),
-        )
-        if name in statistics.curves
-    ]
-    figure, panels = panels_of(title, [1.3] * len(shown))
-    for axes, (name, label, chance) in zip(panels, shown, strict=True):
-        _draw(axes, statistics.curves[name], 0, "")
-        if chance is not None:
-            axes.axhline(chance, color=GREY, lw=0.8, zorder=0)
-        axes.set_ylabel(label)
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    panels[-1].set_xlim(left=0)
-    panels[-1].set_xlabel("distance of the centre from the wall (mm)")
-    return figure
-
-
-@style()
-def clusters_figure(statistics: CrowdStatistics, title: str) -> Figure:
+def _clusters(curves: Mapping[str, Curve], title: str) -> Figure:
     """Draw the share of walkers in clusters of each octave of sizes."""
     figure, axes = axes_of(title)
-    sizes, shares, se = statistics.curves["cluster_shares"]
+    sizes, shares, se = curves["cluster_shares"]
     at = range(len(sizes))
-    axes.bar(at, shares, color=SERIES[5][0], yerr=np.nan_to_num(se), ecolor="0.3", capsize=2)
+    axes.bar(at, shares, color=SERIES[5].colour, yerr=np.nan_to_num(se), ecolor=INK, capsize=2)
     names = [f"{int(size)}" if size == 1 else f"{int(size)}–{2 * int(size) - 1}" for size in sizes]
     axes.set_xticks(at, names, fontsize=SMALLEST, rotation=45 if len(names) > 7 else 0)
-    axes.set_xlabel("walkers in a cluster")
-    axes.set_ylabel("share of the walkers")
+    plots.name(axes, "walkers in a cluster", "share of the walkers")
     return figure
 
 
 @style()
-def packing_figure(statistics: CrowdStatistics, title: str) -> Figure:
+def _packing(statistics: CrowdStatistics, title: str) -> Figure:
     """Draw the probability density of the local packing."""
     figure, axes = axes_of(title)
-    _draw(axes, statistics.curves["local_packing"], 0, "")
-    packing = statistics.numbers["packing"].value
-    if packing is not None:
-        axes.axvline(packing, color=GREY, lw=0.8, zorder=0)
-        axes.annotate(
-            " of the dish", (packing, 0.95), xycoords=("data", "axes fraction"), color="0.3", fontsize=SMALLEST
-        )
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.set_xlabel("packing in a box")
-    axes.set_ylabel("probability density")
+    _draw(axes, statistics.curves["local_packing"], SERIES[0], "")
+    if (packing := statistics.numbers["packing"].value) is not None:
+        plots.level(axes, packing, upright=True)
+        place = (packing, 0.95)
+        axes.annotate(" of the dish", place, xycoords=("data", "axes fraction"), color=INK, fontsize=SMALLEST)
+    axes.set(xlim=(0, None), ylim=(0, None))
+    plots.name(axes, "packing in a box", "probability density")
     return figure
 
 
-FIGURES: Mapping[str, tuple[str, Callable[[CrowdStatistics, str], Figure]]] = {
-    "crowd_course": ("speed", course_figure),
-    "crowd_pairs": ("g", pairs_figure),
-    "crowd_fluctuations": ("fluctuations", fluctuations_figure),
-    "crowd_msd": ("msd", msd_figure),
-    "crowd_walls": ("wall_density", walls_figure),
-    "crowd_clusters": ("cluster_shares", clusters_figure),
-    "crowd_packing": ("local_packing", packing_figure),
-}
-"""Figures by the stems of their files, with the series or curve that each needs."""
-
-
-def _draw(axes: Axes, curve: Curve, number: int, label: str) -> None:
+def _draw(axes: Axes, curve: Curve, look: Look, label: str) -> None:
     """Draw a curve with its errors, as bars or, of a long one, as a band."""
-    colour, line, marker = SERIES[number]
     if len(curve.at) <= MOST_MARKED:
-        errors = np.nan_to_num(curve.se)
-        axes.errorbar(
-            curve.at,
-            curve.value,
-            errors,
-            fmt=marker,
-            ls=line,
-            color=colour,
-            markersize=3.0,
-            elinewidth=0.8,
-            label=label or None,
-        )
-        return
-    axes.plot(curve.at, curve.value, ls=line, color=colour, lw=0.9, label=label or None)
-    low, high = curve.value - curve.se, curve.value + curve.se
-    axes.fill_between(curve.at, low, high, color=colour, alpha=0.25, lw=0)
+        plots.points(axes, curve, look, label, joined=True)
+    else:
+        plots.curve(axes, curve, look, label)
