@@ -6,12 +6,12 @@ import sys
 import numpy as np
 import pytest
 
-from walkergen.analysis.values import Value
 from walkergen.files import templates
 from walkergen.jobs.make.check import make as checks
 from walkergen.jobs.trust.reproduce import mechanisms
 from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.sweeps import Point
+from walkergen.jobs.trust.reproduce.runs import Point
+from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
@@ -115,24 +115,21 @@ def test_rotator_turns_on_the_spot_and_its_mirror_image_the_other_way():
     assert abs(right.mean() + left.mean()) < 4.0 * error
 
 
-def beside(speed, theory=5.0):
-    point = Point("measured", "space", 0.0, 31.0, speed, None, {}, 0, "")
-    return Mechanism("x", "y", Design(), Value(theory, 1.0), "balance", point)
-
-
 @pytest.mark.parametrize(
     ("speed", "theory", "direction"),
     [
-        (Value(4.0, 1.0), 5.0, "same"),
-        (Value(-4.0, 1.0), 5.0, "opposite"),
-        (Value(-4.0, 1.0), -5.0, "same"),
-        (Value(1.9, 1.0), 5.0, "undecided"),
+        (4.0, 5.0, "same"),
+        (-4.0, 5.0, "opposite"),
+        (-4.0, -5.0, "same"),
+        (1.9, 5.0, "undecided"),
         (None, 5.0, "undecided"),
-        (Value(4.0, 1.0), 0.0, "undecided"),
+        (4.0, 0.0, "undecided"),
     ],
 )
-def test_directions_are_judged_by_two_errors(speed, theory, direction):
-    assert beside(speed, theory).direction == direction
+def test_directions_are_judged_by_the_bounds_of_the_simulated_speed(speed, theory, direction):
+    own, expected = Quantity("speed", "mm_s", speed, 1.0), Quantity("theory", "mm_s", theory, 1.0)
+    point = Point(None, "space", 0.0, 31.0, own, own, {}, 0, "")
+    assert Mechanism("x", Design(), expected, "balance", point).direction == direction
 
 
 def test_the_mechanisms_are_those_of_the_paper():

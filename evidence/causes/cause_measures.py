@@ -1,6 +1,5 @@
 """What evidence.causes.causes measures of the paper's walker, on its plate with one thing changed."""
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -8,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.analysis import landings
-from walkergen.analysis.values import mean
 from walkergen.files import templates
-from walkergen.jobs.trust.reproduce import plane
+from walkergen.jobs.trust.reproduce import motion
 from walkergen.lab import drops, resting
 from walkergen.numerics import kernels
+from walkergen.numerics.quantity import Quantity, mean
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.model import Plan
@@ -99,21 +98,17 @@ def kicked(plan: Plan, ratio: float, shift: float) -> Callable[[World, State, fl
     return advance
 
 
-Quantities = Iterator[tuple[str, float, float]]
-"""Names, values and standard errors."""
-
-
 def runs_of(plan: Plan, impacts: bool = False, interval: float | None = None) -> list[RunResult]:
     """Runs that ended well, one after another on one core."""
     results = ensemble.run(plan, lambda *_: None, 1, impacts, interval)
     return [result for result in results if result.outcome in ENDED_WELL]
 
 
-def fast(one: Setting, label: float) -> Quantities:
+def fast(one: Setting, label: float) -> Iterator[Quantity]:
     """Speed at 10 deg, mm/s, and share of types II and III among its landings."""
     results = runs_of(plan_of(one, label, 10.0, 12, 3.0), impacts=True)
-    yield "speed", *mean([result.speed for result in results])
-    yield "types", *mean([_usual(result) for result in results])
+    yield mean("speed", "mm_s", [result.speed for result in results])
+    yield mean("types", "", [_usual(result) for result in results])
 
 
 def _usual(result: RunResult) -> float:
@@ -123,7 +118,7 @@ def _usual(result: RunResult) -> float:
     return float(np.isin(kinds, (Kind.II, Kind.III)).mean())
 
 
-def bounce(one: Setting, label: float) -> Quantities:
+def bounce(one: Setting, label: float) -> Iterator[Quantity]:
     """Rebound of drops by 1 mm at 10 deg: level, and turned by up to 1 mrad, a print a drop."""
     plan = plan_of(one, label, 10.0, 1, 1.0)
     plan = resting.plan_of(plan.scene, plan.case.design)
@@ -131,35 +126,34 @@ def bounce(one: Setting, label: float) -> Quantities:
     for name, starts in (("level", np.zeros((4, 2))), ("rebound", turns)):
         lets = [drops.Let(1.0, pitch, roll, number) for number, (pitch, roll) in enumerate(starts.tolist())]
         ratios = [drops.rebound(plan, let).ratio for let in lets]
-        yield name, *mean([ratio for ratio in ratios if ratio is not None])
+        yield mean(name, "", [ratio for ratio in ratios if ratio is not None])
 
 
-def onset(one: Setting, label: float) -> Quantities:
+def onset(one: Setting, label: float) -> Iterator[Quantity]:
     """Speed at 15 deg over the plate's, over that at the largest acceleration: 1 on a line."""
     plans = [plan_of(one, label, 15.0, 8, 3.0, gamma) for gamma in GAMMAS]
-    pairs = [mean([result.speed for result in runs_of(plan)]) for plan in plans]
-    top, top_se = pairs[-1]
-    for gamma, (speed, se) in zip(GAMMAS[:-1], pairs[:-1], strict=True):
-        scale = GAMMAS[-1] / gamma / top
-        yield f"line {gamma:g}", scale * speed, abs(scale) * math.hypot(se, speed / top * top_se)
+    speeds = [mean("speed", "mm_s", [result.speed for result in runs_of(plan)]) for plan in plans]
+    for gamma, speed in zip(GAMMAS[:-1], speeds[:-1], strict=True):
+        share, scale = speed.over(speeds[-1]), GAMMAS[-1] / gamma
+        yield Quantity(f"line {gamma:g}", "", scale * (share.value or 0.0), scale * (share.se or 0.0))
 
 
-def slow(one: Setting, label: float) -> Quantities:
+def slow(one: Setting, label: float) -> Iterator[Quantity]:
     """Speed at 35 deg, crossover (s), exponent of the squared displacement at 1 s, turning rate."""
-    results = runs_of(plan_of(one, label, 35.0, 12, SLOW_S), interval=plane.INTERVAL)
-    found = plane.measured("", 35.0, results)
-    if found is None:
+    results = runs_of(plan_of(one, label, 35.0, 12, SLOW_S), interval=motion.INTERVAL)
+    runs = motion.of("", 35.0, results)
+    if runs is None:
         return
-    curve = found.growth.exponents
-    yield "slow speed", *found.speed
-    yield "crossover", *(found.growth.crossover or (math.nan, math.nan))
+    curve = runs.growth.exponents
+    yield runs.speed._replace(key="slow speed")
+    yield runs.growth.crossover
     second = int(np.abs(np.log(curve.at)).argmin())
-    yield "exponent", float(curve.value[second]), float(curve.se[second])
-    headings = [track.heading for track in found.tracks.tracks if track.heading is not None]
-    yield "turning", *mean([abs(float(each[-1] - each[0])) / SLOW_S for each in headings])
+    yield Quantity("exponent", "", float(curve.value[second]), float(curve.se[second]))
+    headings = [track.heading for track in runs.tracks.tracks if track.heading is not None]
+    yield mean("turning", "rad_s", [abs(float(each[-1] - each[0])) / SLOW_S for each in headings])
 
 
-MEASURES: dict[str, tuple[Callable[[Setting, float], Quantities], str]] = {
+MEASURES: dict[str, tuple[Callable[[Setting, float], Iterator[Quantity]], str]] = {
     "fast": (fast, "types"),
     "bounce": (bounce, "rebound"),
     "onset": (onset, "line 1.8"),

@@ -28,6 +28,7 @@ import numpy as np
 from evidence.causes.cause_measures import GAMMAS, MEASURES, Setting
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
+from walkergen.numerics.quantity import Quantity
 from walkergen.scene import PAPER_CONTACT
 
 LABELS = (PAPER_CONTACT.restitution, 0.5, 0.8)
@@ -127,6 +128,12 @@ class Row(NamedTuple):
     value: float
     se: float
 
+    @classmethod
+    def of(cls, one: Setting, label: float, quantity: Quantity) -> "Row":
+        """Row of a quantity; NaN where there is none."""
+        numbers = (math.nan if number is None else number for number in (quantity.value, quantity.se))
+        return cls(kernels.digest(), one.cause, one.size, label, quantity.key, *numbers)
+
 
 def wanted(one: Setting) -> list[tuple[str, float]]:
     """Measures of a setting and their labels."""
@@ -146,7 +153,7 @@ def measured(one: Setting, known: Sequence[Row], path: Path) -> Iterator[Row]:
         if (label, last) in have:
             continue
         started = time.perf_counter()
-        rows = [Row(kernels.digest(), one.cause, one.size, label, *each) for each in measure(one, label)]
+        rows = [Row.of(one, label, quantity) for quantity in measure(one, label)]
         text = csv_text(Row._fields, rows)
         with path.open("a", encoding="utf-8", newline="") as stream:
             stream.write(text.partition("\n")[2] if stream.tell() else text)

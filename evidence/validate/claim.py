@@ -2,96 +2,97 @@
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
-from walkergen.jobs.trust.published import TIMES, Fact, judge
+from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.numerics.quantity import exact as number
 
-Bound = Literal["", "<", ">"]
-Word = Literal["agree", "undecided", "disagree", "fitted", "not run"]
+FITTED = "fitted"
 
-VERDICTS: dict[Word, str] = {
-    "agree": "within the distance allowed",
-    "undecided": "within it, but the errors reach beyond what the paper's statement allows",
-    "disagree": "outside it, with what we take for the reason",
-    "fitted": "within it, by a number that was chosen for it: no test",
-    "not run": "what it needs is not installed here: nothing is claimed",
+WORDS = {
+    Verdict.AGREE.value: "all of its bounds of 95 % lie within what is allowed",
+    Verdict.UNDECIDED.value: "its bounds reach over an end of what is allowed",
+    Verdict.DISAGREE.value: "they lie outside it, with what we take for the reason",
+    FITTED: "not outside it, by a number that was chosen for it: no test",
+    Verdict.MISSING.value: "what it needs is not installed here: nothing is claimed",
 }
+"""Words on claims, in the order of the page, and what they mean."""
 
 
 class Claim(NamedTuple):
     """Prediction of walkergen beside a number from outside."""
 
-    group: str
     quantity: str
-    unit: str
-    ours: float | None
-    """Number of walkergen; None where it was not made."""
-    ours_se: float | None
-    """Standard error of it; None for a number without chance."""
-    theirs: float | None
-    theirs_se: float | None
-    margin: float
-    """Distance that is allowed whatever the errors: a tolerance, or the reading of a statement."""
+    ours: Quantity
+    """Number of walkergen; without a value where it was not made, with the reason."""
+    theirs: Quantity
+    below: float
+    """Distance by which ours may lie below theirs whatever the errors; infinite where a bound is stated."""
+    above: float
     margin_reason: str
     source: str
-    why: str
+    why: str = ""
     """Reason why the two differ; of an agreement, what it does not show."""
-    bound: Bound = ""
-    """Side on which the statement puts our number: "<" below `theirs`, ">" above it."""
     fitted: bool = False
     """True where a number of walkergen was chosen so that the two agree."""
-    fact: Fact | None = None
-    """Statement of the paper that it is about: `published.judge` says how the two relate."""
-    missing: str = ""
-    """Reason why the claim was not put to the test; "" when it was."""
+    group: str = ""
+
+    @property
+    def missing(self) -> str:
+        """Reason why the claim was not put to the test; "" when it was."""
+        return self.ours.refused if self.ours.value is None else ""
+
+    @property
+    def bound(self) -> str:
+        """Side on which the statement puts our number: "<" below `theirs`, ">" above it, "" at it."""
+        return "<" if math.isinf(self.below) else ">" if math.isinf(self.above) else ""
+
+    @property
+    def margin(self) -> float:
+        """Distance that is allowed, of a bound on its wrong side."""
+        return self.above if self.bound == "<" else self.below if self.bound == ">" else max(self.below, self.above)
+
+    @property
+    def difference(self) -> Quantity:
+        """Ours less theirs, with its error."""
+        return self.ours.less(self.theirs)
 
     @property
     def gap(self) -> float | None:
         """Ours less theirs; 0 on the side of a bound where ours belongs."""
-        if self.ours is None or self.theirs is None:
+        gap = self.difference.value
+        if gap is None:
             return None
-        gap = self.ours - self.theirs
         return max(gap, 0.0) if self.bound == "<" else min(gap, 0.0) if self.bound == ">" else gap
-
-    @property
-    def error(self) -> float:
-        """Standard error of the gap; 0 without errors."""
-        return math.hypot(self.ours_se or 0.0, self.theirs_se or 0.0)
 
     @property
     def z(self) -> float | None:
         """Gap over its standard error; None without one, or on the right side of a bound."""
-        if not self.gap and (self.bound or self.gap is None):
-            return None
-        return self.gap / self.error if self.error and self.gap is not None else None
-
-    @property
-    def allowed(self) -> float:
-        """Largest gap that agrees."""
-        return self.margin + TIMES * self.error
+        error = self.difference.se
+        return self.gap / error if error and self.gap is not None and (self.gap or not self.bound) else None
 
     @property
     def gap_over_allowed(self) -> float | None:
-        """Within -1..1 where the two agree; infinite for no finite gap."""
+        """Gap over the margin and half of the bounds of 95 %: beyond -1..1 where the two disagree."""
         if self.gap is None:
             return None
         if not math.isfinite(self.gap):
             return math.inf
-        if self.gap == 0.0:
-            return 0.0
-        return self.gap / self.allowed if self.allowed else math.copysign(math.inf, self.gap)
+        low, high = self.difference.interval() or (0.0, 0.0)
+        allowed = (self.above if self.gap > 0.0 else self.below) + 0.5 * (high - low)
+        return 0.0 if self.gap == 0.0 else self.gap / allowed if allowed else math.copysign(math.inf, self.gap)
 
     @property
-    def verdict(self) -> Word:
-        """Word on the claim."""
-        if self.gap_over_allowed is None:
-            return "not run"
-        if not abs(self.gap_over_allowed) <= 1.0:
-            return "disagree"
-        if self.fitted:
-            return "fitted"
-        sure = self.fact is None or judge(self.fact, self.ours, self.ours_se or 0.0).agrees
-        return "agree" if sure else "undecided"
+    def verdict(self) -> Verdict:
+        """Verdict by the one rule; what is no number disagrees."""
+        if self.ours.value is not None and not math.isfinite(self.ours.value):
+            return Verdict.DISAGREE
+        return self.difference.within(-self.below, self.above)
+
+    @property
+    def word(self) -> str:
+        """Verdict, one of WORDS: what was fitted is no test unless it disagrees."""
+        return FITTED if self.fitted and self.verdict is not Verdict.DISAGREE else self.verdict.value
 
 
 class Effort(NamedTuple):
@@ -114,22 +115,25 @@ Test = Callable[[Effort], Iterator[Claim]]
 """Function that makes claims at an effort: a row each."""
 
 
-def exact(
-    group: str,
-    quantity: str,
-    unit: str,
-    ours: float,
-    theirs: float,
-    within: float,
-    reason: str,
-    source: str,
-    why: str = "",
-) -> Claim:
-    """Claim on a number without chance, which may be off by the share `within` of `theirs`."""
-    margin = within * abs(theirs)
-    return Claim(group, quantity, unit, ours, None, theirs, None, margin, reason, source, why)
+class Outside(NamedTuple):
+    """Where numbers from outside come from, and how close to them ours shall be."""
 
+    source: str
+    share: float = 0.0
+    """Part of theirs by which ours may be off."""
+    reason: str = ""
+    why: str = ""
 
-def missing(group: str, quantity: str, unit: str, source: str, reason: str) -> Claim:
-    """Claim that was not put to the test, for a reason."""
-    return Claim(group, quantity, unit, None, None, None, None, 0.0, "", source, "", missing=reason)
+    def claim(self, quantity: str, unit: str, ours: float, theirs: float) -> Claim:
+        """Claim on a number without chance."""
+        return self.beside(quantity, number("", unit, ours), number("", unit, theirs))
+
+    def beside(self, quantity: str, ours: Quantity, theirs: Quantity) -> Claim:
+        """Claim on a number with its error."""
+        margin = self.share * abs(theirs.value or 0.0)
+        return Claim(quantity, ours, theirs, margin, margin, self.reason, self.source, self.why)
+
+    def missing(self, quantity: str, unit: str, reason: str) -> Claim:
+        """Claim that was not put to the test, for a reason."""
+        none = Quantity("", unit, None, refused=reason)
+        return Claim(quantity, none, none, 0.0, 0.0, "", self.source)

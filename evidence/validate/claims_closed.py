@@ -7,8 +7,9 @@ import numpy as np
 
 from evidence.validate import bodies
 from evidence.validate.bodies import Array, advance
-from evidence.validate.claim import Bound, Claim, Effort, exact
+from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_bounce import bisect
+from walkergen.numerics.quantity import exact
 from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation.effects import compliance
 from walkergen.simulation.world import V_X, X
@@ -17,10 +18,12 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import LegMass, MassProperties, weigh
 
-GROUP = "closed"
-
 PAPER = "Koumakis et al. 2016, eqs {}, written out with matrices"
 ROUNDING = "rounding"
+ONE_NUMBER = (
+    "A stiff leg on a spring keeps one number of the beam, and ours is its static stiffness; "
+    'legs.spring = "frequency" keeps the frequency.'
+)
 
 
 def box(effort: Effort) -> Iterator[Claim]:
@@ -35,7 +38,7 @@ def box(effort: Effort) -> Iterator[Claim]:
         ("its moment of inertia", meshed.inertia, M * (length**2 + height**2) / 12.0),
     ):
         unit = "g" if "mass" in name else "g mm²"
-        yield exact(GROUP, name, unit, ours, theirs, 1e-12, ROUNDING, "closed form of a box")
+        yield Outside("closed form of a box", 1e-12, ROUNDING).claim(name, unit, ours, theirs)
 
 
 def perpendicular(lever: Array) -> Array:
@@ -57,20 +60,13 @@ def published_tensor(mass: MassProperties, leg: LegMass) -> Array:
 
 def tensor(effort: Effort) -> Iterator[Claim]:
     """Claim on the inverse mass that an impact meets at a flexible leg's foot."""
+    outside = Outside(PAPER.format("8-12"), 1e-9, "the printed form subtracts numbers of order 1/m")
     for tilt in (10.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.legs[0])
         for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)), ("yy", ours.yy, (1, 1))):
-            yield exact(
-                GROUP,
-                f"inverse mass H_{name} of the back foot at {tilt:g} deg",
-                "1/g",
-                float(value),
-                float(theirs[place]),
-                1e-9,
-                "the printed form subtracts numbers of order 1/m",
-                PAPER.format("8-12"),
-            )
+            quantity = f"inverse mass H_{name} of the back foot at {tilt:g} deg"
+            yield outside.claim(quantity, "1/g", float(value), float(theirs[place]))
 
 
 def stationary(effort: Effort) -> Iterator[Claim]:
@@ -83,16 +79,8 @@ def stationary(effort: Effort) -> Iterator[Claim]:
         for name, value, leg in feet:
             H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])
-            yield exact(
-                GROUP,
-                f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1",
-                "",
-                float(value),
-                float(theirs),
-                1e-9,
-                "as above",
-                PAPER.format("12, 15"),
-            )
+            quantity = f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1"
+            yield Outside(PAPER.format("12, 15"), 1e-9, "as above").claim(quantity, "", float(value), float(theirs))
 
 
 def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
@@ -108,23 +96,11 @@ def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
             gain = impact.energy_change(velocity, outcome) / (math.hypot(*velocity) * outcome.F_y)
             gains[law] = max(gains[law], gain)
     source = "W. J. Stronge, Unraveling paradoxical theories for rigid body collisions, J. Appl. Mech. 58, 1049 (1991)"
-    quantity = "largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {}'s law"
-    sides: dict[impact.Law, Bound] = {impact.Law.STRONGE: "<", impact.Law.NEWTON: ">"}
-    for law, bound in sides.items():
-        yield Claim(
-            GROUP,
-            quantity.format(law.name.capitalize()),
-            "",
-            gains[law],
-            None,
-            0.0,
-            None,
-            1e-12,
-            ROUNDING,
-            source,
-            "",
-            bound,
+    for law, below, above in ((impact.Law.STRONGE, math.inf, 1e-12), (impact.Law.NEWTON, 1e-12, math.inf)):
+        quantity = (
+            f"largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {law.name.capitalize()}'s law"
         )
+        yield Claim(quantity, exact("gain", "", gains[law]), exact("gain", "", 0.0), below, above, ROUNDING, source)
 
 
 def slopes(effort: Effort) -> Iterator[Claim]:
@@ -138,29 +114,13 @@ def slopes(effort: Effort) -> Iterator[Claim]:
         return float(state[X])
 
     angle = bisect(lambda slope: way(slope) > 1e-4, 10.0, 20.0, 1e-5)
-    source = "Coulomb's law on an incline"
-    yield exact(
-        GROUP,
-        "slope at which a block starts to slide, μ = 0.25",
-        "deg",
-        angle,
-        math.degrees(math.atan(mu)),
-        1e-4,
-        "a way of 0.1 um in 0.1 s counts as sliding",
-        source,
-    )
+    outside = Outside("Coulomb's law on an incline", 1e-4, "a way of 0.1 um in 0.1 s counts as sliding")
+    quantity = "slope at which a block starts to slide, μ = 0.25"
+    yield outside.claim(quantity, "deg", angle, math.degrees(math.atan(mu)))
     slope = math.radians(20.0)
     theirs = 0.5 * GRAVITY * (math.sin(slope) - mu * math.cos(slope)) * seconds**2
-    yield exact(
-        GROUP,
-        "way down 20 deg in 0.1 s",
-        "mm",
-        way(20.0),
-        theirs,
-        1e-5,
-        "it lands first, within the tolerance of a gap",
-        source,
-    )
+    outside = outside._replace(share=1e-5, reason="it lands first, within the tolerance of a gap")
+    yield outside.claim("way down 20 deg in 0.1 s", "mm", way(20.0), theirs)
 
 
 def sliding_stop(effort: Effort) -> Iterator[Claim]:
@@ -170,16 +130,8 @@ def sliding_stop(effort: Effort) -> Iterator[Claim]:
     state = plan.start(0.0, 0.0, 0.5 * math.pi)
     state[V_X] = launched
     advance(plan, state, 0.1)
-    yield exact(
-        GROUP,
-        "way of a block that slides to a stop from 60 mm/s",
-        "mm",
-        float(state[X]),
-        launched**2 / (2.0 * mu * GRAVITY),
-        1e-5,
-        "as above",
-        "Coulomb's law",
-    )
+    quantity, theirs = "way of a block that slides to a stop from 60 mm/s", launched**2 / (2.0 * mu * GRAVITY)
+    yield Outside("Coulomb's law", 1e-5, "as above").claim(quantity, "mm", float(state[X]), theirs)
 
 
 def leg(effort: Effort) -> Iterator[Claim]:
@@ -189,31 +141,14 @@ def leg(effort: Effort) -> Iterator[Claim]:
     second = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
     density = 1e-3 * design.material.density_g_cm3
     k = compliance.stiffness(design.limbs[0], E, "cantilever")
-    yield exact(
-        GROUP,
-        "stiffness of a leg's tip",
-        "N/m",
-        1e-3 * k / length**2,
-        1e-3 * 3.0 * E * second / length**3,
-        1e-12,
-        ROUNDING,
-        "cantilever beam, Euler and Bernoulli",
-    )
+    beam = Outside("cantilever beam, Euler and Bernoulli", 1e-12, ROUNDING)
+    yield beam.claim("stiffness of a leg's tip", "N/m", 1e-3 * k / length**2, 1e-3 * 3.0 * E * second / length**3)
     line = density * design.limbs[0].thickness * design.size.depth
     ours = math.sqrt(k / (line * length**3 / 3.0)) / (2.0 * math.pi)
     theirs = 1.8751040687**2 * math.sqrt(E * second / (line * length**4)) / (2.0 * math.pi)
-    yield exact(
-        GROUP,
-        "first frequency of a leg on a held body",
-        "Hz",
-        ours,
-        theirs,
-        0.01,
-        "one per cent: no frequency is known better",
-        "cantilever beam, first root 1.8751",
-        "A stiff leg on a spring keeps one number of the beam, and ours is its static stiffness; "
-        'legs.spring = "frequency" keeps the frequency.',
-    )
+    reason = "one per cent: no frequency is known better"
+    ringing = Outside("cantilever beam, first root 1.8751", 0.01, reason, ONE_NUMBER)
+    yield ringing.claim("first frequency of a leg on a held body", "Hz", ours, theirs)
 
 
 TESTS = (box, tensor, stationary, energy_of_impacts, slopes, sliding_stop, leg)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from evidence.validate.claim import Claim, Effort, exact, missing
+from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_rivals import EXTRA, installed, version
 from evidence.validate.ensembles import paper_design
 from walkergen.analysis import lagged
@@ -23,9 +23,12 @@ from walkergen.simulation import trajectory
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 
-GROUP = "programs"
-
-PRUSASLICER = "PrusaSlicer, its length of filament, with our settings"
+SLICED = Outside(
+    "PrusaSlicer, its length of filament, with our settings",
+    0.01,
+    "one per cent, for which the settings' infill overlap was chosen",
+    "The slicer plans; a balance says what a printer lays down.",
+)
 
 LAGS = (1, 10, 50)
 """Lags of the mean square displacement, in samples."""
@@ -38,11 +41,11 @@ TIMEOUT_S = 120.0
 
 def displacement(effort: Effort) -> Iterator[Claim]:
     """Claim on the mean square displacement of one simulated track, against trackpy's."""
-    source = f"trackpy{version('trackpy')}, its imsd"
+    outside = Outside(f"trackpy{version('trackpy')}, its imsd", 1e-9, "rounding of transforms")
     quantity = "mean square displacement at 35 deg over {:g} s"
     if not (installed("trackpy") and installed("pandas")):
         for lag in LAGS:
-            yield missing(GROUP, quantity.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy"))
+            yield outside.missing(quantity.format(lag * INTERVAL), "mm²", EXTRA.format("trackpy"))
         return
     import pandas as pd
     import trackpy
@@ -59,16 +62,7 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
     for lag, ours in zip(LAGS, total / pairs, strict=True):
-        yield exact(
-            GROUP,
-            quantity.format(lag * INTERVAL),
-            "mm²",
-            float(ours),
-            float(theirs.loc[lag]),
-            1e-9,
-            "rounding of transforms",
-            source,
-        )
+        yield outside.claim(quantity.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]))
 
 
 def plastic(effort: Effort) -> Iterator[Claim]:
@@ -77,7 +71,7 @@ def plastic(effort: Effort) -> Iterator[Claim]:
     for tilt, kind in ((10.0, "flexible"), (35.0, "flexible"), (10.0, "braced")):
         quantity = f"plastic of a walker at {tilt:g} deg, {kind}"
         if program is None:
-            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer is not on the PATH")
+            yield SLICED.missing(quantity, "g", "prusa-slicer is not on the PATH")
             continue
         design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
         built = solids.build(design)
@@ -86,20 +80,10 @@ def plastic(effort: Effort) -> Iterator[Claim]:
         mesh = export.stl_bytes(built.walker, "walker")
         volume = sliced(program, mesh, slicer.prusaslicer_print(printer))
         if volume is None:
-            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer ended without G-code")
+            yield SLICED.missing(quantity, "g", "prusa-slicer ended without G-code")
             continue
         theirs = 1e-3 * design.material.density_g_cm3 * volume
-        yield exact(
-            GROUP,
-            quantity,
-            "g",
-            weight.whole_g,
-            theirs,
-            0.01,
-            "one per cent, for which the settings' infill overlap was chosen",
-            PRUSASLICER,
-            "The slicer plans; a balance says what a printer lays down.",
-        )
+        yield SLICED.claim(quantity, "g", weight.whole_g, theirs)
 
 
 def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
@@ -108,21 +92,9 @@ def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
         folder = Path(name)
         (folder / "walker.stl").write_bytes(mesh)
         (folder / "settings.ini").write_bytes(settings)
-        words = [
-            program,
-            "--load",
-            str(folder / "settings.ini"),
-            "--skirts",
-            "0",
-            "--brim-width",
-            "0",
-            "--export-gcode",
-            "--output",
-            str(folder / "walker.gcode"),
-            str(folder / "walker.stl"),
-        ]
+        options = "--load settings.ini --skirts 0 --brim-width 0 --export-gcode --output walker.gcode walker.stl"
         try:
-            subprocess.run(words, capture_output=True, check=True, timeout=TIMEOUT_S)
+            subprocess.run([program, *options.split()], cwd=folder, capture_output=True, check=True, timeout=TIMEOUT_S)
             text = (folder / "walker.gcode").read_text(encoding="utf-8", errors="replace")
         except (OSError, subprocess.SubprocessError):
             return None

@@ -7,9 +7,9 @@ from importlib import metadata
 
 import numpy as np
 
-from evidence.validate.claim import Claim, Effort, exact, missing
-from evidence.validate.ensembles import simulated
-from walkergen.analysis.values import mean
+from evidence.validate.claim import Claim, Effort, Outside
+from evidence.validate.ensembles import simulated, speed_of
+from walkergen.numerics.quantity import mean
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
 from walkergen.simulation.model import Plan
@@ -18,8 +18,6 @@ from walkergen.simulation.space.walker import mobility
 from walkergen.theory import impact, tensors
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-
-GROUP = "rivals"
 
 Pair = tuple[float, float]
 
@@ -34,6 +32,18 @@ SAME_FEET = 0.1
 """Share by which speeds may differ since engines judge friction by the slip at a step's end: with
 that rule planar speeds are 5 and 8 % higher (benchmarks/rivals.py)."""
 
+SLIP_AND_FEET = (
+    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
+    "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
+    "leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, 36, 58 mm/s at 10 deg and at "
+    "36, 39, 43, 47 mm/s at 15 deg (± 1 to 3). MuJoCo's contacts stop within steps of 4 us "
+    "and are damped along the plate as well; what they give back is not set but found."
+)
+TURNED = (
+    "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
+    "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
+    "223 mm/s at 15 deg (docs/physics.md section 5)."
+)
 
 RESTITUTION = 0.5
 """Newton's restitution in single impacts."""
@@ -77,9 +87,9 @@ def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
 
 def inverse_mass(effort: Effort) -> Iterator[Claim]:
     """Claim on the inverse mass at a corner of the walker in space, by MuJoCo's own dynamics."""
-    names = ("normal", "along", "normal to along")
+    outside = Outside(_mujoco(), 1e-9, "rounding of two factorisations")
     if not installed("mujoco"):
-        yield missing(GROUP, "inverse mass at a corner", "1/g", _mujoco(), EXTRA.format("MuJoCo"))
+        yield outside.missing("inverse mass at a corner", "1/g", EXTRA.format("MuJoCo"))
         return
     from evidence.validate import mujoco_walker
 
@@ -87,56 +97,30 @@ def inverse_mass(effort: Effort) -> Iterator[Claim]:
         plan = _plan(tilt, effort)
         ours = mobility(plan.world.walker)
         theirs = mujoco_walker.mobility(plan.case.design, plan.case.mass)
-        for name, place in zip(names, ((0, 0), (1, 1), (0, 1)), strict=True):
-            yield exact(
-                GROUP,
-                f"inverse mass at a back corner at {tilt:g} deg, {name}",
-                "1/g",
-                float(ours[place]),
-                float(theirs[place]),
-                1e-9,
-                "rounding of two factorisations",
-                _mujoco(),
-            )
+        for name, place in (("normal", (0, 0)), ("along", (1, 1)), ("normal to along", (0, 1))):
+            quantity = f"inverse mass at a back corner at {tilt:g} deg, {name}"
+            yield outside.claim(quantity, "1/g", float(ours[place]), float(theirs[place]))
 
 
 def plastic_speeds(effort: Effort) -> Iterator[Claim]:
     """Claim on speeds of the walker in space on nearly plastic feet, against rigid corners."""
-    tilts = (10.0, 15.0, 20.0)
-    quantity = "speed at {:g} deg, nearly plastic feet"
+    tilts, quantity = (10.0, 15.0, 20.0), "speed at {:g} deg, nearly plastic feet"
+    reason = "10 %: engines judge friction by the slip at the end of a step"
+    outside = Outside(_mujoco(), SAME_FEET, reason, SLIP_AND_FEET)
     if not installed("mujoco"):
         for tilt in tilts:
-            yield missing(GROUP, quantity.format(tilt), "mm/s", _mujoco(), EXTRA.format("MuJoCo"))
+            yield outside.missing(quantity.format(tilt), "mm/s", EXTRA.format("MuJoCo"))
         return
     from evidence.validate import mujoco_walker
 
     for tilt in tilts:
         plan = _plan(tilt, effort)
         case, walker = plan.case, plan.world.walker
-        experiment = experiments.Walker(plan.scene, case.design, case.mass)
-        point = simulated(experiment)
-        ours = mean([result.speed for result in point.results])
+        ours = speed_of(simulated(experiments.Walker(plan.scene, case.design, case.mass)))
         hinge = float(walker.stiffness[0]), float(walker.damping[0])
-        count = 3 if effort.quick else 6
-        runs = mujoco_walker.speeds(
-            case.design, case.mass, hinge, FRICTION, plan.world.drive, 0.25 * effort.seconds + 0.5, range(count)
-        )
-        theirs = float(runs.mean()), float(runs.std(ddof=1) / math.sqrt(count))
-        yield Claim(
-            GROUP,
-            quantity.format(tilt),
-            "mm/s",
-            *ours,
-            *theirs,
-            SAME_FEET * theirs[0],
-            "10 %: engines judge friction by the slip at the end of a step",
-            _mujoco(),
-            "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
-            "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
-            "leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, 36, 58 mm/s at 10 deg and at "
-            "36, 39, 43, 47 mm/s at 15 deg (± 1 to 3). MuJoCo's contacts stop within steps of 4 us "
-            "and are damped along the plate as well; what they give back is not set but found.",
-        )
+        seconds, seeds = 0.25 * effort.seconds + 0.5, range(3 if effort.quick else 6)
+        runs = mujoco_walker.speeds(case.design, case.mass, hinge, FRICTION, plan.world.drive, seconds, seeds)
+        yield outside.beside(quantity.format(tilt), ours._replace(unit="mm/s"), mean("speed", "mm/s", runs))
 
 
 def impacts(effort: Effort) -> Iterator[Claim]:
@@ -147,27 +131,15 @@ def impacts(effort: Effort) -> Iterator[Claim]:
         ("stopped and stuck", 20.0, 2.0),
         ("stopped and slid back", 5.0, 0.1),
     )
+    reason = "its iteration ends, and turns the body within the step"
     for slip, sliding, friction in cases:
-        quantity = f"spin after an impact, foot {slip}"
+        quantity, outside = f"spin after an impact, foot {slip}", Outside(_pymunk(), 1e-8, reason)
         if not installed("pymunk"):
-            yield missing(GROUP, quantity, "rad/s", _pymunk(), EXTRA.format("pymunk"))
+            yield outside.missing(quantity, "rad/s", EXTRA.format("pymunk"))
             continue
         lever, velocity = (-6.5, -9.0), (sliding, -30.0)
-        yield exact(
-            GROUP,
-            quantity,
-            "rad/s",
-            _spin(lever, velocity, friction),
-            _pymunks_spin(lever, velocity, friction),
-            1e-8,
-            "its iteration ends, and turns the body within the step",
-            _pymunk(),
-            "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
-            "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
-            "223 mm/s at 15 deg (docs/physics.md section 5)."
-            if "back" in slip
-            else "",
-        )
+        ours, theirs = (spin(lever, velocity, friction) for spin in (_spin, _pymunks_spin))
+        yield outside._replace(why=TURNED if "back" in slip else "").claim(quantity, "rad/s", ours, theirs)
 
 
 def _spin(lever: Pair, velocity: Pair, friction: float) -> float:

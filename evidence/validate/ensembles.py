@@ -1,6 +1,7 @@
 """Ensembles that claims need: the paper's walker on its plate, at tilts, contacts and drives."""
 
 import math
+from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
@@ -9,9 +10,9 @@ import numpy.typing as npt
 
 from evidence.validate.claim import Effort
 from walkergen.analysis import lagged, landings
-from walkergen.analysis.values import Value, mean
 from walkergen.files import templates
 from walkergen.files.progress import silent
+from walkergen.numerics.quantity import Quantity, mean
 from walkergen.points import walkers
 from walkergen.scene import GRAVITY, Scene, at_rest
 from walkergen.simulation import experiments, record, trajectory
@@ -40,10 +41,10 @@ STARTED_S = 0.5
 class Measured(NamedTuple):
     """Mean over the runs of an ensemble."""
 
-    speed: Value
+    speed: Quantity
     """Mean speed, mm/s."""
-    types: Value
-    """Share of types II and III among landings."""
+    types: Quantity
+    """Share of types II and III among landings, per cent."""
     landing_speed: float
     """Mean normal speed of landings over the plate's peak speed."""
 
@@ -59,23 +60,21 @@ def in_space(
     tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8, kind: limbs.Kind = "flexible"
 ) -> Measured:
     """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
-    scene = templates.load("plane-90hz", "scenes", Scene)
-    tables = scene.model_dump(exclude_none=True)
-    tables["drive"] = {"frequency_hz": scene.drive.frequency, "gamma": gamma}
-    tables["legs"]["model"] = "space"
-    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
-    if restitution is not None:
-        tables["contact"]["restitution"] = restitution
-    return _measured(Scene.model_validate(tables), paper_design(tilt_deg, kind))
+    keys = {"drive.gamma": gamma, "legs.model": "space"}
+    return _measured(_scene("plane-90hz", effort, restitution, keys), paper_design(tilt_deg, kind))
 
 
 @cache
 def paper_model(tilt_deg: float, effort: Effort) -> Measured:
     """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
-    tables = templates.load("lane-90hz-fitted", "scenes", Scene).model_dump(exclude_none=True)
-    tables["legs"]["model"] = "relaxed"
-    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
-    return _measured(Scene.model_validate(tables), paper_design(tilt_deg))
+    return _measured(_scene("lane-90hz-fitted", effort, None, {"legs.model": "relaxed"}), paper_design(tilt_deg))
+
+
+def _scene(name: str, effort: Effort, restitution: float | None, keys: Mapping[str, object]) -> Scene:
+    """Shipped scene at a restitution, or its own, with other keys set anew, and the runs of an effort."""
+    runs = {"run.seconds": effort.seconds, "run.discard_seconds": STARTED_S, "run.runs": effort.runs}
+    label = {} if restitution is None else {"contact.restitution": restitution}
+    return templates.load(name, "scenes", Scene).variant(**runs, **label, **keys)
 
 
 def _measured(scene: Scene, design: Design) -> Measured:
@@ -85,10 +84,9 @@ def _measured(scene: Scene, design: Design) -> Measured:
     landing = [landings.of_feet(run.time, run.foot // corners) for run in impacts]
     kinds = [run.kind[landed] for run, landed in zip(impacts, landing, strict=True)]
     speeds = [run.v_y[landed] for run, landed in zip(impacts, landing, strict=True)]
-    shares = [float(np.isin(kind, (Kind.II, Kind.III)).mean()) for kind in kinds]
+    shares = [100.0 * float(np.isin(kind, (Kind.II, Kind.III)).mean()) for kind in kinds]
     approach = float(-np.concatenate(speeds).mean()) / scene.drive.peak_speed
-    speed = mean([result.speed for result in point.results])
-    return Measured(speed, mean(shares), approach)
+    return Measured(speed_of(point), mean("types", "percent", shares), approach)
 
 
 def simulated(experiment: experiments.Walker) -> experiments.Results:
@@ -97,7 +95,12 @@ def simulated(experiment: experiments.Walker) -> experiments.Results:
     return point
 
 
-def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Value:
+def speed_of(point: experiments.Results) -> Quantity:
+    """Mean speed of the runs, mm/s."""
+    return mean("speed", "mm_s", [result.speed for result in point.results])
+
+
+def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Quantity:
     """Exponent of the mean square displacement between a lag and twice it, and its error.
 
     2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
@@ -106,19 +109,14 @@ def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     total = squares.sum(axis=0)
     without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
     n = len(squares)
-    return Value(float(np.log2(total[1] / total[0])), math.sqrt((n - 1) / n * n * without.var()))
+    error = math.sqrt((n - 1) / n * n * without.var())
+    return Quantity("exponent", "", float(np.log2(total[1] / total[0])), error, n - 1)
 
 
 def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Array:
     """Mean square displacement of every run at a lag and at twice it, shape (runs, 2), mm^2."""
-    scene = templates.load("plane-90hz", "scenes", Scene)
-    tables = scene.model_dump(exclude_none=True)
-    tables["contact"]["restitution"] = restitution
-    tables["run"] |= {"seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs}
-    design = paper_design(tilt_deg)
-    experiment = experiments.Walker(
-        Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
-    )
+    design, scene = paper_design(tilt_deg), _scene("plane-90hz", effort, restitution, {})
+    experiment = experiments.Walker(scene, design, solids.mass_of(design), sample_interval=FRAME_S)
     point = simulated(experiment)
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
     squares = []
@@ -129,7 +127,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     return np.array(squares)
 
 
-def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
+def rebound(tilt_deg: float, restitution: float, drops: int) -> Quantity:
     """Speed after over before the first bounce of walkers dropped level by 1 mm on a plate at rest.
 
     Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
@@ -154,4 +152,4 @@ def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
             plan.advance(state, fall / 50.0, record.new(len(state)))
             heights.append(float(state[C_Y]) - ground)
         rebounds.append(math.sqrt(max(*heights, 0.0)))
-    return mean(rebounds)
+    return mean("rebound", "", rebounds)

@@ -1,18 +1,19 @@
 """Figure of the claims: how far off each is, by group, and the names of those that disagree."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evidence.validate.claim import Claim, Word
+from evidence.validate.claim import Claim
+from evidence.validate.report import TITLES
 from walkergen.files.figures import PAGE, SMALLEST, style, wrapped
 
-COLOURS: dict[Word, str] = {"agree": "#0072B2", "undecided": "#009E73", "fitted": "#8c8c8c", "disagree": "#D55E00"}
-MARKERS: dict[Word, str] = {"agree": "o", "undecided": "^", "fitted": "D", "disagree": "s"}
+COLOURS: dict[str, str] = {"agree": "#0072B2", "undecided": "#009E73", "fitted": "#8c8c8c", "disagree": "#D55E00"}
+MARKERS: dict[str, str] = {"agree": "o", "undecided": "^", "fitted": "D", "disagree": "s"}
 
 EXACT = 0.01
 """Gap over the allowed one below which a claim stands in the block of those without a gap."""
@@ -46,12 +47,9 @@ class Row(NamedTuple):
 
 
 @style()
-def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
-    """Picture of the claims: dots by group where they agree, named lines where they do not.
-
-    `titles`: of the groups, in order.
-    """
-    groups = {title: [claim for claim in claims if claim.group == group] for group, title in titles.items()}
+def deviations(claims: Sequence[Claim]) -> Figure:
+    """Picture of the claims: dots by group where they agree, named lines where they do not."""
+    groups = {title: [claim for claim in claims if claim.group == group] for group, title in TITLES.items()}
     groups = {title: own for title, own in groups.items() if own}
     heights = {title: max(0.5 + PITCH * _tallest(own), 2.2) for title, own in groups.items()}
     rows = {title: _rows(own) for title, own in groups.items()}
@@ -76,7 +74,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
     left = min((at for own in groups.values() for _, at, _ in _swarm(own)), default=0.0)
     _dress(axes, min(left, 0.0) - DOT, ticks, names, top)
     for word, colour in COLOURS.items():
-        number = sum(claim.verdict == word for claim in claims)
+        number = sum(claim.word == word for claim in claims)
         axes.plot([], [], MARKERS[word], color=colour, markersize=4, label=f"{number} {word}")
     figure.legend(loc="outside lower center", ncols=3)
     return figure
@@ -86,7 +84,7 @@ def _rows(claims: Sequence[Claim]) -> list[Row]:
     """Claims that disagree, a row for each reason, named by what they are about."""
     by_reason = dict[str, list[Claim]]()
     for claim in claims:
-        if claim.verdict == "disagree":
+        if claim.word == "disagree":
             by_reason.setdefault(claim.why, []).append(claim)
     return [Row(_subject(own), own) for own in by_reason.values()]
 
@@ -110,10 +108,8 @@ def _subject(claims: Sequence[Claim]) -> str:
 
 def _count(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict: "21 of 30 agree, 2 fitted"."""
-    number = {
-        word: sum(claim.verdict == word for claim in claims) for word in ("agree", "undecided", "fitted", "not run")
-    }
-    more = [f", {number[word]} {word}" for word in ("undecided", "fitted", "not run") if number[word]]
+    number = {word: sum(claim.word == word for claim in claims) for word in ("agree", "undecided", "fitted", "missing")}
+    more = [f", {number[word]} {word}" for word in ("undecided", "fitted", "missing") if number[word]]
     return f"{number['agree']} of {len(claims)} agree" + "".join(more)
 
 
@@ -134,7 +130,7 @@ def _swarm(claims: Sequence[Claim]) -> list[tuple[Claim, float, int]]:
 
     Those without a gap fill a block left of the axis.
     """
-    shown = [claim for claim in claims if claim.verdict in ("agree", "undecided", "fitted")]
+    shown = [claim for claim in claims if claim.word in ("agree", "undecided", "fitted")]
     exact = [claim for claim in shown if abs(claim.gap_over_allowed or 0.0) < EXACT]
     places = [(claim, -DOT * (1.5 + number // BLOCK), number % BLOCK) for number, claim in enumerate(exact)]
     below = dict[int, int]()
@@ -152,12 +148,12 @@ def _tallest(claims: Sequence[Claim]) -> int:
 def _draw_dots(axes: Axes, claims: Sequence[Claim], ground: float) -> None:
     """Draw the agreeing claims of a group, one above another, from a line upward."""
     for word in ("agree", "undecided", "fitted"):
-        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims) if claim.verdict == word]
+        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims) if claim.word == word]
         if places:
             _mark(axes, word, *np.array(places).T.tolist())
 
 
-def _mark(axes: Axes, word: Word, x: Sequence[float], y: Sequence[float]) -> None:
+def _mark(axes: Axes, word: str, x: Sequence[float], y: Sequence[float]) -> None:
     axes.plot(x, y, MARKERS[word], color=COLOURS[word], markersize=4, linestyle="none", clip_on=False, zorder=3)
 
 

@@ -1,65 +1,168 @@
-"""Report of the claims, each with its verdict; their page is longer (`page`)."""
+"""Report of the claims: a table, and a page with each number's error bar, source, z-score and verdict."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from evidence.validate import page
-from evidence.validate.claim import Claim
+from evidence.validate.claim import FITTED, WORDS, Claim
+from walkergen import __version__
 from walkergen.files.report import Report, Table
+from walkergen.numerics.quantity import Quantity, Verdict
+
+TITLE = "What walkergen predicts, against what is known outside it"
+
+TITLES = {
+    "paper": "What the paper states",
+    "closed": "Closed forms of mechanics",
+    "bouncing": "Bouncing balls and rocking blocks, published",
+    "rivals": "Physics engines",
+    "programs": "Programs that do a part of ours",
+}
+"""Titles of the groups."""
+
+REASONS = {
+    Verdict.DISAGREE.value: "Where we disagree, and why",
+    Verdict.UNDECIDED.value: "Undecided",
+    FITTED: "Fitted",
+    Verdict.AGREE.value: "Remarks",
+    Verdict.MISSING.value: "Not run",
+}
+"""Titles of the paragraphs of reasons, by word."""
+
+SIGNS = {"<": "below ", ">": "above ", "": ""}
 
 KEYS = (
-    "group",
-    "quantity",
-    "unit",
-    "ours",
-    "ours_se",
-    "theirs",
-    "theirs_se",
-    "bound",
-    "margin",
-    "margin_reason",
-    "z",
-    "gap_over_allowed",
-    "verdict",
-    "source",
-    "why",
-    "missing",
+    *("group", "quantity", "unit", "ours", "ours_se", "theirs", "theirs_se", "bound", "margin", "margin_reason"),
+    *("z", "gap_over_allowed", "verdict", "source", "why", "missing"),
 )
 
 FILES = ("validation.png", "validation.csv", "validation.md")
 
 
-def of(claims: Sequence[Claim], titles: Mapping[str, str], folder: Path) -> Report:
-    """Report of the claims under the titles of their groups, for FILES in a folder."""
-    rows = [[getattr(claim, key) for key in KEYS] for claim in claims]
-    lines = [
-        f"{claim.verdict}: {claim.quantity}: {claim.missing or claim.why}"
-        for claim in claims
-        if claim.verdict in ("disagree", "not run")
-    ]
-    counted = f"{len(claims)} claims: {page.counted(claims)}"
+def of(claims: Sequence[Claim], folder: Path) -> Report:
+    """Report of the claims, for FILES in a folder."""
+    table = Table("validation", [_row(claim) for claim in claims], KEYS)
+    told = [claim for claim in claims if claim.verdict in (Verdict.DISAGREE, Verdict.MISSING)]
+    lines = [f"{claim.word}: {claim.quantity}: {claim.missing or claim.why}" for claim in told]
 
     def draw() -> Any:
         from evidence.validate import figures
 
-        return figures.deviations(claims, titles)
+        return figures.deviations(claims)
 
     return Report(
         name="validation",
-        title=page.TITLE,
-        tables=[Table("validation", rows, KEYS)],
-        facts={"rows": [_facts(claim) for claim in claims], "files": [str(folder / name) for name in FILES]},
-        lines=[*lines, counted, f"in {folder}: {', '.join(FILES)}"],
+        title=TITLE,
+        tables=[table],
+        facts={"rows": [_finite(row) for row in table], "files": [str(folder / name) for name in FILES]},
+        lines=[*lines, f"{len(claims)} claims: {counted(claims)}", f"in {folder}: {', '.join(FILES)}"],
         figures={"validation": draw},
     )
 
 
-def _facts(claim: Claim) -> dict[str, Any]:
-    """Claim for JSON, which has no NaN and no infinity; the verdict tells of them."""
-    row = claim._asdict() | {"z": claim.z, "allowed": claim.allowed, "verdict": claim.verdict}
-    del row["fact"]  # quantity, number, margin and source stand beside it
+def _row(claim: Claim) -> tuple[Any, ...]:
+    ours, theirs = claim.ours, claim.theirs
+    numbers = ours.value, ours.se or None, theirs.value, theirs.se or None
+    gaps = claim.z, claim.gap_over_allowed
+    margin = claim.bound, claim.margin, claim.margin_reason
+    return (
+        claim.group,
+        claim.quantity,
+        ours.unit,
+        *numbers,
+        *margin,
+        *gaps,
+        claim.word,
+        claim.source,
+        claim.why,
+        claim.missing,
+    )
+
+
+def _finite(row: dict[str, Any]) -> dict[str, Any]:
+    """Row for JSON, which has no NaN and no infinity; the verdict tells of them."""
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in row.items()
     }
+
+
+def counted(claims: Sequence[Claim]) -> str:
+    """Number of claims by word."""
+    return ", ".join(f"{sum(claim.word == word for claim in claims)} {word}" for word in WORDS)
+
+
+def page(claims: Sequence[Claim], command: str) -> str:
+    """Page of the claims under the titles of their groups, in Markdown; `command`: what made it."""
+    sources = list(dict.fromkeys(claim.source for claim in claims))
+    parts = [_head(claims, command)]
+    for group, title in TITLES.items():
+        of_group = [claim for claim in claims if claim.group == group]
+        if of_group:
+            parts += [f"## {title}\n\n{_table(of_group, sources)}", *_reasons(of_group)]
+    listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
+    return "\n\n".join([*parts, "## Sources\n\n" + "\n".join(listed)]) + "\n"
+
+
+def _head(claims: Sequence[Claim], command: str) -> str:
+    meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in WORDS.items())
+    return f"""# {TITLE}
+
+Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which {counted(claims)}.
+
+![Gaps over what is allowed, by group](validation.png)
+
+Errors are standard errors. The gap is ours less theirs, none on the right side of a bound; z is the gap over the
+error of both. A gap is allowed up to the margin: a tolerance, or our reading of a statement in words. We *agree*
+when all of the gap's bounds of 95 % (Student's t) lie within the margin, so that noise makes no agreement; without
+a margin two numbers with errors never do. Closed forms, engines and programs test the arithmetic; only the paper's
+walkers, and measured blocks, test the physics, and no walker of ours has been measured yet.
+
+{meanings}"""
+
+
+def _table(claims: Sequence[Claim], sources: Sequence[str]) -> str:
+    lines = [
+        "| quantity | walkergen | outside | gap | margin | z | verdict | source |",
+        "|---|--:|--:|--:|--:|--:|---|--:|",
+    ]
+    for claim in claims:
+        cells = (
+            claim.quantity,
+            _number(claim.ours),
+            SIGNS[claim.bound] * (claim.theirs.value is not None) + _number(claim.theirs),
+            "" if claim.gap is None else f"{claim.gap:.2g}",
+            "" if claim.gap is None else f"{claim.margin:.2g}",
+            "" if claim.z is None else f"{claim.z:.1f}",
+            f"**{claim.word}**",
+            f"{sources.index(claim.source) + 1}",
+        )
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _number(quantity: Quantity) -> str:
+    value, error = quantity.value, quantity.se
+    unit = f" {quantity.unit}" if quantity.unit else ""
+    if value is None:
+        return ""
+    if not error:
+        return f"{value:.6g}{unit}"
+    exponent = int(f"{error:e}".partition("e")[2])  # of the leading digit
+    digits = min(max(1 - exponent, 0), 9)
+    return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
+
+
+def _reasons(claims: Sequence[Claim]) -> list[str]:
+    """Paragraphs on what disagrees and why, on what an agreement hides, on what was not run."""
+    paragraphs = []
+    for word, title in REASONS.items():
+        reasons = dict[str, list[str]]()
+        for claim in claims:
+            reason = claim.missing or claim.why
+            if claim.word == word and (reason or word == Verdict.DISAGREE.value):
+                reasons.setdefault(reason or "We know no reason.", []).append(claim.quantity)
+        lines = [f"- {'; '.join(names)}. {reason}" for reason, names in reasons.items()]
+        if lines:
+            paragraphs.append(f"### {title}\n\n" + "\n".join(lines))
+    return paragraphs

@@ -42,8 +42,8 @@ def reproduce(
         inputs.design(design),
         inputs.scene(scene, **own),
         inputs.scene(scene_fitted, **own),
-        side_by_side.TILTS if tilt is None else variants.parse_tilts(tilt),
-        side_by_side.GAMMAS if gamma is None else parse_gammas(gamma),
+        None if tilt is None else variants.parse_tilts(tilt),
+        None if gamma is None else parse_gammas(gamma),
     )
     folder = out or Path("out") / "reproduce"
     about_s = side_by_side.expected_s(job)

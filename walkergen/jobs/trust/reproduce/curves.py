@@ -7,58 +7,72 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import values
-from walkergen.analysis.values import Top, Value, mean
-from walkergen.jobs.trust.reproduce.sweeps import Point
+from walkergen.analysis import curves
+from walkergen.analysis.curves import Top
+from walkergen.jobs.trust.reproduce.runs import Point
+from walkergen.numerics.quantity import Quantity, mean
 
 Array = npt.NDArray[np.float64]
+
+NO_TOP = Top(Quantity("tilt", "deg", None, refused="no peak between the tilts"), Quantity("speed", "mm_s", None))
+"""Top of a curve that may rise on beyond its ends."""
 
 
 def series_of(points: Sequence[Point]) -> list[list[Point]]:
     """Group points by assumption and model, in the order of first appearance."""
-    keys = dict.fromkeys((point.assumption, point.model) for point in points)
-    return [[point for point in points if (point.assumption, point.model) == key] for key in keys]
+    series = dict[tuple[str, str], list[Point]]()
+    for point in points:
+        series.setdefault((point.assumption.name, point.model), []).append(point)
+    return list(series.values())
 
 
-def largest(series: Sequence[Point]) -> Value | None:
-    """Mean speed farthest from zero."""
-    speeds = [point.speed for point in series if point.speed is not None]
-    return max(speeds, key=lambda speed: abs(speed.mean)) if speeds else None
+def labels_of(points: Sequence[Point]) -> dict[float, list[Point]]:
+    """Series in space by restitution, those with the friction of the first, each restitution once."""
+    labels = dict[float, list[Point]]()
+    for series in series_of([point for point in points if point.model == "space"]):
+        contact = series[0].assumption.scene.contact
+        if contact.friction == points[0].assumption.scene.contact.friction:
+            labels.setdefault(contact.restitution, series)
+    return dict(sorted(labels.items()))
 
 
-def smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None:
+def size(quantity: Quantity) -> float:
+    """Distance of a quantity from zero; -1 of one without a value."""
+    return -1.0 if quantity.value is None else abs(quantity.value)
+
+
+def smallest(series: Sequence[Point], counting: str, kind: str) -> Quantity:
     """Smallest share over tilts above 0: an upright walker slides backward as often as forward."""
     shares = [point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0]
-    return min(shares, key=lambda share: share.mean) if shares else None
+    return min(shares, key=size, default=Quantity(kind, "", None, refused="no impacts"))
 
 
-def impact_speed(series: Sequence[Point]) -> Value | None:
+def impact_speed(series: Sequence[Point]) -> Quantity:
     """Impact speed over the plate's peak speed: mean and standard error over the tilts."""
-    ratios = [point.impact_speed.mean / point.plate_speed_mm_s for point in series if point.impact_speed is not None]
-    return mean(ratios) if len(ratios) > 1 else None
+    speeds = [(point.impact_speed.value, point.plate_speed_mm_s) for point in series]
+    ratios = [speed / plate for speed, plate in speeds if speed is not None]
+    return mean("impact_speed", "", ratios if len(ratios) > 1 else [])
 
 
-def ratio(series: Sequence[Point], over: float, under: float) -> Value | None:
+def ratio(series: Sequence[Point], over: float, under: float) -> Quantity:
     """Speed at one tilt over that at another, with the error that theirs give it."""
     at = {point.tilt_deg: point.speed for point in series}
-    first, second = at.get(over), at.get(under)
-    if first is None or second is None or second.mean == 0.0:
-        return None
-    return values.ratio(first, second)
+    if over not in at or under not in at or not at[under].value:
+        return Quantity("ratio", "", None, refused="no speed at both tilts")
+    return at[over].over(at[under])
 
 
-def peak(series: Sequence[Point]) -> Top | None:
-    """Top of the measured speeds over the tilts (see `values.top`).
+def peak(series: Sequence[Point]) -> Top:
+    """Top of the measured speeds over the tilts (see `curves.top`).
 
-    Tilts without a speed are left out; None where the largest speed lies at the first or last of
+    Tilts without a speed are left out; none where the largest speed lies at the first or last of
     the others: the top may lie beyond.
     """
-    ended = [point for point in series if point.speed is not None]
-    speeds = [point.speed for point in ended if point.speed is not None]
-    highest = max(range(len(speeds)), key=lambda at: speeds[at].mean, default=0)
+    tilts, speeds = _known([point.tilt_deg for point in series], series)
+    highest = max(range(len(speeds)), key=lambda at: speeds[at].value or 0.0, default=0)
     if len(speeds) < 3 or highest in (0, len(speeds) - 1):
-        return None
-    return values.top(np.array([point.tilt_deg for point in ended]), speeds)
+        return NO_TOP
+    return curves.top(tilts, speeds)
 
 
 def lively(series: Sequence[Point], plate_speed: float) -> list[Point]:
@@ -66,35 +80,36 @@ def lively(series: Sequence[Point], plate_speed: float) -> list[Point]:
     return [point for point in series if point.plate_speed_mm_s > 0.999 * plate_speed]
 
 
-def through_zero(series: Sequence[Point]) -> Value | None:
+def through_zero(series: Sequence[Point]) -> Quantity:
     """Slope of the least-squares line through zero of speed against plate speed."""
-    plate, speeds = _driven(series)
-    return values.slope(plate, speeds) if len(plate) > 1 else None
+    plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
+    return curves.slope(plate, speeds) if len(plate) > 1 else Quantity("slope", "", None, refused="too few speeds")
 
 
-def proportionality(series: Sequence[Point]) -> Value | None:
-    """Rms distance from the line through zero over the mean |speed|; 0: proportional.
+def proportionality(series: Sequence[Point]) -> Quantity:
+    """Rms distance from the line through zero over the mean |speed|, %; 0: proportional.
 
     None with fewer than two speeds, or for a walker that always rests.
     """
-    plate, speeds = _driven(series)
-    moved = any(speed.mean for speed in speeds)
-    return values.off_line(plate, speeds) if len(plate) > 1 and moved else None
+    plate, speeds = _known([point.plate_speed_mm_s for point in series], series)
+    if len(plate) < 2 or not any(speed.value for speed in speeds):
+        return Quantity("off_line", "percent", None, refused="too few speeds, or none but zero")
+    return curves.off_line(plate, speeds)
 
 
-def _driven(series: Sequence[Point]) -> tuple[Array, list[Value]]:
-    """Speeds of the plate and of walkers, where these have one."""
-    pairs = [(point.plate_speed_mm_s, point.speed) for point in series if point.speed is not None]
-    return np.array([plate for plate, _ in pairs]), [speed for _, speed in pairs]
+def _known(places: Sequence[float], series: Sequence[Point]) -> tuple[Array, list[Quantity]]:
+    """Places and speeds of the points that have a speed."""
+    pairs = [(place, point.speed) for place, point in zip(places, series, strict=True) if point.speed.value is not None]
+    return np.array([place for place, _ in pairs]), [speed for _, speed in pairs]
 
 
-def restitution_of_peak(labels: Mapping[float, Sequence[Point]], stated: float) -> Value | None:
+def restitution_of_peak(labels: Mapping[float, Sequence[Point]], stated: float) -> Quantity:
     """Restitution with which the peak has the stated speed (mm/s), between those simulated."""
-    tops = [(e, top.height) for e, series in sorted(labels.items()) if (top := peak(series))]
-    for (low, below), (high, above) in pairwise(tops):
-        if below.mean <= stated <= above.mean and below.mean < above.mean:
-            step = (high - low) / (above.mean - below.mean)
-            share = (stated - below.mean) / (above.mean - below.mean)
-            error = step * math.hypot((1.0 - share) * below.se, share * above.se)
-            return Value(low + (high - low) * share, error)
-    return None
+    tops = [(label, peak(series).height) for label, series in sorted(labels.items())]
+    heights = [(label, top.value, top.se or 0.0) for label, top in tops if top.value is not None]
+    for (low, below, below_se), (high, above, above_se) in pairwise(heights):
+        if below <= stated <= above and below < above:
+            step, share = (high - low) / (above - below), (stated - below) / (above - below)
+            error = step * math.hypot((1.0 - share) * below_se, share * above_se)
+            return Quantity("restitution", "", low + (high - low) * share, error)
+    return Quantity("restitution", "", None, refused="no two labels with the peak between")

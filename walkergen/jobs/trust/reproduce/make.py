@@ -1,29 +1,24 @@
 """Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.files.report import Report, Table
+from walkergen.files.report import Report
 from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce import compare, mechanisms, page, plane, report, sweeps, theory
-from walkergen.jobs.trust.reproduce.compare import Findings, Theory
-from walkergen.jobs.trust.reproduce.sweeps import Assumption, Case, Point
+from walkergen.jobs.trust.reproduce import compare, curves, mechanisms, motion, page, report, runs, theory
+from walkergen.jobs.trust.reproduce.compare import FITTED, LOW, Findings
+from walkergen.jobs.trust.reproduce.runs import Assumption, Case, Point
 from walkergen.scene import Scene
+from walkergen.simulation.plan import prepare
 from walkergen.theory import maximum
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind
-
-TILTS = (0.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 35.0, 45.0)
-"""Tilts of the simulated walkers, deg."""
-
-GAMMAS = (1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.2, 2.4)
-"""Peak accelerations over g for figure 5."""
 
 TILT_OF_DRIVES = 15.0
 """Tilt of the walkers in figure 5, deg (stated)."""
@@ -35,16 +30,9 @@ come from the spread of independent runs."""
 SHORTEST = 0.1
 """Least length of runs, s: those of figure 6 then last for some displacements over 40 ms."""
 
-LABELS = (0.1, 0.2, 0.5)
-"""Restitutions in space beside those of the assumptions, to find that of the stated peak."""
-
-TILTS_OF_LABELS = (7.5, 10.0, 12.5, 15.0)
-"""Tilts about that peak, deg."""
-
 LOW_RESTITUTION = 0.3
 """Restitution of the foot with which compliant legs have about the experiment's speeds, in their
 plane and in space: chosen for that, not measured."""
-
 
 PICTURES_S, CPU_PER_S = 8.0, 0.025
 """Time of theory and pictures, and CPU time of a simulated second, s, mean of all ensembles."""
@@ -58,8 +46,24 @@ class Job(NamedTuple):
     """Scene with the contact as the authors measured it."""
     fitted: Scene
     """Scene with the contact that fitted the experiment best."""
-    tilts_deg: Sequence[float] = TILTS
-    gammas: Sequence[float] = GAMMAS
+    tilts_deg: Sequence[float] | None = None
+    """Tilts; None for those of the sweep figure2."""
+    gammas: Sequence[float] | None = None
+    """Peak accelerations over g; None for those of the sweep figure5."""
+
+
+class Parts(NamedTuple):
+    """Simulations of a job: ensembles that keep their impacts, and walkers of figure 6."""
+
+    assumptions: list[Assumption]
+    cases: dict[str, list[Case]]
+    plane: list[Design]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of ensembles of each part."""
+        plane = {"figure6": len(self.assumptions) * len(self.plane)}
+        return {name: len(cases) for name, cases in self.cases.items()} | plane
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Report:
@@ -68,181 +72,127 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     Equal jobs give equal bytes of every CSV. Ctrl-C keeps the figures already done. Raises
     InputError when the runs or tilts are too few for error bars and peaks.
     """
-    check(job)
-    assumptions = assumptions_of(job)
-    flexible, braced, labelled, driven = _sweeps(job, assumptions)
-    on_plane = [job.design.variant(tilt_deg=tilt, kind="flexible") for tilt in plane.TILTS]
-    ways = mechanisms.designs(job.design)
-    parts = parts_of(_counts(job), progress)
+    parts, ways = check(job), mechanisms.designs(job.design)
+    shares = _shares(parts.counts, progress)
     progress("theory", 0, 1)
-    theories = _theories(job, assumptions)
+    tilts_deg = job.tilts_deg or runs.swept("figure2")[0]
+    theories = [theory.of(job.design, own, mode, tilts_deg) for own in parts.assumptions for mode in MODES]
     peaks = [maximum.tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
 
-    tilts = sweeps.along_tilts(flexible + braced, job.tilts_deg, parts[0])
-    findings = Findings(assumptions, theories, peaks, tilts, {}, (), ())
+    def points(name: str) -> list[Point]:
+        return list(runs.simulated(parts.cases[name], shares[name]))
+
+    found = Findings(parts.assumptions, theories, peaks, points("figure2"))
     with Folder(folder, "") as target:
-        _write(findings, target, "figure2", "figure3")
-        findings = findings._replace(labels=_labels(findings, labelled, parts[1]))
-        _write_table(report.labels(findings.labels), target)
-        findings = findings._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
-        _write(findings, target, "figure5")
-        findings = findings._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
-        _write(findings, target, "figure6")
-        findings = findings._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
-        _write(findings, target, "mechanisms")
-        rows = compare.rows(findings)
-        _write_table(report.compared(rows), target)
-        target.write("reproduce.md", page.to_markdown(findings, rows, job.design.name).encode())
-    return report.of(findings, rows, page.TITLE, folder)
+        _write(found, target, "figure2")
+        found = found._replace(labels=curves.labels_of([*found.tilts, *points("figure2-labels")]))
+        _write(found, target, "figure2-labels")
+        found = found._replace(drives=points("figure5"))
+        _write(found, target, "figure5")
+        found = found._replace(plane=motion.simulated(parts.assumptions, parts.plane, shares["figure6"]))
+        _write(found, target, "figure6")
+        found = found._replace(mechanisms=mechanisms.beside(ways, points("mechanisms")))
+        _write(found, target, "mechanisms")
+        result = report.of(found, compare.rows(found), folder)
+        target.write("reproduce.csv", result["reproduce"].csv().encode())
+        target.write("reproduce.md", page.to_markdown(result, found).encode())
+    return result
 
 
 def expected_s(job: Job) -> float:
     """Wall time of a job on an idle machine with compiled kernels, s, within a factor of two."""
-    check(job)
     run = job.measured.run
-    simulated_s = sum(_counts(job)) * run.runs * (run.seconds + run.discard_seconds)
+    simulated_s = sum(check(job).counts.values()) * run.runs * (run.seconds + run.discard_seconds)
     return PICTURES_S + CPU_PER_S * simulated_s / (os.cpu_count() or 1)
 
 
-def _sweeps(job: Job, assumptions: Sequence[Assumption]) -> tuple[list[Case], list[Case], list[Case], list[Case]]:
-    """Cases of flexible and of braced legs along the tilts, of other labels, and along drives."""
-    flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant", "space"))
-    braced = _cases(job, assumptions, "braced", ("rigid", "space, braced"))
-    driven = [
-        case._replace(design=case.design.variant(tilt_deg=TILT_OF_DRIVES))
-        for case in flexible + _cases(job, assumptions, "flexible", ("space, noisy plate",))
-    ]
-    return flexible, braced, _labelled(job, assumptions), driven
-
-
-def _counts(job: Job) -> list[int]:
-    """Numbers of ensembles: along tilts, of other labels, along drives, on a plane, of ways."""
+def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> Parts:
+    """Simulations of a job at these tilts and drives, by the shipped sweeps."""
     assumptions = assumptions_of(job)
-    flexible, braced, labelled, driven = _sweeps(job, assumptions)
-    return [
-        len(job.tilts_deg) * len(flexible + braced),
-        len(TILTS_OF_LABELS) * len(labelled),
-        len(job.gammas) * len(driven),
-        len(assumptions) * len(plane.TILTS),
-        len(mechanisms.designs(job.design)),
-    ]
+    flexible, braced = job.design.variant(kind="flexible"), job.design.variant(kind="braced")
+    of_flexible = _cases(assumptions, flexible, "relaxed", "compliant", "space")
+    tilted = of_flexible + _cases(assumptions, braced, "rigid", "space, braced")
+    driven = [*of_flexible, *_cases(assumptions, flexible, "space, noisy plate")]
+    labels, tilts_of_labels = runs.swept("figure2-labels")
+    labelled = [_with(f"e = {label:g}", assumptions[0].scene, {"restitution": label}) for label in labels]
+    in_space = _cases(labelled, flexible, "space")
+    ways = [Case(assumptions[0], mechanisms.MODEL, design) for _, design in mechanisms.designs(job.design)]
+    cases = {
+        "figure2": [_tilted(case, tilt) for case in tilted for tilt in tilts_deg],
+        "figure2-labels": [_tilted(case, tilt) for case in in_space for tilt in tilts_of_labels],
+        "figure5": [_tilted(case, TILT_OF_DRIVES)._replace(gamma=gamma) for case in driven for gamma in gammas],
+        "mechanisms": ways,
+    }
+    return Parts(assumptions, cases, [flexible.variant(tilt_deg=tilt) for tilt in runs.swept("figure6")[0]])
 
 
-def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:
+def _cases(assumptions: Sequence[Assumption], design: Design, *models: str) -> list[Case]:
+    return [Case(assumption, model, design) for assumption in assumptions for model in models]
+
+
+def _tilted(case: Case, tilt_deg: float) -> Case:
+    return case._replace(design=case.design.variant(tilt_deg=tilt_deg))
+
+
+def _shares(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress]:
     """Progress of each of several parts, which have so many ensembles, within the whole."""
-    steps = 100 * sum(counts)
+    steps = 100 * sum(counts.values())
 
-    def part(start: int, count: int) -> Progress:
+    def share(start: int, count: int) -> Progress:
         return lambda what, done, of: progress(what, 100 * start + 100 * count * done // of, steps)
 
-    return [part(sum(counts[:number]), count) for number, count in enumerate(counts)]
+    ends = accumulate(counts.values())
+    return {name: share(end - count, count) for (name, count), end in zip(counts.items(), ends, strict=True)}
 
 
-def _labelled(job: Job, assumptions: Sequence[Assumption]) -> list[Case]:
-    """Cases in space with the measured friction and the restitutions LABELS."""
-    measured = assumptions[0].scene
-    others = [
-        Assumption(
-            f"e = {label:g}",
-            measured.model_copy(update={"contact": measured.contact.model_copy(update={"restitution": label})}),
-        )
-        for label in LABELS
-    ]
-    return _cases(job, others, "flexible", ("space",))
-
-
-def _labels(findings: Findings, cases: Sequence[Case], progress: Progress) -> dict[float, list[Point]]:
-    """Ensembles in space by restitution, those of the assumptions with this friction included."""
-    measured = findings.assumptions[0].scene.contact.friction
-    by_restitution = {
-        assumption.scene.contact.restitution: [
-            point for point in findings.tilts if (point.assumption, point.model) == (assumption.name, "space")
-        ]
-        for assumption in findings.assumptions
-        if assumption.scene.contact.friction == measured
-    }
-    points = sweeps.along_tilts(cases, TILTS_OF_LABELS, progress)
-    for case in cases:
-        of_case = [point for point in points if point.assumption == case.assumption.name]
-        by_restitution.setdefault(case.assumption.scene.contact.restitution, of_case)
-    return dict(sorted(by_restitution.items()))
-
-
-def check(job: Job) -> None:
-    """Refuse jobs that could not give error bars, peaks or lines. Raises InputError."""
+def check(job: Job) -> Parts:
+    """Simulations of a job; refuses those that could not give error bars, peaks or lines. Raises InputError."""
+    tilts_deg = runs.swept("figure2")[0] if job.tilts_deg is None else job.tilts_deg
+    gammas = runs.swept("figure5")[0] if job.gammas is None else job.gammas
     for scene in (job.measured, job.fitted):
         if scene.run.runs < FEWEST_RUNS:
-            allowed = f"at least {FEWEST_RUNS}, whose spread gives the error bars"
-            raise InputError(f"--runs {scene.run.runs}: {allowed}")
+            raise InputError(f"--runs {scene.run.runs}: at least {FEWEST_RUNS}, whose spread gives the error bars")
         if scene.contact.law != "poisson":
             allowed = "the paper's law is poisson, and so is eq. 15's; use a scene with it"
             raise InputError(f"{scene.name}: contact.law = {scene.contact.law!r}: {allowed}")
         if scene.run.seconds < SHORTEST:
             allowed = f"at least {SHORTEST:g}, for displacements over 40 ms"
             raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
-    for flag, values, fewest in (("--tilt", job.tilts_deg, 3), ("--gamma", job.gammas, 2)):
+    for flag, values, fewest in (("--tilt", tilts_deg, 3), ("--gamma", gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
             listed = ",".join(f"{value:g}" for value in values)
-            allowed = "none negative, each above the last"
-            raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, {allowed}")
-    tilts = [*job.tilts_deg, TILT_OF_DRIVES, *plane.TILTS, *TILTS_OF_LABELS]
-    job.design.members(tilts, ("flexible", "braced"))
-    for case in _cases(job, assumptions_of(job), "flexible", ("space", "space, noisy plate")):
-        sweeps.check(case)
+            raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, none negative, each above the last")
+    job.design.members([*tilts_deg, TILT_OF_DRIVES], ("flexible", "braced"))
+    parts = parts_of(job, tilts_deg, gammas)
+    for case in _cases(parts.assumptions, job.design.variant(kind="flexible"), "space", "space, noisy plate"):
+        prepare(*case.walker()[:3])
+    return parts
 
 
 def assumptions_of(job: Job) -> list[Assumption]:
     """List the sets of contact numbers: measured, fitted, and a low restitution of the foot."""
-    low = {"restitution": LOW_RESTITUTION}
-    scene = _as_measured(job.measured)
-    lower = scene.model_copy(update={"contact": scene.contact.model_copy(update=low)})
-    return [Assumption("measured", scene), Assumption(compare.FITTED, job.fitted), Assumption(compare.LOW, lower)]
-
-
-def _as_measured(scene: Scene) -> Scene:
-    """Scene with the contact that the paper measured, where it gives no other."""
-    measured: dict[str, float] = {}
+    stated: dict[str, float] = {}
     for name in ("restitution", "friction"):
         fact = FACTS[name]
-        measured |= {name: fact.value, f"{name}_sd": fact.high - fact.value}
-    contact = scene.contact
-    lacking = {key: measured[key] for key in measured.keys() - contact.model_fields_set}
-    return scene.model_copy(update={"contact": contact.model_copy(update=lacking)})
+        stated |= {name: fact.value, f"{name}_sd": fact.high - fact.value}
+    lacking = {key: stated[key] for key in stated.keys() - job.measured.contact.model_fields_set}
+    measured = _with("measured", job.measured, lacking)
+    low = _with(LOW, measured.scene, {"restitution": LOW_RESTITUTION})
+    return [measured, Assumption(FITTED, job.fitted), low]
 
 
-def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
-    low, high = job.tilts_deg[0], job.tilts_deg[-1]
-    flexible = job.design.variant(kind="flexible")
-
-    return [
-        Theory(
-            assumption.name,
-            mode,
-            theory.curve(flexible, assumption.scene, mode, low, high),
-            assumption.scene.prediction.impact_speed_factor,
-            compare.stationary_type_three(flexible, assumption.scene, job.tilts_deg, mode),
-        )
-        for assumption in assumptions
-        for mode in MODES
-    ]
+def _with(name: str, scene: Scene, contact: Mapping[str, float]) -> Assumption:
+    """Assumption of other numbers of the contact."""
+    return Assumption(name, scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)}))
 
 
-def _cases(job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[str]) -> list[Case]:
-    design = job.design.variant(kind=kind)
-    return [Case(assumption, model, design) for assumption in assumptions for model in models]
-
-
-def _write(findings: Findings, target: Folder, *names: str) -> None:
-    """Write figures and the tables behind them."""
+def _write(found: Findings, target: Folder, name: str) -> None:
+    """Write the tables of a part, and its figure."""
     from walkergen.files import figures
 
-    for name in names:
-        for table in report.TABLES[name](findings):
-            _write_table(table, target)
-        figure = report.draw(name, findings)
+    for table in report.TABLES[name](found):
+        target.write(f"{table.name}.csv", table.csv().encode())
+    if name in report.FIGURES:
+        figure = report.draw(name, found)
         target.write(f"{name}.png", figures.png(figure))
         target.write(f"{name}.pdf", figures.pdf(figure))
-
-
-def _write_table(table: Table, target: Folder) -> None:
-    target.write(f"{table.name}.csv", table.csv().encode())

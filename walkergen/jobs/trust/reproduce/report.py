@@ -5,64 +5,65 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.analysis.impact_types import COUNTINGS, SUMS, TYPES
 from walkergen.analysis.motion import Curve
-from walkergen.analysis.values import Value
 from walkergen.files import report
-from walkergen.files.report import Column, Report, Table
+from walkergen.files.report import Report, Table
 from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce.compare import Findings, Row, Theory
+from walkergen.jobs.trust.reproduce.compare import Findings, Row
 from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.plane import Runs
-from walkergen.jobs.trust.reproduce.sweeps import COUNTINGS, SUMS, TYPES, Assumption, Point
+from walkergen.jobs.trust.reproduce.motion import Runs
+from walkergen.jobs.trust.reproduce.runs import Assumption, Point
+from walkergen.numerics.quantity import Quantity, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ON_PLANE = ("contact", "tilt_deg")
-POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
 SPEED = ("speed_mm_s", "speed_se_mm_s")
+POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
 
-MARKS = {"agrees": "=", "agrees within": "=", "differs by": "!", "undecided": "?"}
-LEGEND = "± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much"
+MARKS = {Verdict.AGREE: "=", Verdict.DISAGREE: "!", Verdict.UNDECIDED: "?"}
+CAPTION = (
+    "Statements of Koumakis, Gnoli, Maggi, Puglisi and Di Leonardo, Mechanism of self-propulsion in 3D-printed active "
+    "granular particles (2016), against walkergen's theory and simulations of its own printed geometry"
+)
+FIGURES = ("figure2", "figure5", "figure6", "mechanisms")
+LEGEND = "± 2 standard errors; = agrees, ! disagrees, ? undecided; reproduce.csv says by how much a number is off"
 
 
-def of(findings: Findings, rows: Sequence[Row], title: str, folder: Path) -> Report:
+def of(findings: Findings, rows: Sequence[Row], folder: Path) -> Report:
     """Report of all that was found and compared, which lies in a folder."""
     tables = [table for of_figure in TABLES.values() for table in of_figure(findings)]
-    marked = side_by_side(rows, findings.assumptions, _marked)
+    listed = [row._asdict() | {"ours": row.ours.value, "se": row.ours.se} for row in rows]
+    verdicts = [{"verdict": row.verdict.value, "off": row.off} for row in rows]
     return Report(
         name="reproduce",
-        title=title,
-        tables=[marked, compared(rows), *tables, labels(findings.labels)],
-        facts=_facts(findings, rows),
+        title="The paper, side by side",
+        caption=CAPTION,
+        tables=[side_by_side(rows, findings.assumptions), compared(rows), *tables],
+        facts={
+            "rows": [own | word for own, word in zip(listed, verdicts, strict=True)],
+            "mechanisms": list(mechanisms(findings.mechanisms)),
+        },
         lines=[LEGEND],
-        figures={name: partial(draw, name, findings) for name in TABLES},
+        figures={name: partial(draw, name, findings) for name in FIGURES},
         folder=folder,
     )
 
 
-def _facts(findings: Findings, rows: Sequence[Row]) -> dict[str, Any]:
-    listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
-    ways = [
-        {
-            "mechanism": way.what,
-            "design": way.name,
-            "theory": way.theory._asdict(),
-            "simulated": way.simulated.speed and way.simulated.speed._asdict(),
-            "direction": way.direction,
-        }
-        for way in findings.mechanisms
-    ]
-    return {"rows": listed, "mechanisms": ways}
-
-
 def draw(name: str, findings: Findings) -> "Figure":
-    """Draw one of the figures, by its name in TABLES."""
-    from walkergen.jobs.trust.reproduce import figures, mechanisms_figure
+    """Draw one of the figures, by its name."""
+    from walkergen.jobs.trust.reproduce import figures
 
-    if name == "mechanisms":
-        return mechanisms_figure.draw(findings.mechanisms)
     return figures.FIGURES[name](findings)
+
+
+def _pair(quantity: Quantity) -> tuple[float | None, float | None]:
+    return quantity.value, quantity.se
+
+
+def _where(point: Point) -> tuple[str, str, float, float]:
+    return point.assumption.name, point.model, point.tilt_deg, point.plate_speed_mm_s
 
 
 def speeds(name: str, points: Sequence[Point]) -> Table:
@@ -75,29 +76,21 @@ def speeds(name: str, points: Sequence[Point]) -> Table:
 def types(points: Sequence[Point]) -> Table:
     """Share of every type of impacts, and of II and III, a row per ensemble and counting."""
     kinds = (*TYPES, *SUMS)
-    shares = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
     rows = [
-        (*_where(point), counting, *(number for kind in kinds for number in point.shares[counting, kind]))
+        (*_where(point), counting, *(number for kind in kinds for number in _pair(point.shares[counting, kind])))
         for point in points
         if point.shares
         for counting in COUNTINGS
     ]
-    return Table("figure3", rows, (*POINT, "counting", *shares))
+    names = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
+    return Table("figure3", rows, (*POINT, "counting", *names))
 
 
-def _pair(value: Value | None) -> tuple[float | None, float | None]:
-    return (None, None) if value is None else value
-
-
-def _where(point: Point) -> tuple[str, str, float, float]:
-    return point.assumption, point.model, point.tilt_deg, point.plate_speed_mm_s
-
-
-def theory(theories: Sequence[Theory]) -> Table:
+def theory(findings: Findings) -> Table:
     """Predicted curves, a row for each tilt."""
     rows = [
         (drawn.assumption, drawn.mode, float(tilt), float(speed), float(sd), bool(sticks))
-        for drawn in theories
+        for drawn in findings.theories
         for tilt, speed, sd, sticks in zip(*drawn.curve, strict=True)
     ]
     keys = ("contact", "mode", "tilt_deg", "speed_mm_s", "speed_sd_mm_s", "a_foot_can_stick")
@@ -106,64 +99,40 @@ def theory(theories: Sequence[Theory]) -> Table:
 
 def labels(series: Mapping[float, Sequence[Point]]) -> Table:
     """Speeds in space, a row per restitution and tilt."""
-    rows = [
-        (label, point.tilt_deg, *_pair(point.speed), point.outcomes)
-        for label, points in series.items()
-        for point in points
-    ]
+    rows = [(label, p.tilt_deg, *_pair(p.speed), p.outcomes) for label, points in series.items() for p in points]
     return Table("figure2_labels", rows, ("restitution", "tilt_deg", *SPEED, "outcomes"))
 
 
-def squares(plane: Sequence[Runs]) -> Table:
-    """Mean squared displacement on a plane, a row for each tilt and lag."""
-    rows = _curves(plane, lambda runs: {"": runs.motion.msd})
-    return Table("figure6", rows, (*ON_PLANE, "lag_s", "msd_mm2", "msd_se_mm2"))
+def on_plane(plane: Sequence[Runs]) -> list[Table]:
+    """Squared displacements, their exponents, densities and tracks every 40 ms: y to the left of x."""
 
+    def table(name: str, keys: tuple[str, ...], of: Callable[[Runs], dict[str, Curve]]) -> Table:
+        rows = [
+            [runs.assumption, runs.tilt_deg, *([way] if way else []), *map(float, numbers)]
+            for runs in plane
+            for way, curve in of(runs).items()
+            for numbers in zip(*curve, strict=True)
+        ]
+        return Table(name, rows, ("contact", "tilt_deg", *keys))
 
-def exponents(plane: Sequence[Runs]) -> Table:
-    """Local exponent of the squared displacement, a row for each tilt and lag."""
-    rows = _curves(plane, lambda runs: {"": runs.growth.exponents})
-    return Table("figure6_exponents", rows, (*ON_PLANE, "lag_s", "exponent", "exponent_se"))
-
-
-def densities(plane: Sequence[Runs]) -> Table:
-    """Densities of displacements along and across, a row for each bin."""
-    keys = (*ON_PLANE, "direction", "displacement_mm", "density_per_mm", "density_se_per_mm")
-
-    def both(runs: Runs) -> dict[str, Curve]:
-        return {"along": runs.motion.parallel, "across": runs.motion.orthogonal}
-
-    return Table("figure6_densities", _curves(plane, both), keys)
-
-
-def _curves(plane: Sequence[Runs], of: Callable[[Runs], dict[str, Curve]]) -> list[list[object]]:
-    """Rows of curves, with the curve's name where it has one."""
+    tracks = []
+    for runs in plane:
+        interval = runs.tracks.interval
+        for track in runs.tracks.tracks:
+            assert track.heading is not None
+            for at in range(0, len(track.position), round(runs.motion.lag_s / interval)):
+                place = (*map(float, track.position[at]), float(track.heading[at]))
+                tracks.append((runs.assumption, runs.tilt_deg, track.particle, float(at * interval), *place))
+    density = ("direction", "displacement_mm", "density_per_mm", "density_se_per_mm")
+    ways = ("contact", "tilt_deg", "particle", "t_s", "x_mm", "y_mm", "theta_rad")
     return [
-        [runs.assumption, runs.tilt_deg, *([name] if name else []), *map(float, numbers)]
-        for runs in plane
-        for name, curve in of(runs).items()
-        for numbers in zip(*curve, strict=True)
+        table("figure6", ("lag_s", "msd_mm2", "msd_se_mm2"), lambda runs: {"": runs.motion.msd}),
+        table("figure6_exponents", ("lag_s", "exponent", "exponent_se"), lambda runs: {"": runs.growth.exponents}),
+        table(
+            "figure6_densities", density, lambda runs: {"along": runs.motion.parallel, "across": runs.motion.orthogonal}
+        ),
+        Table("figure6_tracks", tracks, ways),
     ]
-
-
-def tracks(plane: Sequence[Runs]) -> Table:
-    """Tracks on a plane, every 40 ms: y to the left of x."""
-    keys = (*ON_PLANE, "particle", "t_s", "x_mm", "y_mm", "theta_rad")
-    rows = [
-        (
-            runs.assumption,
-            runs.tilt_deg,
-            track.particle,
-            float(at * runs.tracks.interval),
-            *map(float, track.position[at]),
-            float(track.heading[at]),
-        )
-        for runs in plane
-        for track in runs.tracks.tracks
-        if track.heading is not None
-        for at in range(0, len(track.position), round(runs.motion.lag_s / runs.tracks.interval))
-    ]
-    return Table("figure6_tracks", rows, keys)
 
 
 class Way(NamedTuple):
@@ -171,8 +140,8 @@ class Way(NamedTuple):
 
     mechanism: str
     design: str
-    theory_mm_s: float
-    theory_sd_mm_s: float
+    theory_mm_s: float | None
+    theory_sd_mm_s: float | None
     theory: str
     model: str
     simulated_mm_s: float | None
@@ -185,83 +154,51 @@ class Way(NamedTuple):
 
 def mechanisms(measured: Sequence[Mechanism]) -> Table:
     """Theory and simulation of every mechanism."""
-    rows = [
-        Way(
-            way.what,
-            way.name,
-            *way.theory,
-            way.used,
-            way.simulated.model,
-            *_pair(way.simulated.speed),
-            *_pair(way.ratio),
-            way.direction,
-            way.simulated.outcomes,
-        )
-        for way in measured
-    ]
+    rows = []
+    for way in measured:
+        theory = (*_pair(way.theory), way.used, way.simulated.model)
+        speeds = (*_pair(way.simulated.speed), *_pair(way.ratio))
+        rows.append(Way(way.what, way.design.name, *theory, *speeds, way.direction, way.simulated.outcomes))
     columns = (
         report.text("mechanism", "mechanism"),
         report.text("walker", "design"),
-        Column("theory, mm/s", lambda row: f"{number(row.theory_mm_s, row.theory_sd_mm_s)} ({row.theory})"),
-        Column("simulated, mm/s", lambda row: number(row.simulated_mm_s, row.simulated_se_mm_s) or "none ended well"),
-        Column("simulated / theory", lambda row: number(row.ratio, row.ratio_se)),
+        report.with_error("theory, mm/s", "theory_mm_s", "theory_sd_mm_s"),
+        report.text("by", "theory"),
+        report.with_error("simulated, mm/s", "simulated_mm_s", "simulated_se_mm_s"),
+        report.with_error("simulated / theory", "ratio", "ratio_se"),
         report.text("direction", "direction"),
     )
     return Table("mechanisms", rows, Way._fields, columns, "Three mechanisms")
 
 
 TABLES: Mapping[str, Callable[[Findings], Sequence[Table]]] = {
-    "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings.theories)],
-    "figure3": lambda findings: [types(findings.tilts)],
+    "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings), types(findings.tilts)],
+    "figure2-labels": lambda findings: [labels(findings.labels)],
     "figure5": lambda findings: [speeds("figure5", findings.drives)],
-    "figure6": lambda findings: [*(table(findings.plane) for table in (squares, exponents, densities, tracks))],
+    "figure6": lambda findings: on_plane(findings.plane),
     "mechanisms": lambda findings: [mechanisms(findings.mechanisms)],
 }
-"""Tables of the numbers that each figure shows."""
+"""Tables of the numbers that each part finds."""
 
 
 def compared(rows: Sequence[Row]) -> Table:
     """Comparisons with the paper's words and their place, a row each."""
-    keys = (
-        "fact",
-        "figure",
-        "quote",
-        "where",
-        "quantity",
-        "unit",
-        "stated",
-        "margin",
-        "model",
-        "contact",
-        "ours",
-        "ours_se",
-        "verdict",
-        "by",
-    )
-    lines = [
-        (
-            *FACTS[row.fact][:6],
-            FACTS[row.fact].claim,
-            FACTS[row.fact].margin,
-            row.model,
-            row.assumption,
-            row.ours,
-            row.se,
-            row.verdict.word,
-            row.verdict.by,
-        )
-        for row in rows
-    ]
-    return Table("reproduce", lines, keys)
+    stated = ("fact", "figure", "quote", "where", "quantity", "unit", "stated", "margin")
+    ours = ("model", "contact", "ours", "ours_se", "verdict", "by")
+    lines = []
+    for row in rows:
+        fact, numbers = FACTS[row.fact], (*_pair(row.ours), row.verdict.value, row.off)
+        lines.append((*fact[:6], fact.claim, fact.margin, row.model, row.assumption, *numbers))
+    return Table("reproduce", lines, (*stated, *ours))
 
 
-def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption], cell: Callable[[Row], str]) -> Table:
+def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
     """Table to read: a row for a fact and a model, a column for a set of contact numbers."""
     keys = ("the paper", "our number from", *(assumption.label for assumption in assumptions))
-    lines, last = [], ""
+    lines, last = list[tuple[Any, ...]](), ""
     for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
-        same = {row.assumption: row for row in rows if (row.fact, row.model) == (fact, model)}
-        cells = [cell(same[assumption.name]) if assumption.name in same else "" for assumption in assumptions]
+        same = {row.assumption: _marked(row) for row in rows if (row.fact, row.model) == (fact, model)}
+        cells = [same.get(assumption.name, "") for assumption in assumptions]
         lines.append((f"{name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
         last = fact
     return Table("comparison", lines, keys, report.every(keys, keys))
@@ -272,23 +209,18 @@ def name(fact: str) -> str:
     return f"{list(FACTS).index(fact) + 1}. {FACTS[fact].quantity}"
 
 
-def verdict(row: Row) -> str:
-    """Our number and the verdict on it."""
-    return ": ".join(filter(None, (number(row.ours, row.se), str(row.verdict))))
-
-
 def _marked(row: Row) -> str:
     """Our number and the mark of the verdict on it."""
-    return "-" if row.ours is None else f"{number(row.ours, row.se)} {MARKS[row.verdict.word]}"
+    return f"{number(row.ours)} {MARKS[row.verdict]}" if row.ours.value is not None else "-"
 
 
-def number(value: float | None, se: float | None) -> str:
+def number(quantity: Quantity) -> str:
     """Format a number to the first digits that its error leaves, with twice the error (95 %)."""
-    if value is None:
+    if quantity.value is None:
         return ""
-    wide = 2.0 * (se or 0.0)
+    wide = 2.0 * (quantity.se or 0.0)
     if wide < 0.005:
-        return f"{value:.3g}"
+        return f"{quantity.value:.3g}"
     digits = max(0, -int(f"{wide:e}".split("e")[1]) + (f"{wide:e}"[0] in "12"))
     digits = min(digits, 2)
-    return f"{round(value, digits) + 0.0:.{digits}f} ± {wide:.{digits}f}"
+    return f"{round(quantity.value, digits) + 0.0:.{digits}f} ± {wide:.{digits}f}"

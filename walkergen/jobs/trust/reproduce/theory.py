@@ -1,15 +1,19 @@
 """Speeds by the paper's theory over tilts, with what contact and masses leave open."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.jobs.trust.reproduce.runs import Assumption
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
+from walkergen.theory.impact import Kind, Law, impact
 from walkergen.theory.prediction import SEED
-from walkergen.theory.speed import Mode
+from walkergen.theory.speed import Mode, factor
 from walkergen.theory.stationary import stationary
+from walkergen.theory.tensors import feet
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -31,6 +35,32 @@ class Curve(NamedTuple):
     """True where a foot can stick, so that eq. 15 fails."""
 
 
+class Theory(NamedTuple):
+    """Predicted curve of speed against tilt."""
+
+    assumption: str
+    mode: Mode
+    curve: Curve
+    impact_speed_factor: float
+    """Impact speed over the plate's peak speed that the curve assumes."""
+    type_three: float | None
+    """Share of type III among impacts at the stationary speed, over tilts above 0 and both feet;
+    None in mode paper, which assumes it."""
+
+    @property
+    def label(self) -> str:
+        """Name of the curve in tables and legends."""
+        return f"theory, {'eq. 15' if self.mode == 'paper' else 'feet may stick'}"
+
+
+def of(design: Design, assumption: Assumption, mode: Mode, tilts_deg: Sequence[float]) -> Theory:
+    """Theory of a design's flexible legs, between the first and the last of some tilts."""
+    flexible, scene = design.variant(kind="flexible"), assumption.scene
+    drawn = curve(flexible, scene, mode, tilts_deg[0], tilts_deg[-1])
+    third = None if mode == "paper" else type_three(flexible, scene, tilts_deg, mode)
+    return Theory(assumption.name, mode, drawn, scene.prediction.impact_speed_factor, third)
+
+
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
     inputs = uncertain.inputs(scene, design, uncertain.PREDICTION)
@@ -46,3 +76,15 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(stationary_speeds.reverses))
     return Curve(tilts, np.array(speed), np.array(sd), np.array(sticks))
+
+
+def type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float:
+    """Share of type III among impacts at the stationary speed (see `Theory`)."""
+    e, mu, law = scene.contact.restitution, scene.contact.friction, Law[scene.contact.law.upper()]
+    kinds = []
+    for tilt in tilts_deg:
+        if tilt > 0.0:
+            for H in feet(solids.mass_of(design.variant(tilt_deg=tilt))):
+                v_x = float(factor(H, e, mu, mode, scene.contact.law))
+                kinds.append(impact(float(H.xx), float(H.xy), float(H.yy), v_x, -1.0, e, mu, law).kind)
+    return kinds.count(Kind.III) / len(kinds)

@@ -1,0 +1,78 @@
+"""Types of impacts of a foot, and their shares among the impacts of runs, counted in three ways."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import landings
+from walkergen.numerics.quantity import Quantity, mean
+from walkergen.theory.impact import Kind
+
+Array = npt.NDArray[np.float64]
+
+TYPES = {
+    "III": (Kind.III,),
+    "II": (Kind.II,),
+    "I": (Kind.I,),
+    "IV": (Kind.IV,),
+    "from rest": (Kind.FROM_REST,),
+    "mirrored": (Kind.II_MIRRORED, Kind.III_MIRRORED),
+}
+"""Types of impacts; from rest: v_x = 0 exactly before; mirrored: II or III of a foot that slides
+backward before."""
+
+SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"), "III+rest": ("III", "from rest")}
+"""Shares taken together: an impact from rest is the limit of type III for v_x to 0."""
+
+COUNTINGS = ("every impact", "landings", "by impulse")
+"""Ways to take a share: of all impacts, chatter included (of relaxed legs a cascade's geometric
+tail counts once; in space every contact of a corner, from the first force to the last); of
+landings, a foot's first impact after a time without any (`landings.QUIET_S`); or of the normal
+impulse, of relaxed legs that of a whole cascade under the type of its first impact."""
+
+Shares = Mapping[tuple[str, str], Quantity]
+"""Shares by counting and type, or sum of types."""
+
+
+class Impacts(NamedTuple):
+    """Impacts of one run, arrays with an entry for each."""
+
+    kind: npt.NDArray[np.int64]
+    impulse: Array
+    speed: Array
+    """Normal speed before the impact, mm/s."""
+    landing: npt.NDArray[np.bool_]
+
+
+def of_run(rows: Array, corners: int) -> Impacts:
+    """Impacts in the record of a run, whose events count so many corners to a foot."""
+    impacts = landings.impacts_in(rows)
+    return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.of_feet(impacts.time, impacts.foot // corners))
+
+
+def shares(runs: Sequence[Impacts], every: Sequence[Array]) -> Shares:
+    """Mean shares over the runs with landings; empty if fewer than two have any.
+
+    `every`: shares among all impacts of a run, in the order of TYPES, from its tally.
+    """
+    rows = [
+        (counted, of_weights(run.kind, run.landing.astype(np.float64)), of_weights(run.kind, run.impulse))
+        for run, counted in zip(runs, every, strict=True)
+        if run.landing.any()
+    ]
+    if len(rows) < 2:
+        return {}
+    table, names = np.array(rows), list(TYPES)
+    return {
+        (counting, name): mean(name, "", table[:, row, [names.index(kind) for kind in kinds]].sum(axis=1))
+        for row, counting in enumerate(COUNTINGS)
+        for name, kinds in ({name: (name,) for name in names} | SUMS).items()
+    }
+
+
+def of_weights(kind: npt.NDArray[np.int64], weights: Array) -> Array:
+    """Shares in the order of TYPES of impacts with weights."""
+    amounts = [float(weights[np.isin(kind, kinds)].sum()) for kinds in TYPES.values()]
+    return np.array(amounts) / float(weights.sum())

@@ -1,0 +1,63 @@
+"""Motion on a plane, as in figure 6: tracks of runs in space, and how their squared displacement grows."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from walkergen.analysis import growth, motion
+from walkergen.analysis.growth import Growth
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.files.progress import Progress
+from walkergen.jobs.trust.reproduce.runs import LONGER, Assumption, on_plane
+from walkergen.numerics.quantity import Quantity, mean
+from walkergen.points import walkers
+from walkergen.simulation.experiments import Walker
+from walkergen.simulation.run import ENDED_WELL, RunResult
+from walkergen.simulation.trajectory import sampled
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+INTERVAL = 4e-3
+"""Time between samples of a track, s: a tenth of the lag of figure 6c."""
+
+
+class Runs(NamedTuple):
+    """Runs of one walker on a plane, over those that ended well."""
+
+    assumption: str
+    tilt_deg: float
+    tracks: Tracks
+    motion: Motion
+    """Statistics by the analysis that films go through."""
+    growth: Growth
+    speed: Quantity
+    """Mean speed along the heading, mm/s."""
+    lost: int
+    """Number of runs that ended badly."""
+
+
+def simulated(assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress) -> list[Runs]:
+    """Runs of walkers on a plane under every assumption, but ensembles without two good runs."""
+    cases = [(assumption, design) for assumption in assumptions for design in designs]
+    wanted = [
+        Walker(on_plane(assumption.scene, LONGER), design, solids.mass_of(design), sample_interval=INTERVAL)
+        for assumption, design in cases
+    ]
+    titles = [f"{assumption.name}, on a plane, {design.tilt_deg:g} deg" for assumption, design in cases]
+    points = walkers.each(wanted, titles, progress)
+    every = [of(case[0].name, case[1].tilt_deg, point.results) for case, point in zip(cases, points, strict=True)]
+    return [runs for runs in every if runs is not None]
+
+
+def of(assumption: str, tilt_deg: float, results: Sequence[RunResult]) -> Runs | None:
+    """Statistics of runs with their samples; None when fewer than two ended well."""
+    good = [result for result in results if result.outcome in ENDED_WELL]
+    if len(good) < 2:
+        return None
+    rows = [sampled(result) for result in good]
+    whole = (Track(result.number, row[:, 1:3].copy(), row[:, 3].copy()) for result, row in zip(good, rows, strict=True))
+    tracks = Tracks(tuple(whole), INTERVAL, 0, "")
+    speed = mean("speed", "mm_s", [result.speed for result in good])
+    return Runs(
+        assumption, tilt_deg, tracks, motion.analyse(tracks), growth.of(tracks), speed, len(results) - len(good)
+    )
