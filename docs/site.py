@@ -60,10 +60,12 @@ ROOMS = {
         "points/request",
         "points/point",
         "points/measure",
+        "points/walkers",
+        "points/kinds",
         "points/alone",
         "points/run",
         "points/worker_pool",
-        "points/drops",
+        "lab/drops",
     ],
     "analysis": [
         "analysis/tracks",

@@ -128,21 +128,6 @@ def test_few_runs_have_wide_intervals():
         assert half == pytest.approx(factor * found.speed_se_mm_s, rel=1e-3)
 
 
-def test_first_runs_of_many_equal_few_and_threads_change_nothing():
-    few = ensemble.run(fake_plan(steady, scene_of(runs=3)), silent, threads=1)
-    many = ensemble.run(fake_plan(steady, scene_of(runs=9)), silent, threads=4)
-    assert [r.number for r in many] == list(range(9))
-    for a, b in zip(few, many, strict=False):
-        np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
-    assert len({r.speed for r in many}) == 9
-
-
-def test_seed_changes_the_runs():
-    one = ensemble.run(fake_plan(steady, scene_of(runs=1, seed=1)), silent)
-    two = ensemble.run(fake_plan(steady, scene_of(runs=1, seed=2)), silent)
-    assert one[0].speed != two[0].speed
-
-
 def test_failures_are_named_and_left_out_of_the_mean():
     def topples(state, duration, tally):
         steady(state, duration, tally)

@@ -85,19 +85,6 @@ def test_overrides_reach_the_scene(run):
     assert speeds[0] == speeds[1] != speeds[2]
 
 
-def test_same_seed_same_numbers(run):
-    words = ("simulate", "--seed", "3", *SHORT, "--json")
-    one, two = (json.loads(run(*words).stdout) for _ in range(2))
-    other = json.loads(run("simulate", "--seed", "4", *SHORT, "--json").stdout)
-    assert one["speed_mm_s"] == two["speed_mm_s"] != other["speed_mm_s"]
-
-
-def test_table_says_what_was_simulated(run):
-    text = run("simulate", "--restitution", "0.3", "--all", *SHORT).stdout
-    for words in ("space, elastic feet", "mean speed", "simulated s per CPU s"):
-        assert words in text
-
-
 def test_trajectory_as_csv_and_npz(run, tmp_path):
     words = ("simulate", "--model", "relaxed", "--seconds", "0.1", "--runs", "1", "--quiet")
     run(*words, "--trajectory", "a.csv", "--rate", "2000")

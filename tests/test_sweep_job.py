@@ -318,15 +318,6 @@ def test_a_killed_sweep_goes_on(home):
     ends_whole("one", home, ENDLESS_ENOUGH)
 
 
-@pytest.mark.nightly
-def test_fifty_kills_lose_nothing(home, monkeypatch):
-    rng = np.random.default_rng(1)
-    for number in range(50):
-        monkeypatch.setenv("XDG_CACHE_HOME", str(home / f"cache{number // 5}"))
-        assert killed(home / "one", 0.5 * rng.random()) > 0
-    ends_whole("one", home, ENDLESS_ENOUGH)
-
-
 def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
     """A stand-in for the simulation: bars of known widths that shrink as one over the root."""
     widths = {4.0: 1.0, 8.0: 4.0, 12.0: 2.0}

@@ -37,6 +37,10 @@ MOST_LISTED = 6
 """Number of legs up to which a summary lists the landings of each; JSON has all."""
 
 
+BY_MOTOR = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{observables.POWERS}.from_motor"}
+"""Names of the power that a motor gives, by those of a plate's."""
+
+
 def of_drive(data: Any, scene: Scene) -> Any:
     """Data or a name, in which power comes from the motor where a motor drives: the tally's row of
     the plate's work holds a motor's.
@@ -47,7 +51,7 @@ def of_drive(data: Any, scene: Scene) -> Any:
         return {of_drive(key, scene): of_drive(value, scene) for key, value in data.items()}
     if isinstance(data, list):
         return [of_drive(entry, scene) for entry in data]
-    return data.replace("from_plate", "from_motor") if isinstance(data, str) else data
+    return BY_MOTOR.get(data, data) if isinstance(data, str) else data
 
 
 def plate_in_words(scene: Scene) -> str:
