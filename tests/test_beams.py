@@ -10,8 +10,8 @@ from numpy.polynomial import Legendre, Polynomial
 from numpy.polynomial.legendre import leggauss
 from scipy.sparse.linalg import spsolve
 
-from walkergen.analysis import beams
-from walkergen.analysis.beams import Strip
+from walkergen.lab import beams
+from walkergen.lab.beams import Strip
 
 
 def root_by_elements(fine=8, block=6, stub=3, poisson=0.36):

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.analysis import beams, inverse
-from walkergen.analysis.inverse import Curve, Measured
 from walkergen.files import templates
-from walkergen.lab import drops, resting
+from walkergen.lab import beams, drops, inverse, resting
 from walkergen.lab.bench import pluck, slide
 from walkergen.lab.drops import Let
+from walkergen.lab.inverse import Curve, Measured
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record

@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.analysis import beams
-from walkergen.analysis.beams import Strip
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.lab import drops
+from walkergen.lab import beams, drops
+from walkergen.lab.beams import Strip
 from walkergen.lab.calibrate import contact, form, make, modulus, parts, specimens
 from walkergen.lab.calibrate.specimens import BENDS, RINGS
 from walkergen.numerics.quantity import Quantity, Verdict

@@ -11,9 +11,9 @@ import threemf
 from slicing import print_of, program
 from typer.testing import CliRunner
 
-from walkergen.analysis import beams
 from walkergen.cli import command_line
 from walkergen.files import templates
+from walkergen.lab import beams
 from walkergen.lab.calibrate import form, parts, plate, sheet
 from walkergen.printing import walls
 from walkergen.printing.printers import Printer

@@ -11,11 +11,11 @@ import pytest
 from inertial_tracks import Inertial, tracks
 from typer.testing import CliRunner
 
-from walkergen.analysis import motion, relaxation
+from walkergen.analysis import motion
 from walkergen.analysis.tracks import of_places
 from walkergen.cli import command_line
 from walkergen.crowd.cards import card as cards
-from walkergen.crowd.cards import inputs, make, overdamped, walled
+from walkergen.crowd.cards import inputs, make, overdamped, relaxation, walled
 from walkergen.crowd.cards import walker_motion as measured
 from walkergen.crowd.cards.card import Card
 from walkergen.errors import InputError, WalkergenError

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from walkergen.analysis import fits, speeds
+from walkergen.analysis import speeds
 from walkergen.errors import InputError
 from walkergen.files import templates
+from walkergen.lab.fit import least_squares
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -19,13 +20,13 @@ def masses(tilts, kind="flexible"):
     return [solids.mass_of(member) for member in members]
 
 
-BACK, FRONT = fits.tensors(masses(TILTS))
+BACK, FRONT = least_squares.tensors(masses(TILTS))
 
 
 def measured(rng, se=0.5, law="poisson", mode="coulomb", true=TRUE, plate=31.2):
     ones = np.ones(len(TILTS))
-    speeds = fits.Speeds(ones, se * ones, plate * ones, BACK, FRONT, law, mode)
-    unit = fits.unit_speeds(speeds, true["restitution"], true["friction"])
+    speeds = least_squares.Speeds(ones, se * ones, plate * ones, BACK, FRONT, law, mode)
+    unit = least_squares.unit_speeds(speeds, true["restitution"], true["friction"])
     exact = true["impact_speed_factor"] * unit
     return speeds._replace(speed=exact + se * rng.normal(size=len(TILTS)))
 
@@ -35,7 +36,7 @@ def test_intervals_of_68_percent_cover_the_truth_in_as_many_cases(held):
     inside = {name: [] for name in TRUE if name != held}
     for seed in range(200):
         speeds = measured(np.random.default_rng(seed))
-        found = fits.fit_contact(speeds, {held: TRUE[held]}, profiles=False)
+        found = least_squares.fit_contact(speeds, {held: TRUE[held]}, profiles=False)
         for name, hits in inside.items():
             hits.append(abs(found.values[name] - TRUE[name]) < found.errors[name])
     for name, hits in inside.items():
@@ -45,14 +46,14 @@ def test_intervals_of_68_percent_cover_the_truth_in_as_many_cases(held):
 @pytest.mark.parametrize("law", ["poisson", "newton", "stronge"])
 def test_without_noise_the_parameters_come_back_exactly(law):
     speeds = measured(np.random.default_rng(0), se=1e-6, law=law, plate=np.linspace(20, 40, len(TILTS)))
-    found = fits.fit_contact(speeds, {"restitution": 0.8}, profiles=False)
+    found = least_squares.fit_contact(speeds, {"restitution": 0.8}, profiles=False)
     for name, value in TRUE.items():
         assert found.values[name] == pytest.approx(value, rel=1e-4)
     np.testing.assert_allclose(found.predicted, speeds.speed, rtol=1e-5)
 
 
 def test_profiles_agree_with_the_covariance_where_the_fit_is_sharp():
-    found = fits.fit_contact(measured(np.random.default_rng(1), se=0.1), {"restitution": 0.8})
+    found = least_squares.fit_contact(measured(np.random.default_rng(1), se=0.1), {"restitution": 0.8})
     for name, (low, high) in found.intervals.items():
         half = 0.5 * (high - low)
         assert half == pytest.approx(found.errors[name], rel=0.15)
@@ -60,7 +61,7 @@ def test_profiles_agree_with_the_covariance_where_the_fit_is_sharp():
 
 
 def test_restitution_and_impact_speed_cannot_be_told_apart():
-    found = fits.fit_contact(measured(np.random.default_rng(2), se=2.0), {})
+    found = least_squares.fit_contact(measured(np.random.default_rng(2), se=2.0), {})
     assert any("cannot be told apart" in note for note in found.notes)
     told = next(note for note in found.notes if "cannot be told apart" in note)
     assert "restitution" in told
@@ -74,7 +75,7 @@ def test_restitution_and_impact_speed_cannot_be_told_apart():
 
 def test_friction_is_not_seen_where_all_feet_stick():
     stuck = {**TRUE, "friction": 3.0}
-    found = fits.fit_contact(measured(np.random.default_rng(3), true=stuck), {"restitution": 0.8})
+    found = least_squares.fit_contact(measured(np.random.default_rng(3), true=stuck), {"restitution": 0.8})
     assert found.errors["friction"] is None
     assert any(note.startswith("friction: none of these speeds") for note in found.notes)
     assert found.intervals["friction"][1] is None
@@ -84,15 +85,15 @@ def test_friction_is_not_seen_where_all_feet_stick():
 
 def test_a_theory_that_does_not_describe_the_speeds_says_so():
     speeds = measured(np.random.default_rng(4))
-    found = fits.fit_contact(speeds._replace(speed=speeds.speed[::-1]), {"restitution": 0.8})
+    found = least_squares.fit_contact(speeds._replace(speed=speeds.speed[::-1]), {"restitution": 0.8})
     assert found.p_value < 1e-6
     assert any("does not describe" in note for note in found.notes)
 
 
 def test_without_errors_the_scatter_tells_them():
     speeds = measured(np.random.default_rng(5))
-    given = fits.fit_contact(speeds, {"restitution": 0.8})
-    taken = fits.fit_contact(speeds._replace(se=None), {"restitution": 0.8})
+    given = least_squares.fit_contact(speeds, {"restitution": 0.8})
+    taken = least_squares.fit_contact(speeds._replace(se=None), {"restitution": 0.8})
     assert taken.values == pytest.approx(given.values, rel=1e-3)
     assert taken.chi2 is None
     scatter = np.sqrt(given.chi2 / given.dof)
@@ -103,7 +104,7 @@ def test_without_errors_the_scatter_tells_them():
 @pytest.mark.parametrize("se", [1e-9, 1e3])
 def test_absurdly_sharp_or_vague_speeds_end_in_a_note(se):
     speeds = measured(np.random.default_rng(9))
-    found = fits.fit_contact(speeds._replace(se=np.full(len(TILTS), se)), {"restitution": 0.8})
+    found = least_squares.fit_contact(speeds._replace(se=np.full(len(TILTS), se)), {"restitution": 0.8})
     assert found.notes
     assert np.isfinite(found.predicted).all()
 
@@ -114,29 +115,29 @@ def test_too_few_speeds_and_rigid_legs_are_refused():
         speed=speeds.speed[:3],
         se=speeds.se[:3],
         plate_speed=speeds.plate_speed[:3],
-        back=fits.InverseMass(*(x[:3] for x in BACK)),
-        front=fits.InverseMass(*(x[:3] for x in FRONT)),
+        back=least_squares.InverseMass(*(x[:3] for x in BACK)),
+        front=least_squares.InverseMass(*(x[:3] for x in FRONT)),
     )
     with pytest.raises(InputError, match="at least 4"):
-        fits.fit_contact(few, {})
+        least_squares.fit_contact(few, {})
     with pytest.raises(InputError, match="nothing is left"):
-        fits.fit_contact(speeds, TRUE)
-    back, front = fits.tensors(masses(TILTS, "braced"))
+        least_squares.fit_contact(speeds, TRUE)
+    back, front = least_squares.tensors(masses(TILTS, "braced"))
     with pytest.raises(InputError, match="rigid legs"):
-        fits.fit_contact(speeds._replace(back=back, front=front), {})
+        least_squares.fit_contact(speeds._replace(back=back, front=front), {})
 
 
 def test_speeds_at_one_tilt_tell_only_a_factor():
     speeds = measured(np.random.default_rng(8), plate=np.linspace(20, 40, len(TILTS)))
     same = [4] * len(TILTS)
-    back, front = (fits.InverseMass(*(x[same] for x in H)) for H in (BACK, FRONT))
-    exact = 0.5 * fits.unit_speeds(speeds._replace(back=back, front=front), 0.8, 0.1)
+    back, front = (least_squares.InverseMass(*(x[same] for x in H)) for H in (BACK, FRONT))
+    exact = 0.5 * least_squares.unit_speeds(speeds._replace(back=back, front=front), 0.8, 0.1)
     alike = speeds._replace(back=back, front=front, speed=exact)
-    found = fits.fit_contact(alike, {})
+    found = least_squares.fit_contact(alike, {})
     assert any("cannot be told apart" in note for note in found.notes)
     assert found.errors["impact_speed_factor"] is None
     np.testing.assert_allclose(found.predicted, exact, rtol=1e-6)
-    told = fits.fit_contact(alike, {"restitution": 0.8, "friction": 0.1})
+    told = least_squares.fit_contact(alike, {"restitution": 0.8, "friction": 0.1})
     assert told.errors["impact_speed_factor"] == pytest.approx(0.5 * 0.5 / np.sqrt((exact**2).sum()), rel=1e-6)
 
 

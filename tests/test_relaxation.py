@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from inertial_tracks import Inertial, tracks
 
-from walkergen.analysis import delay, motion, relaxation
+from walkergen.analysis import motion
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.crowd.cards import delay, relaxation
 from walkergen.numerics.quantity import exact
 
 CASES = {

@@ -8,7 +8,7 @@ import shapely
 import shapely.affinity
 
 from walkergen import dish
-from walkergen.analysis import walls
+from walkergen.crowd.cards import walls
 
 INTERVAL = 1.0 / 90.0
 OUTLINE = np.array([(-14.0, -4.0), (14.0, -4.0), (14.0, 4.0), (-14.0, 4.0)])

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
 
-from walkergen.analysis import inverse
 from walkergen.api.loading import Ground, Walker, one_of, scene_of, walker_of
 from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
@@ -14,6 +13,7 @@ from walkergen.files.progress import Progress, silent
 from walkergen.jobs.make.weigh import make as weighing
 from walkergen.jobs.make.weigh import report as weigh_report
 from walkergen.jobs.make.weigh.report import WeighReport
+from walkergen.lab import inverse
 from walkergen.lab.bench import make as benches
 from walkergen.lab.calibrate import make as calibrations
 from walkergen.lab.fit import make as fitting

@@ -65,7 +65,7 @@ def drop(
     quiet: opt.Quiet = False,
 ) -> None:
     """Drop a walker on a still plate: from its rebound to the restitution of its feet."""
-    from walkergen.analysis import inverse
+    from walkergen.lab import inverse
     from walkergen.lab.bench import make
 
     if movie is not None and movie.suffix.lower() != ".gif":
@@ -117,7 +117,7 @@ def slide(
     quiet: opt.Quiet = False,
 ) -> None:
     """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
-    from walkergen.analysis import inverse
+    from walkergen.lab import inverse
     from walkergen.lab.bench import make
 
     inputs = loading.inputs(keys, "design scene")
@@ -151,7 +151,7 @@ def pluck(
     quiet: opt.Quiet = False,
 ) -> None:
     """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
-    from walkergen.analysis import inverse
+    from walkergen.lab import inverse
     from walkergen.lab.bench import make
 
     inputs = loading.inputs(keys, "design scene")

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
 from walkergen.lab import resting
+from walkergen.lab.inverse import Curve
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import batch, record
 from walkergen.simulation.model import Plan

@@ -4,10 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.analysis import delay, walks
-from walkergen.analysis.relaxation import Relaxation
+from walkergen.analysis import walks
 from walkergen.analysis.walks import Spread
+from walkergen.crowd.cards import delay
 from walkergen.crowd.cards.card import Card
+from walkergen.crowd.cards.relaxation import Relaxation
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.cards.walled import Walled
 from walkergen.files import figures as plots

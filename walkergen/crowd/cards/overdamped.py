@@ -7,8 +7,8 @@ places, and walkers that meet stop as if they had no mass.
 
 import math
 
-from walkergen.analysis.relaxation import Relaxation
 from walkergen.crowd.cards.card import Overdamped
+from walkergen.crowd.cards.relaxation import Relaxation
 from walkergen.files import words
 from walkergen.numerics.quantity import Quantity, Verdict
 

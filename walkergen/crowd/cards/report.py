@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from walkergen.analysis import walls
-from walkergen.crowd.cards import overdamped
+from walkergen.crowd.cards import overdamped, walls
 from walkergen.crowd.cards.card import Card, runs_of
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.crowd.cards.walled import Walled

@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import delay, doubts, motion, relaxation, tracks
-from walkergen.analysis.delay import Delay
+from walkergen.analysis import doubts, motion, tracks
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.relaxation import Relaxation
 from walkergen.analysis.tracks import Tracks, Units
+from walkergen.crowd.cards import delay, relaxation
+from walkergen.crowd.cards.delay import Delay
+from walkergen.crowd.cards.relaxation import Relaxation
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import walls
-from walkergen.analysis.walls import ByWall
+from walkergen.crowd.cards import walls
+from walkergen.crowd.cards.walls import ByWall
 from walkergen.crowd.space import run as crowd
 from walkergen.dish import Dish
 from walkergen.errors import InputError

@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from walkergen.analysis.inverse import Curve
 from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
 from walkergen.lab import drops, resting
 from walkergen.lab.drops import Let, Rebounds, rebound, rebounds
+from walkergen.lab.inverse import Curve
 from walkergen.scene import Scene
 from walkergen.simulation.model import Plan
 from walkergen.walker.design import Design

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.analysis.inverse import Measured
 from walkergen.files.figures import BLUE, COLUMN, GREEN, GREY, ORANGE, axes_of, name, style, wrapped
 from walkergen.lab.bench.drop import Dropped
 from walkergen.lab.bench.pluck import Plucked
 from walkergen.lab.bench.slide import Incline
+from walkergen.lab.inverse import Measured
 
 
 @style()

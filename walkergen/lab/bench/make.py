@@ -5,16 +5,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.analysis import inverse
-from walkergen.analysis.inverse import Answer, Curve, Measured
 from walkergen.files import report, words
 from walkergen.files.progress import Progress
 from walkergen.files.report import Table
-from walkergen.lab import drops, resting
+from walkergen.lab import drops, inverse, resting
 from walkergen.lab.bench import drop, pluck, slide
 from walkergen.lab.bench.drop import Dropped
 from walkergen.lab.bench.pluck import Plucked
 from walkergen.lab.bench.slide import Incline
+from walkergen.lab.inverse import Answer, Curve, Measured
 from walkergen.lab.report import LabReport, check, check_drops, written
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene

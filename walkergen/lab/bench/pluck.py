@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.beams import FIRST_MODE, damping_ratio, decrement_of
 from walkergen.errors import InputError
 from walkergen.lab import resting
+from walkergen.lab.beams import FIRST_MODE, damping_ratio, decrement_of
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation import record

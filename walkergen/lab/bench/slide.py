@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
 from walkergen.lab import resting
+from walkergen.lab.inverse import Curve
 from walkergen.scene import Scene
 from walkergen.simulation import batch, record
 from walkergen.simulation.effects import slope

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.beams import damping_ratio
-from walkergen.analysis.inverse import Measured
 from walkergen.errors import InputError
+from walkergen.lab.beams import damping_ratio
 from walkergen.lab.calibrate import filmed, form, parts
 from walkergen.lab.calibrate.estimate import Estimate, Single, mean
 from walkergen.lab.calibrate.form import Reading, Readings
 from walkergen.lab.calibrate.modulus import AT_SD_MM
+from walkergen.lab.inverse import Measured
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY
 

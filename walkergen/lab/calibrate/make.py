@@ -6,16 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import inverse
-from walkergen.analysis.inverse import Answer
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.lab import drops, resting
+from walkergen.lab import drops, inverse, resting
 from walkergen.lab.calibrate import contact, form, modulus, report, specimens
 from walkergen.lab.calibrate.contact import Rebound
 from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.form import Readings
 from walkergen.lab.calibrate.report import Bent
+from walkergen.lab.inverse import Answer
 from walkergen.lab.report import LabReport, check_drops, named, written
 from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.scene import Scene

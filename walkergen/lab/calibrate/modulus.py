@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import beams
-from walkergen.analysis.beams import Strip
 from walkergen.errors import InputError
+from walkergen.lab import beams
+from walkergen.lab.beams import Strip
 from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.specimens import BENDS, RINGS, SIZES, Rough, Specimen, only
 from walkergen.numerics.quantity import Quantity

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import manifold3d
 import numpy as np
 
-from walkergen.analysis import beams
-from walkergen.analysis.beams import Strip
+from walkergen.lab import beams
+from walkergen.lab.beams import Strip
 from walkergen.printing import walls
 from walkergen.printing.packing import border
 from walkergen.printing.printers import Printer

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.analysis.inverse import Answer
 from walkergen.files import words
 from walkergen.files.report import Column, Table
 from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.modulus import Point
+from walkergen.lab.inverse import Answer
 from walkergen.lab.report import LabReport
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from walkergen.analysis import beams
+from walkergen.lab import beams
 from walkergen.lab.calibrate import form, parts
 from walkergen.lab.calibrate.parts import Drawn
 from walkergen.printing.printers import Printer

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import beams
 from walkergen.errors import InputError
+from walkergen.lab import beams
 from walkergen.lab.calibrate.form import AIR, Reading, Readings
 from walkergen.numerics.quantity import Quantity
 

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from walkergen.analysis.fits import RANGES
 from walkergen.drive import MOTOR_HZ
 from walkergen.errors import InputError
 from walkergen.files import words
+from walkergen.lab.fit.least_squares import RANGES
 from walkergen.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.theory.speed import MODES

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.analysis.fits import ContactFit
 from walkergen.analysis.speeds import Measured
 from walkergen.files import report, words
 from walkergen.files.report import Column, Table
 from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.learn import Learned
+from walkergen.lab.fit.least_squares import ContactFit
 from walkergen.lab.fit.theory import Fitted
 from walkergen.lab.report import LabReport
 

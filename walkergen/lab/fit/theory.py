@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import fits
 from walkergen.analysis import speeds as measured
-from walkergen.analysis.fits import RANGES, ContactFit, Speeds
 from walkergen.analysis.speeds import Measured
 from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.files.progress import Progress
+from walkergen.lab.fit import least_squares
 from walkergen.lab.fit.job import Job
+from walkergen.lab.fit.least_squares import RANGES, ContactFit, Speeds
 from walkergen.lab.report import named
 from walkergen.scene import Scene
 from walkergen.walker import solids
@@ -67,7 +67,7 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
     measured.refuse_slips(path, seen)
     speeds = _with_tensors(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
     progress("fitting", 0, 1)
-    result = fits.fit_contact(speeds, held)
+    result = least_squares.fit_contact(speeds, held)
     notes = [*result.notes, *seen.notes, OF_THEORY]
     return Fitted(result, seen, speeds, job, notes, _scene(scene, result, path))
 
@@ -76,7 +76,7 @@ def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Arr
     """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
     masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *fits.tensors(masses), job.scene.contact.law, job.mode)
+    return Speeds(speed, se, plate, *least_squares.tensors(masses), job.scene.contact.law, job.mode)
 
 
 def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
@@ -100,7 +100,7 @@ def _curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     ones, result = np.ones_like(tilt), fitted.fit
     along = _with_tensors(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
-    unit = fits.unit_speeds(along, values["restitution"], values["friction"])
-    slopes = fits.jacobian(along, values, result.free)
+    unit = least_squares.unit_speeds(along, values["restitution"], values["friction"])
+    slopes = least_squares.jacobian(along, values, result.free)
     variance = np.einsum("ni,ij,nj->n", slopes, result.covariance, slopes)
     return tilt, values["impact_speed_factor"] * unit, np.sqrt(np.maximum(variance, 0.0))
