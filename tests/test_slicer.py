@@ -84,7 +84,7 @@ def test_legs_get_the_plastic_that_the_checks_promise(sliced_family):
     for walker in sliced_family.walkers:
         mesh = mass.weigh(solids.build(walker.design).legs[0], 1.0).volume
         promised = walls.leg_plastic(walker.limb, walker.printer)
-        tolerance = walls.TOLERANCE[walker.design.kind]
+        tolerance = walker.limb.section.PLASTIC_TOLERANCE
         assert walker.legs.sum(axis=0) / mesh == pytest.approx([promised] * 2, abs=tolerance)
 
 

@@ -199,7 +199,7 @@ def check_solid(design, shape):
     assert whole == pytest.approx(body + sum(legs), rel=1e-11)
     assert body == pytest.approx(math.prod(design.size), rel=1e-12)
     for limb, volume in zip(design.limbs, legs, strict=True):
-        if not limb.braced and limb.foot != "round":
+        if not limb.rigid and limb.foot != "round":
             assert volume == pytest.approx(limb.length * limb.thickness * limb.width, rel=1e-11)
         assert volume > 0.0
 

@@ -53,7 +53,7 @@ class Kind(NamedTuple):
 def of_plate(case: Case) -> tuple[Array, float]:
     """Numbers of a walker on a shaken plate, and the plate's peak speed, mm/s."""
     place = discrepancy.place_of(case.scene, case.design, solids.mass_of(case.design))
-    return np.array([case.design.braced, *place]), case.scene.drive.peak_speed
+    return np.array([case.design.rigid, *place]), case.scene.drive.peak_speed
 
 
 def of_motor(case: Case) -> tuple[Array, float]:

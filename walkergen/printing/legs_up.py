@@ -93,7 +93,7 @@ def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
 def _soft(design: Design) -> Iterator[Finding]:
     material = design.material
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
-    if not design.braced and spread < LEAST_SPREAD_PERCENT:
+    if not design.rigid and spread < LEAST_SPREAD_PERCENT:
         enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
         yield new(
             "advice",

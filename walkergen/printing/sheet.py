@@ -45,7 +45,7 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     mesh_of = dict(zip(design.limbs, built.legs, strict=True))
 
     def weight_of(limb: Limb) -> LegWeight:
-        tolerance = walls.TOLERANCE[limb.kind] if side else walls.TOLERANCE_UPRIGHT
+        tolerance = limb.section.PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
         grams = round(mass.weigh(mesh_of[limb], density).mass, 7)
         return LegWeight(grams, walls.leg_plastic(limb, printer, side), tolerance)
 

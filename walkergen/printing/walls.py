@@ -34,7 +34,7 @@ from typing import NamedTuple, TypeVar
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind, Limb
+from walkergen.walker.limbs import Limb
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -50,12 +50,9 @@ LEAST_THIN_WALL = 1.0 / 3.0
 KNIFE_EDGE = 1.02
 """Thickness in lines up to which walls may vanish by rounding (classic without thin walls)."""
 
-TOLERANCE: dict[Kind, float] = {"flexible": 0.05, "braced": 0.08}
-"""Relative uncertainty of the plastic of a whole leg: the ends of a flexible leg differ from its
-middle, and a brace shares lines with its leg where they meet (measured)."""
-
 TOLERANCE_UPRIGHT = 0.15
-"""That of a leg which prints upright, a short line in each layer. Assumed: not measured."""
+"""Relative uncertainty of the plastic of a leg which prints upright, a short line in each layer.
+Assumed: not measured; that of a leg on its side is its section's `PLASTIC_TOLERANCE`."""
 
 PERIMETERS = 2
 """Number of lines on either side of a wall before its inside is infill."""
@@ -121,11 +118,11 @@ def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
 
 def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
     """Thickness, slant and height of a leg's brace as a wall; None when it has none."""
-    if not limb.braced:
-        return None
-    if side:
-        return limb.brace, 1.0, limb.width
-    return min(limb.brace, limb.width), 1.0, -limb.anchor_to_foot[1]
+    for strut in limb.section.struts(limb):
+        if side:
+            return strut.thickness, 1.0, limb.width
+        return min(strut.thickness, limb.width), 1.0, -limb.anchor_to_foot[1]
+    return None
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
@@ -150,14 +147,13 @@ def deviation(thickness: float, printer: Printer) -> float:
 
 
 def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE.
+    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE_UPRIGHT.
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """
     slant = 1.0 if side else math.cos(limb.tilt)
     pieces = [(limb.thickness / slant, limb.length * slant)]
-    if limb.braced:
-        pieces.append((limb.brace, limb.length * math.cos(limb.tilt)))
+    pieces += [(strut.thickness, limb.length * math.cos(limb.tilt)) for strut in limb.section.struts(limb)]
     drawn = sum(thickness * length for thickness, length in pieces)
     return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
 

@@ -98,7 +98,7 @@ def _conditions(scene: Scene, design: Design) -> list[tuple[str, bool]]:
     beyond = discrepancy.beyond(scene)
     return [
         ("legs that are all alike", alike and len(limbs) > 1),
-        ("flexible legs", not any(limb.braced for limb in limbs)),
+        ("flexible legs", all(limb.kind == "flexible" for limb in limbs)),
         ("legs that are alike left and right", design.symmetric),
         ("an axis along, across or up", named),
         ("level plates", scene.plate.slope_deg == 0.0),

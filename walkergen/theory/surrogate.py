@@ -41,6 +41,9 @@ FARTHEST = 3.0
 EXPONENTS = (-6.0, 1.0)
 """Exponents of a smooth function: beyond these it is as there."""
 
+TABLED: tuple[Kind, ...] = ("flexible", "braced")
+"""Kinds of legs that a table may have speeds of."""
+
 EDGE = 0.02
 """Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
 
@@ -186,6 +189,8 @@ class StoredTable:
 
     def check(self, kind: Kind, numbers: Sequence[float | Array]) -> None:
         """Raise UnknownError for numbers of a walker that lie outside the ranges."""
+        if kind not in TABLED:
+            raise UnknownError(f"{self.words} legs that are {' or '.join(TABLED)}, not {kind}")
         for name, value, low, high in zip(self.names, numbers, *self.ends(kind), strict=True):
             margin = EDGE * (high - low)
             if not low - margin <= value <= high + margin:

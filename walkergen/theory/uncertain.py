@@ -90,7 +90,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
         *_of_motor(scene.drive),
     )
-    off = {"leg mass"} if design.braced else set()
+    off = {"leg mass"} if design.rigid else set()
     if scene.effects.unevenness is False:
         off.add("feet.unevenness_um")
     return tuple(one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name])

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from walkergen.walker import profiles
 from walkergen.walker.body import Shape, Size
 from walkergen.walker.limbs import Legs, Limb, pair_of
 
@@ -33,8 +32,7 @@ def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
     problems = []
     for number, limb in enumerate(limbs, start=1):
         texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
-        if limb.braced:
-            texts += [*_thick_brace(limb), *_brace_off_body([limb], size.length)]
+        texts += [*limb.section.problems(limb), *_struts_off_body([limb], size.length)]
         problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
     return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
 
@@ -51,15 +49,14 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
             f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
             f"the plate, the contact spacing is {spacing:g} mm"
         )
-    if back.braced:
-        problems += _thick_brace(back)
-        brace_x = abs(back.brace_offset)
-        if brace_x + back.half_width + 0.5 * back.brace >= spacing:
+    problems += back.section.problems(back)
+    for strut in back.section.struts(back):
+        span = abs(strut.offset)
+        if span + back.half_width + 0.5 * strut.thickness >= spacing:
             problems.append(
-                f"a leg crosses the other leg's brace: it spans {brace_x:.3f} mm, the contact spacing is {spacing:g} mm"
+                f"a leg crosses the other leg's brace: it spans {span:.3f} mm, the contact spacing is {spacing:g} mm"
             )
-        problems += _brace_off_body((back, front), length)
-    return problems
+    return problems + _struts_off_body((back, front), length)
 
 
 def _farther(back: Limb, front: Limb) -> Limb:
@@ -99,18 +96,10 @@ def _off_side(limb: Limb, depth: float) -> list[str]:
     ]
 
 
-def _thick_brace(limb: Limb) -> list[str]:
-    foot_width = (
-        limb.thickness * {"flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0}[limb.foot]
-    )
-    if limb.brace <= foot_width:
-        return []
-    return [f"the brace ({limb.brace:g} mm) is thicker than the foot it stands on ({foot_width:.3f} mm)"]
-
-
-def _brace_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
+def _struts_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
     half_body = 0.5 * length
-    reach = max(abs(limb.anchor[0] + limb.brace_offset) + 0.5 * limb.brace for limb in limbs)
+    struts = [(limb.anchor[0], strut) for limb in limbs for strut in limb.section.struts(limb)]
+    reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
     if reach <= half_body:
         return []
     return [f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at {half_body:.3f} mm"]
@@ -133,9 +122,7 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
 
     problems = []
     sections = [
-        shapely.union_all(
-            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in profiles.limb(limb, segments=16)]
-        )
+        shapely.union_all([shapely.Polygon(piece + np.array(limb.anchor)) for piece in limb.section.profile(limb, 16)])
         for limb in limbs
     ]
     for (i, limb), (j, other) in itertools.combinations(enumerate(limbs), 2):
@@ -188,9 +175,9 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
     for number, limb in enumerate(limbs, start=1):
         x, half = limb.anchor[0], limb.half_width
         left, right = x - half, x + half
-        if limb.braced:
-            left = min(left, x + limb.brace_offset - 0.5 * limb.brace)
-            right = max(right, x + limb.brace_offset + 0.5 * limb.brace)
+        for strut in limb.section.struts(limb):
+            left = min(left, x + strut.offset - 0.5 * strut.thickness)
+            right = max(right, x + strut.offset + 0.5 * strut.thickness)
         top = shapely.box(left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width)
         outside = top.difference(ground.buffer(ROUNDING_MM)).area
         if outside > 0.0:

@@ -190,8 +190,9 @@ class Design(Section):
 
     @property
     def kind(self) -> Kind:
-        """Kind of legs: "braced" where all are, else "flexible"."""
-        return "braced" if all(limb.braced for limb in self.limbs) else "flexible"
+        """Kind of legs: that of the first that is not rigid, or of the first."""
+        limbs = self.limbs
+        return next((limb.kind for limb in limbs if not limb.rigid), limbs[0].kind)
 
     @property
     def tilt_deg(self) -> float:
@@ -220,9 +221,9 @@ class Design(Section):
         return any(leg.tilt_deg is None for leg in self.legs)
 
     @property
-    def braced(self) -> bool:
-        """True when braces make all legs rigid."""
-        return self.kind == "braced"
+    def rigid(self) -> bool:
+        """True when all legs are rigid, as braced ones are."""
+        return all(limb.rigid for limb in self.limbs)
 
     @property
     def pair(self) -> bool:

@@ -67,8 +67,8 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     length = float(np.linalg.norm(footing.anchor - end))
     over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
     met = limb._replace(length=length, bottom=float(footing.anchor[1]))
-    if limb.braced:
-        brace = np.array([met.anchor[0] + met.brace_offset, end[1], anchor[2]])
-        rise = joining.footing(ground, brace, UP, limb.brace, limb.width, key).reach
-        over = max(over, float(brace[1]) + rise - met.bottom)
+    for strut in met.section.struts(met):
+        foot = np.array([met.anchor[0] + strut.offset, end[1], anchor[2]])
+        rise = joining.footing(ground, foot, UP, strut.thickness, limb.width, key).reach
+        over = max(over, float(foot[1]) + rise - met.bottom)
     return met._replace(embedding=over + MARGIN_MM)

@@ -7,8 +7,11 @@ behind the anchor for tilt > 0.
 """
 
 import math
-from typing import Annotated, Literal, NamedTuple
+from functools import cache
+from typing import Annotated, Literal, NamedTuple, Protocol, get_args
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
 from walkergen.files.config import Fraction, Section
@@ -17,13 +20,14 @@ Length = Annotated[float, Field(ge=1e-6, le=1e6)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
-KINDS: tuple[Kind, ...] = ("flexible", "braced")
+KINDS: tuple[Kind, ...] = get_args(Kind)
 FootKind = Literal["square", "flat", "round"]
 
 MOST_LEGS = 64
 """Largest number of legs of a walker."""
 
 Point = tuple[float, float]
+Polygon = npt.NDArray[np.float64]
 
 
 class Legs(Section):
@@ -44,7 +48,8 @@ class Legs(Section):
     @property
     def thickness_mm(self) -> float:
         """Thickness that applies to the kind of legs."""
-        return self.braced_thickness_mm if self.kind == "braced" else self.flexible_thickness_mm
+        thickness: float = getattr(self, f"{self.kind}_thickness_mm")
+        return thickness
 
 
 class Leg(Section):
@@ -101,9 +106,14 @@ class Limb(NamedTuple):
     restitution: float | None
 
     @property
-    def braced(self) -> bool:
-        """True when a brace makes the leg rigid."""
-        return self.kind == "braced"
+    def section(self) -> "CrossSection":
+        """Cross-section: what follows from the kind."""
+        return section_of(self.kind)
+
+    @property
+    def rigid(self) -> bool:
+        """True when the leg neither bends nor twists, as one with a brace."""
+        return self.section.RIGID
 
     @property
     def anchor_to_foot(self) -> Point:
@@ -128,14 +138,6 @@ class Limb(NamedTuple):
         return -self.anchor_to_foot[0] + self.along, self.bottom
 
     @property
-    def brace_offset(self) -> float:
-        """Distance along x from the anchor to the middle of the brace, which is on the foot, mm."""
-        sin = math.sin(self.tilt)
-        if self.foot == "round":
-            return -(self.length - 0.5 * self.thickness) * sin
-        return -self.length * sin
-
-    @property
     def half_width(self) -> float:
         """Half the width of the leg along the underside, mm."""
         return 0.5 * self.thickness / math.cos(abs(self.tilt))
@@ -144,6 +146,57 @@ class Limb(NamedTuple):
     def foot_height(self) -> float:
         """Height of the foot, from the middle of the body, mm."""
         return self.bottom + self.anchor_to_foot[1]
+
+
+class Strut(NamedTuple):
+    """Upright support of a leg, from its foot to the underside, as wide as the leg."""
+
+    offset: float
+    """Place of its middle along the run, from the anchor, mm."""
+    thickness: float
+    """Thickness along the run, mm."""
+
+
+class CrossSection(Protocol):
+    """Cross-section of a kind of legs: a module of `walkergen.walker.sections`, as flexible.py.
+
+    A new one is its file, its name and its thickness here, and its look in `files.figures`.
+    """
+
+    RIGID: bool
+    """True for a leg that is part of the body: it neither bends nor twists."""
+    PLASTIC_TOLERANCE: float
+    """Relative uncertainty of the plastic of a whole leg that prints on its side."""
+
+    def profile(self, limb: Limb, segments: int) -> list[Polygon]:
+        """Polygons below the underside, counter-clockwise, the leg's first; anchor at the origin."""
+
+    def struts(self, limb: Limb) -> tuple[Strut, ...]:
+        """Supports beside the leg."""
+
+    def second_moment(self, limb: Limb) -> float:
+        """Second moment of area about the axis across the run, mm^4."""
+
+    def torsion_constant(self, limb: Limb) -> float:
+        """Torsion constant about the leg's long axis, mm^4."""
+
+    def axial(self, limb: Limb) -> float:
+        """Stiffness along the leg, over Young's modulus times the width."""
+
+    def problems(self, limb: Limb) -> list[str]:
+        """Reasons why the leg cannot be built, whatever the body."""
+
+
+@cache
+def section_of(kind: Kind) -> CrossSection:
+    """Cross-section of a kind of legs."""
+    if kind == "braced":
+        from walkergen.walker.sections import braced
+
+        return braced
+    from walkergen.walker.sections import flexible
+
+    return flexible
 
 
 def embedding_in(bottom: float) -> float:

@@ -175,7 +175,7 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | Non
         )
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
-    return frozen(loose, [limb.braced for limb in limbs])
+    return frozen(loose, [limb.rigid for limb in limbs])
 
 
 def carried(design: "Design") -> list[SolidMass]:

@@ -18,9 +18,8 @@ from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import profiles
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
+from walkergen.walker.limbs import Limb, Polygon
 from walkergen.walker.mass import MassProperties, assemble
 
 if TYPE_CHECKING:
@@ -33,8 +32,6 @@ FOOT_SEGMENTS = 64
 
 ROUNDING_MM = 1e-9
 """Largest error, mm, of the modeller's heights."""
-
-Polygon = profiles.Polygon
 
 
 class Solids(NamedTuple):
@@ -219,11 +216,18 @@ def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
     for limb in limbs:
         shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
         if shape not in by_shape:
-            below = profiles.limb(limb, foot_segments)
-            raised = tuple(profiles.raised(part, limb.embedding) for part in below)
+            below = limb.section.profile(limb, foot_segments)
+            raised = tuple(_raised(part, limb.embedding) for part in below)
             by_shape[shape] = _Section(below, raised)
         sections.append(by_shape[shape])
     return sections
+
+
+def _raised(profile: Polygon, embedding: float) -> Polygon:
+    """Profile that reaches `embedding` mm higher, into the body."""
+    left, right = profile[0], profile[-1]
+    up = np.array([0.0, embedding])
+    return np.concatenate([profile, [right + up, left + up]])
 
 
 def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
@@ -318,13 +322,12 @@ def has_window(limb: Limb) -> bool:
 
 
 def window_width(limb: Limb) -> float:
-    """Width of the air between a braced leg and its brace along the body's bottom face, mm.
+    """Width of the air between a leg and its strut along the body's bottom face, mm.
 
-    There it is widest; it is negative where leg and brace overlap, and 0 for flexible legs.
+    There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
     """
-    if not limb.braced:
-        return 0.0
-    return abs(limb.brace_offset) - (limb.half_width + 0.5 * limb.brace)
+    struts = limb.section.struts(limb)
+    return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
 
 
 def clearance(limbs: Sequence[Limb]) -> float:
@@ -340,8 +343,8 @@ def clearance(limbs: Sequence[Limb]) -> float:
         else:
             apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
         for limb in (back, front):
-            if limb.braced:
-                crossing = abs(limb.brace_offset) + limb.half_width + 0.5 * limb.brace
+            for strut in limb.section.struts(limb):
+                crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
                 apart.append(spacing - crossing)
     return min(apart)
 

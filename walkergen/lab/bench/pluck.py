@@ -83,7 +83,7 @@ def plucked_leg(design: Design) -> int:
 
     Raises InputError where all are.
     """
-    free = [number for number, limb in enumerate(design.limbs) if not limb.braced]
+    free = [number for number, limb in enumerate(design.limbs) if not limb.rigid]
     if not free:
         raise InputError(f"{design.name}: braced legs do not swing; pluck a flexible leg: --legs flexible")
     return free[0]
@@ -97,8 +97,7 @@ def which(design: Design) -> str:
 def cantilever(design: Design, leg_mass: float) -> float:
     """First natural frequency (Hz) of the plucked leg of `leg_mass` (g), its body held."""
     limb = design.limbs[plucked_leg(design)]
-    second_moment = limb.width * limb.thickness**3 / 12.0
-    bending = 1e9 * design.material.youngs_modulus_gpa * second_moment
+    bending = 1e9 * design.material.youngs_modulus_gpa * limb.section.second_moment(limb)
     return FIRST_MODE * math.sqrt(bending / (leg_mass * limb.length**3)) / (2.0 * math.pi)
 
 

@@ -200,7 +200,7 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     tilt = design.limbs[0].tilt
     slips = [
         first_slip(plan, tilt, friction)
-        if tilt > 0.0 and design.alike and not design.braced and friction > math.tan(tilt)
+        if tilt > 0.0 and design.alike and not design.rigid and friction > math.tan(tilt)
         else None
         for plan, friction in zip(plans, FRICTIONS, strict=True)
     ]

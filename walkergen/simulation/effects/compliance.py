@@ -37,8 +37,8 @@ def judge(case: Case) -> Effect:
     The number is the frequency of the slowest leg over the drive's.
     """
     scene, design = case.scene, case.design
-    if design.braced:
-        return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
+    if design.rigid:
+        return Effect(NAME, False, 0.0, f"legs are {design.kind}", "no free leg", "")
     frequencies = {
         name: natural_frequency(stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia))
         for name, limb, leg in zip(names.legs(design), design.limbs, case.mass.legs, strict=True)
@@ -65,8 +65,7 @@ def _slowest(frequencies: Mapping[str, float]) -> str:
 
 def stiffness(limb: Limb, modulus: float, spring: Spring) -> float:
     """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
-    second_moment = limb.width * limb.thickness**3 / 12.0
-    return SPRING_FACTORS[spring] * modulus * second_moment / limb.length
+    return SPRING_FACTORS[spring] * modulus * limb.section.second_moment(limb) / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:

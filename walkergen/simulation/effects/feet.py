@@ -32,28 +32,7 @@ def axial_stiffness(limb: Limb, modulus: float) -> float:
 
     `modulus`: Young's, Pa.
     """
-    stiffness = limb.thickness / limb.length
-    if limb.braced:
-        stiffness = 1.0 / _compliance_with_brace(limb)
-    return 0.5 * modulus * limb.width * stiffness
-
-
-def _compliance_with_brace(limb: Limb) -> float:
-    """Axial compliance of a leg and its upright brace, times modulus and width, without unit.
-
-    Cuts in series, each as wide as the leg's and the brace's parts that do not overlap: at the
-    foot the brace lies in the leg, which leaves it by tan(tilt) a height. An upright leg hides its
-    brace wholly.
-    """
-    height, slope = limb.length * math.cos(limb.tilt), math.tan(abs(limb.tilt))
-    leg, hidden = limb.thickness * math.cos(limb.tilt), min(limb.brace, 2.0 * limb.half_width)
-    least = leg + limb.brace - hidden
-    inside = 0.5 * abs(2.0 * limb.half_width - limb.brace)
-    if slope * height <= inside:
-        return height / least
-    parting = min(slope * height - inside, hidden)
-    beside = height - (inside + parting) / slope
-    return inside / slope / least + math.log1p(parting / least) / slope + beside / (leg + limb.brace)
+    return 0.5 * modulus * limb.width * limb.section.axial(limb)
 
 
 def restitution(damping_ratio: float) -> float:

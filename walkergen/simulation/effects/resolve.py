@@ -78,9 +78,9 @@ def _check_room(scene: Scene, design: Design) -> None:
 
 def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
     wanted = scene.legs.model
-    if design.braced and wanted in ("relaxed", "compliant"):
+    if design.rigid and wanted in ("relaxed", "compliant"):
         raise InputError(
-            f"{design.name}: braced legs are rigid; model {wanted} is for flexible legs: "
+            f"{design.name}: {design.kind} legs are rigid; model {wanted} is for flexible legs: "
             "use model 'auto', 'rigid' or 'space', or --legs flexible"
         )
     plane, accepted = scene.arena.kind == "plane", scene.run.accepted_error
@@ -97,7 +97,7 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
     motor = scene.drive.kind == "motor"
     if plane or problem or motor or accepted < compliance.PLANAR_ERROR:
         return "space"
-    if design.braced:  # flights from event to event are exact without drag only
+    if design.rigid:  # flights from event to event are exact without drag only
         return "space" if scene.effects.air_drag else "rigid"
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
 
@@ -108,14 +108,15 @@ def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
     if len(limbs) != 2 or limbs[0].along == limbs[1].along:
         places = ", ".join(f"{limb.along:g}" for limb in limbs)
         return f"knows two feet in the plane, one behind the other; those of this walker stand at {places} mm along"
-    if model != "rigid" and limbs[0].braced != limbs[1].braced:
-        return "knows two legs of one kind; of this walker's one is braced, one flexible"
+    if model != "rigid" and limbs[0].rigid != limbs[1].rigid:
+        rigid, free = sorted(limbs, key=lambda limb: not limb.rigid)
+        return f"knows two legs of one kind; of this walker's one is {rigid.kind}, one {free.kind}"
     return ""
 
 
 def _check_elastic(scene: Scene, design: Design, model: ModelName) -> None:
     """Refuse laws of impact of elastic feet, which have none. Raises InputError."""
-    planar = "rigid" if design.braced else "compliant"
+    planar = "rigid" if design.rigid else "compliant"
     if model == "space" and scene.contact.law != "poisson":
         raise InputError(
             f"contact.law = {scene.contact.law!r}: elastic feet have a damping in place of a law "

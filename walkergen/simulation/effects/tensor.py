@@ -10,8 +10,8 @@ NAME, SWITCH = "flexible foot tensor", "legs.model"
 
 def judge(case: Case) -> Effect:
     """Rule: on for flexible legs unless their model is rigid. The number is m/M."""
-    if case.design.braced:
-        return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
+    if case.design.rigid:
+        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", "the rigid tensor is exact", "")
     heaviest = max(float(leg.m) for leg in case.mass.legs)
     ratio, meaning = heaviest / float(case.mass.M), "mass of a leg over the body's"
     if case.model in ("compliant", "space"):

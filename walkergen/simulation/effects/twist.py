@@ -20,8 +20,8 @@ def judge(case: Case) -> Effect:
 
     The number is the least frequency of a leg's twist over the drive's.
     """
-    if case.design.braced:
-        return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
+    if case.design.rigid:
+        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", "no free leg", "")
     spatial = case.model == "space"
     modulus = case.design.material.youngs_modulus
     frequencies = [
@@ -41,5 +41,4 @@ def stiffness(limb: Limb, modulus: float) -> float:
     `modulus`: Young's, Pa.
     """
     shear = modulus / (2.0 * (1.0 + POISSON_RATIO))
-    section = limb.width * limb.thickness**3 / 3.0
-    return shear * section / limb.length
+    return shear * limb.section.torsion_constant(limb) / limb.length

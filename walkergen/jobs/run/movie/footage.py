@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.theory.impact import Kind
-from walkergen.walker.solids import Polygon
+from walkergen.walker.limbs import Polygon
 
 Array = npt.NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
+from walkergen.walker.limbs import Limb, Polygon
 from walkergen.walker.mass import MassProperties, as_rigid, from_centre
 from walkergen.walker.planar import in_plane
 
@@ -299,7 +299,7 @@ def _shape(design: Design, mass: MassProperties) -> Shape:
     )
 
 
-def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[solids.Polygon, ...]:
+def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[Polygon, ...]:
     """Polygons of a leg of the plane: those of the first leg that it stands for."""
     alike = [own._replace(width=limb.width) for own in design.limbs]
     return outline.limbs[alike.index(limb)]

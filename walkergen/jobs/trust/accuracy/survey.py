@@ -104,7 +104,7 @@ class Survey:
 
     @property
     def _planar(self) -> list[Setting]:
-        planar = PLANAR[:1] if self.design.braced else PLANAR
+        planar = PLANAR[:1] if self.design.rigid else PLANAR
         return [setting for setting in planar if setting.model != self.complete]
 
     @cached_property

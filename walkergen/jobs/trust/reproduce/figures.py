@@ -19,7 +19,6 @@ from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
 from walkergen.jobs.trust.reproduce.motion import Runs
 from walkergen.jobs.trust.reproduce.runs import Assumption, Point
 from walkergen.jobs.trust.reproduce.theory import Theory
-from walkergen.walker import profiles
 
 # Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
 MODELS = {
@@ -232,7 +231,7 @@ def _profile(axes: Axes, mechanism: Mechanism) -> None:
     design = mechanism.design
     side, ground = design.body.shape.side, min(limb.foot_height for limb in design.limbs)
     assert side is not None  # the mechanisms' bodies are rectangles
-    legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in profiles.limb(limb, 16)]
+    legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in limb.section.profile(limb, 16)]
     axes.add_collection(PolyCollection([side], facecolors="0.55"))
     axes.add_collection(PolyCollection(legs, facecolors="0.25"))
     axes.axhline(ground, color="black", linewidth=0.8)

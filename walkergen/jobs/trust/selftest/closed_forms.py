@@ -52,9 +52,11 @@ def brace_outside(design: Design) -> float:
     of it from d = (w + b) / 2 on, w and b their widths; d falls evenly from the brace's offset at
     the body to 0 at the foot.
     """
-    cos, brace = math.cos(design.limbs[0].tilt), design.limbs[0].brace
-    height, offset = design.limbs[0].length * cos, abs(design.limbs[0].brace_offset)
-    within = 0.5 * (design.limbs[0].thickness / cos - brace)
+    limb = design.limbs[0]
+    (strut,) = limb.section.struts(limb)
+    cos, brace = math.cos(limb.tilt), strut.thickness
+    height, offset = limb.length * cos, abs(strut.offset)
+    within = 0.5 * (limb.thickness / cos - brace)
     if offset <= within:
         return 0.0
     partly = min(offset - within, brace)

@@ -83,10 +83,10 @@ def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Che
     shape = closed_forms.leg(design)
     cut = _cut_off(design, segments) / shape.area
     reason, limit = (POLYGON, 1e-11 + 1.01 * cut) if cut else (ROUNDING, 1e-11)
-    if design.braced and design.limbs[0].foot == "flat":
+    if design.rigid and design.limbs[0].foot == "flat":
         expected = depth * (shape.area + closed_forms.brace_outside(design))
         yield _relative(f"{name}: leg and brace", limb.volume, expected, limit, reason)
-    elif design.braced:
+    elif design.rigid:
         brace = design.limbs[0].brace * design.limbs[0].length / math.cos(design.limbs[0].tilt)
         more = limb.volume / depth - shape.area
         yield Check(f"{name}: less than a leg", -more / shape.area, limit, reason)

@@ -52,12 +52,12 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
     size = np.array([length, thickness, depth])
     box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
     legs = tuple(_leg(limb, density, leg_mass) for limb in design.limbs)
-    return MassProperties(M, J, legs, design.braced, Spatial(0.0, box))
+    return MassProperties(M, J, legs, design.rigid, Spatial(0.0, box))
 
 
 def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     m = density * limb.length * limb.thickness * limb.width
-    m = 0.0 if limb.braced else (m if leg_mass is None else leg_mass)
+    m = 0.0 if limb.rigid else (m if leg_mass is None else leg_mass)
     c = 0.5 * np.array(limb.anchor_to_foot)
     along = c / np.hypot(*c)
     place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2
