@@ -19,7 +19,7 @@ from walkergen.jobs.make.family import make as families
 from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.points import members as predictions
 from walkergen.points import speed_table
-from walkergen.printing import checks, legs_up, orientation, plate_map, plates, profile, sheet, walls
+from walkergen.printing import checks, legs_up, plate_map, plates, profile, sheet, walls
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.shapes import outlines
@@ -73,7 +73,7 @@ def told(design, printer=MK3S):
 
 
 def lines(design, printer=MK3S):
-    return [f"{one.level} {checks.line(one)}" for one in told(design, printer)]
+    return [f"{one.level} {one.line}" for one in told(design, printer)]
 
 
 @pytest.mark.parametrize("design", [DISC, NARROW, PROFILE, UNLIKE, PAPER])
@@ -101,9 +101,9 @@ def test_legs_narrower_than_a_body_in_side_view_print_upright_unless_they_lie_on
 
 
 def test_the_sheet_says_how_each_design_lies():
-    (one,) = orientation.settings([PAPER])
+    (one,) = sheet.orientations([PAPER])
     assert (one.name, one.value) == ("orientation", "as in the file: on its side, no supports")
-    both = orientation.settings([PAPER, DISC])
+    both = sheet.orientations([PAPER, DISC])
     assert [row.name for row in both] == ["orientation of koumakis2016", "orientation of it"]
     assert "legs up; no supports up to 45 deg" in both[1].value
 
@@ -199,7 +199,7 @@ def test_repairs_of_a_mesh_are_told(tmp_path):
     mesh.export(path)
     keys = {"width_mm": 2.0, "contact_spacing_mm": 4.0, "length_mm": 6.0, "tilt_deg": 0.0}
     design = design_of({"mesh": str(path), "repair": True}, legs=keys)
-    (warning,) = [one for one in told(design) if "repaired" in one.what]
+    (warning,) = [one for one in told(design) if "not taken as it is" in one.what]
     assert warning.level == "warning"
     facts = sheet.body_facts(design)
     assert facts["changes"] == list(design.body.shape.changes) != []
@@ -363,6 +363,6 @@ def test_check_tells_the_orientation(tmp_path):
     path.write_text('[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n')
     result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
-    assert json.loads(result.stdout)["orientations"] == [orientation.LEGS_UP]
+    assert json.loads(result.stdout)["orientations"] == [sheet.LEGS_UP]
     (place,) = plates.unplaced([DISC], [solids.build(DISC)], [1], MK3S).parts
     assert place.height == pytest.approx(2.0 + 7.5 * math.cos(math.radians(10.0)))

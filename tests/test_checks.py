@@ -11,8 +11,9 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.errors import PrintabilityError
 from walkergen.files import templates
-from walkergen.printing import checks, slicer, walls
+from walkergen.printing import checks, findings, slicer, walls
 from walkergen.printing import packing as plate
+from walkergen.printing.findings import About
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
@@ -38,8 +39,8 @@ def told(design, printer=MK3S):
     return [(one.level, one.what) for one in found(design, printer)]
 
 
-def levels(findings):
-    return {finding.level for finding in findings}
+def levels(found):
+    return {finding.level for finding in found}
 
 
 @pytest.mark.parametrize("printer", templates.names("printers"))
@@ -52,7 +53,7 @@ def test_shipped_walkers_print_on_shipped_printers(walker, printer):
     plates = plate.pack(parts, machine)
     every = checks.of_batch(members, meshes, parts, plates, machine)
     assert "error" not in levels(every)
-    checks.refuse(every, strict=False)
+    findings.refuse(every, strict=False)
 
 
 @pytest.mark.parametrize(
@@ -96,11 +97,11 @@ def test_legs_of_a_line_and_less_vanish_unless_thin_walls_are_detected(thickness
 def test_what_a_finding_recommends_is_good(thickness, line, layer, generator, thin):
     changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator, "thin_walls": thin}
     printer = MK3S.model_copy(update=changes)
-    finding = checks._wall("leg", thickness, printer, 0.02)
+    finding = checks.of_wall(walls.Wall("leg", thickness, 1.0, 8.0), printer, 0.02)
     if finding is None or " mm would do" not in finding.change:
         return
     better = float(finding.change.split(" mm would do")[0].split()[-1])
-    again = checks._wall("leg", better, printer, 0.02)
+    again = checks.of_wall(walls.Wall("leg", better, 1.0, 8.0), printer, 0.02)
     assert again is None or again.level == "advice"
 
 
@@ -257,12 +258,12 @@ def test_one_filament_prints_a_batch():
 
 
 def test_equal_findings_are_told_once_and_errors_first():
-    one = checks.Finding("warning", "a", "x", 1.0, 2.0, "mm", "y")
+    one = findings.new(About.LEGS, "warning", "x", 1.0, 2.0, "mm", "y")._replace(where="a")
     every = [one, one._replace(where="b"), one._replace(level="error", where="c")]
-    merged = checks.grouped(every)
+    merged = findings.listed(every)
     assert [(finding.level, finding.where) for finding in merged] == [("error", "c"), ("warning", "a and 1 more")]
     with pytest.raises(PrintabilityError) as caught:
-        checks.refuse(every, strict=True)
+        findings.refuse(every, strict=True)
     assert str(caught.value).splitlines() == ["c: x: 1 mm, limit 2 mm: y", "a and 1 more: x: 1 mm, limit 2 mm: y"]
 
 

@@ -164,7 +164,7 @@ def test_a_pocket_is_judged_by_the_way_that_its_walker_prints():
 def messages(design, printer):
     lying = solids.as_printed(design, solids.build(design).walker)
     findings = checks.of_part("it", design, lying, printer)
-    return [checks.line(finding) for finding in findings if finding.level == "warning"]
+    return [finding.line for finding in findings if finding.level == "warning"]
 
 
 def test_a_ceiling_too_wide_for_a_bridge_is_told():

@@ -17,7 +17,7 @@ from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 from walkergen.files import templates
 from walkergen.jobs.make.export import make as exports
 from walkergen.jobs.make.plate import make as batch
-from walkergen.printing import checks, estimate, export, plates, slicer, walls
+from walkergen.printing import checks, estimate, export, findings, plates, slicer, walls
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
@@ -216,7 +216,7 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
 def worst(design: Design, printer: Printer) -> str:
     mesh = solids.build(design).walker
     found = [*checks.of_part("it", design, mesh, printer), *checks.of_printer(printer)]
-    return checks.grouped(found)[0].level
+    return findings.listed(found)[0].level
 
 
 def test_legs_that_the_checks_refuse_vanish_there_without_a_word(tmp_path):

@@ -15,8 +15,8 @@ from walkergen.files.progress import Progress, silent
 from walkergen.jobs.make.export import make as exports
 from walkergen.jobs.make.family import make as families
 from walkergen.jobs.make.family.report import FamilyReport
-from walkergen.printing import checks
-from walkergen.printing.checks import Finding
+from walkergen.printing import findings as printed
+from walkergen.printing.findings import Finding
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
@@ -77,7 +77,7 @@ def family(
         seen,
     )
     report = families.make(job, Path(folder), progress or silent, findings.extend)
-    warnings = [checks.line(finding) for finding in checks.grouped(findings) if finding.level == "warning"]
+    warnings = printed.warnings(findings)
     warnings += [*unused, *bad]
     return replace(report, warnings=warnings)
 

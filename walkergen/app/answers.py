@@ -17,8 +17,8 @@ from walkergen.errors import WalkergenError
 from walkergen.files import plain
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
-from walkergen.printing import checks
-from walkergen.printing.findings import Finding
+from walkergen.printing import findings
+from walkergen.printing.findings import About, Finding
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
 from walkergen.theory import prediction
@@ -84,7 +84,7 @@ def outlook(document: Document) -> dict[str, Any]:
     return {
         "curve": _curve(design, scene) if design.follows else None,
         "shares": report.facts["rows"][0]["shares"],
-        "findings": [_finding(finding) for finding in checks.grouped(found)],
+        "findings": [_finding(finding) for finding in findings.listed(found)],
         "legs_at_fault": any(_of_legs(finding) for finding in found),
         "shell": documents.shell(documents.arguments(document, "export")),
         "python": documents.python(document),
@@ -164,12 +164,12 @@ def _is_sound(design: Design, tilt_deg: float) -> bool:
 
 
 def _finding(finding: Finding) -> dict[str, str]:
-    return {"level": finding.level, "text": checks.line(finding)}
+    return {"level": finding.level, "text": finding.line}
 
 
 def _of_legs(finding: Finding) -> bool:
     """True for what is wrong with a leg, not only worth knowing."""
-    return finding.level != "advice" and re.search(r"\b(leg|brace)s?\b", finding.what) is not None
+    return finding.level != "advice" and finding.part is About.LEGS
 
 
 def _dimensions(design: Design) -> Iterator[dict[str, Any]]:

@@ -16,11 +16,11 @@ def check(
 ) -> None:
     """Check whether walkers will print as designed, without writing any file."""
     from walkergen.jobs.make.check import make
-    from walkergen.printing import checks
+    from walkergen.printing import findings
 
     inputs = loading.inputs(keys, "design printer")
     chosen, machine = inputs.design(design), inputs.printer(printer)
     members, counts = inputs.batch(chosen, tilt, legs, copies, whole=True)
     report = make.check(members, counts, machine)
     show.report(report, json, quiet=False)
-    checks.refuse(report.findings, strict)
+    findings.refuse(report.findings, strict)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from walkergen.files.report import Report
-    from walkergen.printing.checks import Finding
+    from walkergen.printing.findings import Finding
     from walkergen.walker.design import Design
 
 
@@ -76,11 +76,10 @@ def text(line: str) -> None:
 
 def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
     """Print the warnings of the printability checks on the error stream, one per line."""
-    from walkergen.printing import checks
+    from walkergen.printing import findings as printed
 
-    for finding in checks.grouped(findings):
-        if finding.level == "warning" and not quiet:
-            print(f"warning: {checks.line(finding)}", file=sys.stderr)
+    for line in () if quiet else printed.warnings(findings):
+        print(f"warning: {line}", file=sys.stderr)
 
 
 def kept_forms(folder: Path, members: "Sequence[Design]") -> None:

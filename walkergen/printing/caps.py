@@ -6,7 +6,7 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.tables import csv_text
 from walkergen.printing import packing
-from walkergen.printing.findings import Finding, new
+from walkergen.printing.findings import About, Finding, at, new
 from walkergen.printing.packing import Part
 from walkergen.printing.printers import Printer
 from walkergen.walker import caps, mass
@@ -68,17 +68,12 @@ def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
     """Findings on printed caps: cells against lines, relief against layers."""
     printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
     least = FINEST_CELL * printer.line_width_mm
+    what, change = "cells of the caps may close up", "raise cap.marker_mm, or print markers on paper"
     return [
-        new(
-            "warning",
-            "cells of the caps may close up",
-            cap.cell,
-            least,
-            "mm",
-            "raise cap.marker_mm, or print markers on paper",
-        )._replace(where=entry.item)
+        finding
         for cap, entry in printed.items()
         if cap.cell < least
+        for finding in at(entry.item, [new(About.CAPS, "warning", what, cap.cell, least, "mm", change)])
     ]
 
 

@@ -1,8 +1,7 @@
 """Printability: findings on what would not print as drawn, before anything is written.
 
-An error would fail on the printer (or print another walker); a warning prints, but not as
-predicted; an advice is worth knowing. Slicers are silent on most of these: PrusaSlicer 2.5 slices
-legs away and parts off the bed without a word (tests/test_slicer.py).
+Slicers are silent on most of these: PrusaSlicer 2.5 slices legs away and parts off the bed without
+a word (tests/test_slicer.py).
 """
 
 import itertools
@@ -11,10 +10,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from walkergen.errors import PrintabilityError
 from walkergen.printing import legs_up, pocket_checks, walls
-from walkergen.printing.findings import NOISE_MM, Level, new
-from walkergen.printing.findings import Finding as Finding
+from walkergen.printing.findings import NOISE_MM, About, Finding, Level, at, new
 from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
 from walkergen.printing.walls import Wall
@@ -79,7 +76,7 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
         findings += legs_up.of_part(design, mesh, printer)
     if printer.brim_width_mm == 0.0:
         findings += _standing(design, mesh, printer)
-    return [finding._replace(where=name) for finding in findings]
+    return at(name, findings)
 
 
 def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
@@ -87,11 +84,11 @@ def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -
 
     Its masses are not predicted: only walls that fail or print otherwise than drawn count.
     """
-    of_walls = [_wall(wall.name, wall.thickness, printer, TOLERATED_DEVIATION) for wall in upright]
+    of_walls = [of_wall(wall, printer, TOLERATED_DEVIATION) for wall in upright]
     findings = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
     if printer.brim_width_mm == 0.0:
         findings += _upright(upright)
-    return [finding._replace(where=name) for finding in [*filter(None, of_walls), *findings]]
+    return at(name, [*filter(None, of_walls), *findings])
 
 
 def of_printer(printer: Printer) -> list[Finding]:
@@ -100,21 +97,12 @@ def of_printer(printer: Printer) -> list[Finding]:
     findings = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
         level: Level = "error" if layer > nozzle else "warning"
-        findings.append(
-            new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle, "mm", "lower layer_height_mm")
-        )
+        what, most = "layers are thick for the nozzle", THICKEST_LAYER * nozzle
+        findings.append(new(About.PRINTER, level, what, layer, most, "mm", "lower layer_height_mm"))
     if width <= layer:
-        findings.append(
-            new(
-                "error",
-                "lines are not wider than layers are high",
-                width,
-                layer,
-                "mm",
-                "raise line_width_mm or lower layer_height_mm",
-            )
-        )
-    return [finding._replace(where=printer.name) for finding in findings]
+        what, change = "lines are not wider than layers are high", "raise line_width_mm or lower layer_height_mm"
+        findings.append(new(About.PRINTER, "error", what, width, layer, "mm", change))
+    return at(printer.name, findings)
 
 
 def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
@@ -126,85 +114,40 @@ def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -
     return [*_off_the_bed(labels, boxes, printer), *_too_close(labels, boxes, printer)]
 
 
-def refuse(findings: Sequence[Finding], strict: bool) -> None:
-    """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
-    fatal = {"error", "warning"} if strict else {"error"}
-    lines = [line(finding) for finding in grouped(findings) if finding.level in fatal]
-    if lines:
-        raise PrintabilityError("\n".join(lines))
-
-
-def by_printer(found: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
-    """Findings of printers, by their names, in one list; those of several name their printer."""
-    return [
-        finding._replace(where=f"{printer}: {finding.where}") if len(found) > 1 else finding
-        for printer, findings in found
-        for finding in findings
-    ]
-
-
-def grouped(findings: Sequence[Finding]) -> list[Finding]:
-    """Merge equal findings, with the first place and the number of others; errors come first."""
-    places: dict[Finding, list[str]] = {}
-    for finding in findings:
-        places.setdefault(finding._replace(where=""), []).append(finding.where)
-    merged = [
-        key._replace(where=at[0] + (f" and {len(at) - 1} more" if len(at) > 1 else "")) for key, at in places.items()
-    ]
-    return sorted(merged, key=lambda finding: ("error", "warning", "advice").index(finding.level))
-
-
-def line(finding: Finding) -> str:
-    """Format a finding in one line, without its level."""
-    unit = f" {finding.unit}" if finding.unit else ""
-    return (
-        f"{finding.where}: {finding.what}: {finding.seen:.4g}{unit}, limit {finding.limit:.4g}{unit}: {finding.change}"
-    )
-
-
 def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    for wall in walls.of_design(design):
-        if finding := _wall(wall.name, wall.thickness, printer, mass_sd, wall.slant):
-            yield finding
+    yield from filter(None, (of_wall(wall, printer, mass_sd) for wall in walls.of_design(design)))
 
 
-def _wall(name: str, thickness: float, printer: Printer, mass_sd: float, slant: float = 1.0) -> Finding | None:
-    """Finding on a wall whose layers are thicker than it is by 1 / `slant`; None when it is good.
+def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
+    """Finding on a wall; None when it is good.
 
     `mass_sd` is the relative deviation of masses that the prediction allows for.
     """
-    width, section = printer.line_width_mm, thickness / slant
+    width, section, slant = printer.line_width_mm, wall.section, wall.slant
     lines, expected = section / width, walls.deviation(section, printer)
-    change = f"{_nearest_good(thickness, printer, slant):g} mm would do"
+    change, name = f"{_nearest_good(wall.thickness, printer, slant):g} mm would do", walls.the(wall.name)
+
+    def found(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+        return new(wall.part, level, what, seen, limit, unit, change)
+
     if lines < ONE_LINE[0]:
-        return new(
-            "error",
-            f"{walls.the(name)} is thinner than {ONE_LINE[0]:g} printed lines",
-            thickness,
-            ONE_LINE[0] * width * slant,
-            "mm",
-            change,
-        )
+        what = f"{name} is thinner than {ONE_LINE[0]:g} printed lines"
+        return found("error", what, wall.thickness, ONE_LINE[0] * width * slant, "mm", change)
     if section <= walls.vanishes_below(printer):
-        return new(
-            "error",
-            f"{walls.the(name)} gets no plastic, thin walls not being detected",
-            thickness,
-            walls.vanishes_below(printer) * slant,
-            "mm",
-            f"set thin_walls = true; or {change}",
-        )
-    wall = f"{walls.the(name)} ({thickness:g} mm,"
+        what = f"{name} gets no plastic, thin walls not being detected"
+        least = walls.vanishes_below(printer) * slant
+        return found("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
+    drawn = f"{name} ({wall.thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
-        what = f"{wall} plastic {expected:+.0%}) is more than one line and less than two"
-        return new("warning", what, lines, ONE_LINE[1], "lines", change)
-    what = f"plastic in {wall} {lines:.2f} lines) differs from the mesh's"
+        what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
+        return found("warning", what, lines, ONE_LINE[1], "lines", change)
+    what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
-        return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
+        return found("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
     if abs(expected) > mass_sd:
-        return new("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+        return found("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
 
 
@@ -236,78 +179,48 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
     for window, name in walls.alike(design, solids.window_width):
         if 0.0 < window < width:
-            sides = "leg and brace" if name == "leg" else f"leg and brace of {name}"
-            yield new(
-                "warning",
-                f"the window between {sides} may fuse",
-                window,
-                width,
-                "mm",
-                "tilt the legs more, or less; the legs are braced either way",
-            )
+            what = f"the window between {'leg and brace' if name == 'leg' else f'leg and brace of {name}'} may fuse"
+            change = "tilt the legs more, or less; the legs are braced either way"
+            yield new(About.LEGS, "warning", what, window, width, "mm", change)
     clearance = solids.clearance(design.limbs)
     if clearance < width:
-        yield new(
-            "warning",
-            f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse",
-            clearance,
-            width,
-            "mm",
-            "raise legs.contact_spacing_mm" if design.pair else "move them apart",
-        )
+        what = f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse"
+        change = "raise legs.contact_spacing_mm" if design.pair else "move them apart"
+        yield new(About.LEGS, "warning", what, clearance, width, "mm", change)
 
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
-    what = "serial number" if marks.kind == "none" else marks.kind
     if not marks.blank and marks.line_mm < width - NOISE_MM:
-        yield new(
-            "advice",
-            f"the {what} may close up: their strokes against a line",
-            marks.line_mm,
-            width,
-            "mm",
-            "raise marks.line_mm",
-        )
+        kind = "serial number" if marks.kind == "none" else marks.kind
+        what = f"the {kind} may close up: their strokes against a line"
+        yield new(About.MARKS, "advice", what, marks.line_mm, width, "mm", "raise marks.line_mm")
 
 
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
     """Findings on what the bed's plane cuts into layers: depth and widths, or the thickness."""
     height, size = printer.layer_height_mm, design.size
     if solids.on_side(design):
-        yield from _whole("depth", size.depth, height, "body.depth_mm")
+        yield from _whole(About.BODY, "depth", size.depth, height, "body.depth_mm")
         for width, name in walls.alike(design, lambda limb: limb.width):
             if width != size.depth:
-                yield from _whole(f"width of {walls.the(name)}", width, height, "its width_mm")
+                yield from _whole(About.LEGS, f"width of {walls.the(name)}", width, height, "its width_mm")
     elif design.body.mesh is None:
         key = "body.thickness_mm" if design.body.profile_mm is None else "the height of profile_mm"
-        yield from _whole("body's thickness", size.thickness, height, key)
+        yield from _whole(About.BODY, "body's thickness", size.thickness, height, key)
 
 
-def _whole(what: str, length: float, height: float, key: str) -> Iterator[Finding]:
+def _whole(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
     """Findings on a length, mm, that prints as layers of `height`, mm."""
     layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)
     if layers <= 0.5:
-        yield new(
-            "error",
-            f"the {what} is less than half a layer",
-            length,
-            0.5 * height,
-            "mm",
-            f"raise {key} or lower layer_height_mm",
-        )
+        change = f"raise {key} or lower layer_height_mm"
+        yield new(part, "error", f"the {what} is less than half a layer", length, 0.5 * height, "mm", change)
     elif abs(layers - whole) > NOISE_MM:
-        printed = max(1, whole) * height
-        yield new(
-            "warning",
-            f"the {what} is not a whole number of layers",
-            layers,
-            whole,
-            "layers",
-            f"make {key} {printed:.6g}, which is what prints",
-        )
+        change = f"make {key} {max(1, whole) * height:.6g}, which is what prints"
+        yield new(part, "warning", f"the {what} is not a whole number of layers", layers, whole, "layers", change)
 
 
 def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
@@ -317,8 +230,7 @@ def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Fin
         if density != densities[0]:
             what = "one filament prints a plate, and the parts before it have another density"
             change = "print each material on plates of its own"
-            finding = new("warning", what, density, densities[0], "g/cm3", change)
-            yield finding._replace(where=part.name)
+            yield from at(part.name, [new(About.WALKER, "warning", what, density, densities[0], "g/cm3", change)])
             return
 
 
@@ -330,46 +242,28 @@ def _size(part: Part, printer: Printer) -> Iterator[Finding]:
         ("height", part.height, printer.height_mm),
     ):
         if seen > limit + NOISE_MM:
-            yield new(
-                "error",
-                f"its {what} as printed exceeds the printer's",
-                seen,
-                limit,
-                "mm",
-                "make it smaller or take a larger printer",
-            )
+            change = "make it smaller or take a larger printer"
+            yield new(About.WALKER, "error", f"its {what} as printed exceeds the printer's", seen, limit, "mm", change)
 
 
 def _mesh(mesh: Mesh) -> Iterator[Finding]:
     bodies = solids.bodies(mesh)
     if bodies != 1:
-        yield new(
-            "error",
-            "the mesh is not one closed body",
-            bodies,
-            1,
-            "bodies",
-            "enlarge details below about 1e-5 mm, which files do not hold",
-        )
+        change = "enlarge details below about 1e-5 mm, which files do not hold"
+        yield new(About.WALKER, "error", "the mesh is not one closed body", bodies, 1, "bodies", change)
 
 
 def _repairs(design: Design) -> Iterator[Finding]:
     if changes := design.body.shape.changes:
-        yield new(
-            "warning",
-            f"the body's file was not taken as it is ({'; '.join(changes)})",
-            len(changes),
-            0,
-            "changes",
-            "look at preview.png before the print",
-        )
+        what = f"the body's file was not taken as it is ({'; '.join(changes)})"
+        yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at preview.png before the print")
 
 
 def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
     area = section_area(mesh, 0.5 * printer.layer_height_mm)
     change = "set brim_width_mm, and cut it off every leg"
     if area < SMALLEST_CONTACT_MM2:
-        yield new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2", change)
+        yield new(About.WALKER, "advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2", change)
     yield from _upright(walls.of_design(design))
 
 
@@ -380,7 +274,7 @@ def _upright(upright: Sequence[Wall]) -> Iterator[Finding]:
         slenderness = wall.height / wall.thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
             what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
-            yield new("advice", what, slenderness, SLENDEREST_WALL, "", change)
+            yield new(wall.part, "advice", what, slenderness, SLENDEREST_WALL, "", change)
 
 
 def section_area(mesh: Mesh, height: float) -> float:
@@ -421,14 +315,9 @@ def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Itera
     for what, reach in rings.items():
         over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
         for index in np.flatnonzero(over > NOISE_MM)[:1]:
-            yield new(
-                "error",
-                f"{what} leaves the bed",
-                over[index],
-                0.0,
-                "mm",
-                "raise margin_mm, or make brim or skirt smaller",
-            )._replace(where=labels[index])
+            change = "raise margin_mm, or make brim or skirt smaller"
+            leaves = new(About.PLATE, "error", f"{what} leaves the bed", over[index], 0.0, "mm", change)
+            yield from at(labels[index], [leaves])
 
 
 def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
@@ -441,6 +330,5 @@ def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterato
             overlap = gaps[second] < brims - NOISE_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            yield new(level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")._replace(
-                where=labels[first]
-            )
+            close = new(About.PLATE, level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")
+            yield from at(labels[first], [close])

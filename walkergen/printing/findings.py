@@ -1,11 +1,34 @@
-"""Findings of the printability checks: what deviates from the drawing, its limit, a remedy."""
+"""Findings of the printability checks: what deviates from the drawing, its limit, a remedy.
 
+An error would fail on the printer (or print another walker); a warning prints, but not as
+predicted; an advice is worth knowing.
+"""
+
+from collections.abc import Collection, Iterable, Sequence
+from enum import StrEnum
 from typing import Literal, NamedTuple
 
+from walkergen.errors import PrintabilityError
+
 Level = Literal["error", "warning", "advice"]
+LEVELS: tuple[Level, ...] = ("error", "warning", "advice")
 
 NOISE_MM = 1e-6
 """Largest error, mm, that sums of floats and rounding to micrometres may leave."""
+
+
+class About(StrEnum):
+    """What of a print a finding is about."""
+
+    LEGS = "legs"
+    BODY = "body"
+    POCKETS = "pockets"
+    MARKS = "marks"
+    CAPS = "caps"
+    WALKER = "walker"
+    """The whole part, also one that is no walker."""
+    PLATE = "plate"
+    PRINTER = "printer"
 
 
 class Finding(NamedTuple):
@@ -19,8 +42,61 @@ class Finding(NamedTuple):
     limit: float
     unit: str
     change: str
+    part: About
+
+    @property
+    def text(self) -> str:
+        """What, how much, and what to do, in one line, without its level and place."""
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}: {self.change}"
+
+    @property
+    def line(self) -> str:
+        """Place and text."""
+        return f"{self.where}: {self.text}"
 
 
-def new(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+def new(part: About, level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
     """Finding whose place is not known yet."""
-    return Finding(level, "", what, float(seen), float(limit), unit, change)
+    return Finding(level, "", what, float(seen), float(limit), unit, change, part)
+
+
+def at(where: str, findings: Iterable[Finding]) -> list[Finding]:
+    """Findings with their place."""
+    return [finding._replace(where=where) for finding in findings]
+
+
+def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
+    """Findings of printers, by their names, in one list; those of several name their printer."""
+    return [
+        finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
+        for printer, findings in named
+        for finding in findings
+    ]
+
+
+def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
+    """Findings as people read them: equal ones once, with the first place and the number of others.
+
+    Errors come first; of some levels alone.
+    """
+    places: dict[Finding, list[str]] = {}
+    for finding in findings:
+        places.setdefault(finding._replace(where=""), []).append(finding.where)
+    merged = [
+        key._replace(where=first + (f" and {len(others)} more" if others else ""))
+        for key, (first, *others) in places.items()
+    ]
+    chosen = [finding for finding in merged if finding.level in levels]
+    return sorted(chosen, key=lambda finding: LEVELS.index(finding.level))
+
+
+def warnings(findings: Sequence[Finding]) -> list[str]:
+    """Warnings, a line each."""
+    return [finding.line for finding in listed(findings, {"warning"})]
+
+
+def refuse(findings: Sequence[Finding], strict: bool) -> None:
+    """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
+    if fatal := listed(findings, {"error", "warning"} if strict else {"error"}):
+        raise PrintabilityError("\n".join(finding.line for finding in fatal))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.printing import walls
-from walkergen.printing.findings import NOISE_MM, Finding, new
+from walkergen.printing.findings import NOISE_MM, About, Finding, new
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import pockets, solids
@@ -64,14 +64,8 @@ def overhang(design: Design, mesh: Mesh) -> float:
 def _steep(design: Design) -> Iterator[Finding]:
     for tilt, name in walls.alike(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
         if tilt > STEEPEST_DEG:
-            yield new(
-                "warning",
-                f"{walls.the(name)} prints upright, over air",
-                tilt,
-                STEEPEST_DEG,
-                "deg",
-                "tilt it less, or print it with supports",
-            )
+            what, change = f"{walls.the(name)} prints upright, over air", "tilt it less, or print it with supports"
+            yield new(About.LEGS, "warning", what, tilt, STEEPEST_DEG, "deg", change)
 
 
 def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -80,14 +74,8 @@ def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
         if step > limit + NOISE_MM:
             lower = math.floor(100.0 * limit / slope) / 100.0
             advice = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
-            yield new(
-                "warning",
-                f"{walls.the(name)} prints as a staircase: a layer's step against half the thickness",
-                step,
-                limit,
-                "mm",
-                f"{advice}make the leg thicker",
-            )
+            what = f"{walls.the(name)} prints as a staircase: a layer's step against half the thickness"
+            yield new(About.LEGS, "warning", what, step, limit, "mm", f"{advice}make the leg thicker")
 
 
 def _soft(design: Design) -> Iterator[Finding]:
@@ -95,25 +83,15 @@ def _soft(design: Design) -> Iterator[Finding]:
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
     if not design.rigid and spread < LEAST_SPREAD_PERCENT:
         enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
-        yield new(
-            "advice",
-            "legs printed upright bend across their layers, which is weaker and softer: the deviation of E",
-            spread,
-            LEAST_SPREAD_PERCENT,
-            "%",
-            f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (walkergen bench)",
-        )
+        what = "legs printed upright bend across their layers, which is weaker and softer: the deviation of E"
+        change = f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (walkergen bench)"
+        yield new(About.LEGS, "advice", what, spread, LEAST_SPREAD_PERCENT, "%", change)
 
 
 def _overhang(design: Design, mesh: Mesh) -> Iterator[Finding]:
     area = overhang(design, mesh)
     if area > SMALLEST_OVERHANG_MM2:
         turn = ", or turn the mesh by body.up" if design.body.mesh is not None else ""
-        yield new(
-            "warning",
-            f"the body hangs over air by more than {STEEPEST_DEG:g} deg as it lies, upside down",
-            area,
-            SMALLEST_OVERHANG_MM2,
-            "mm2",
-            f"print it with supports on the bed{turn}",
-        )
+        what = f"the body hangs over air by more than {STEEPEST_DEG:g} deg as it lies, upside down"
+        change = f"print it with supports on the bed{turn}"
+        yield new(About.BODY, "warning", what, area, SMALLEST_OVERHANG_MM2, "mm2", change)

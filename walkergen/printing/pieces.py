@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from walkergen.printing import checks, estimate, export, packing, slicer
-from walkergen.printing.checks import Finding
 from walkergen.printing.estimate import Load
+from walkergen.printing.findings import Finding
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from walkergen.files.tables import csv_text
 from walkergen.printing import checks, packing, sheet, slicer
-from walkergen.printing.checks import Finding
+from walkergen.printing.findings import Finding
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids, weights

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from walkergen.printing.findings import NOISE_MM, Finding, new
+from walkergen.printing.findings import NOISE_MM, About, Finding, new
 from walkergen.printing.printers import Printer
 from walkergen.shapes import modeller
 from walkergen.walker import pockets, solids
@@ -27,58 +27,33 @@ SLICES = 8
 
 def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
     """Findings on the pockets of one walker, in whichever way it lies."""
+
+    def warning(what: str, seen: float, limit: float, change: str) -> Finding:
+        return new(About.POCKETS, "warning", what, seen, limit, "mm", change)
+
+    line, parts = printer.line_width_mm, design.parts
     clearance, wanted = design.fit.clearance_mm, printer.pocket_clearance_mm
-    if design.parts and clearance < wanted - NOISE_MM:
-        yield new(
-            "warning",
-            f"{' and '.join(design.parts)} may not go into the pocket as this printer prints it",
-            clearance,
-            wanted,
-            "mm",
-            f"set pockets.clearance_mm = {wanted:g}",
-        )
+    if parts and clearance < wanted - NOISE_MM:
+        what = f"{' and '.join(parts)} may not go into the pocket as this printer prints it"
+        yield warning(what, clearance, wanted, f"set pockets.clearance_mm = {wanted:g}")
     channel = design.fit.channel_mm
-    if len(design.parts) > 1 and 0.0 < channel < 2.0 * printer.line_width_mm:
-        yield new(
-            "warning",
-            "the channel of the wires may fuse",
-            channel,
-            2.0 * printer.line_width_mm,
-            "mm",
-            "raise pockets.channel_mm, or make it 0 and lead the wires outside",
-        )
-    between = pockets.wall_between(design, printer.line_width_mm)
-    if between < printer.line_width_mm - NOISE_MM:
-        yield new(
-            "warning",
-            "the wall between the pockets of motor and battery is thinner than a printed line, or open",
-            between,
-            printer.line_width_mm,
-            "mm",
-            "move one of them (along_mm, across_mm, up_mm)",
-        )
-    for name, part in design.parts.items():
-        wall = thinnest_wall(part, design)
-        if wall < printer.line_width_mm - NOISE_MM:
-            yield new(
-                "warning",
-                f"the wall around the pocket of the {name} is thinner than a printed line, or open",
-                wall,
-                printer.line_width_mm,
-                "mm",
-                f"move the {name} inward, or make the body larger",
-            )
-        span = ceiling(part, design)
+    if len(parts) > 1 and 0.0 < channel < 2.0 * line:
+        change = "raise pockets.channel_mm, or make it 0 and lead the wires outside"
+        yield warning("the channel of the wires may fuse", channel, 2.0 * line, change)
+    between = pockets.wall_between(design, line)
+    if between < line - NOISE_MM:
+        what = "the wall between the pockets of motor and battery is thinner than a printed line, or open"
+        yield warning(what, between, line, "move one of them (along_mm, across_mm, up_mm)")
+    for name, part in parts.items():
+        wall, span = thinnest_wall(part, design), ceiling(part, design)
+        if wall < line - NOISE_MM:
+            what = f"the wall around the pocket of the {name} is thinner than a printed line, or open"
+            yield warning(what, wall, line, f"move the {name} inward, or make the body larger")
         if span > WIDEST_BRIDGE_MM:
             better = "side" if solids.on_side(design) else "down"
-            yield new(
-                "warning",
-                f"the pocket of the {name} prints with its floor over air",
-                span,
-                WIDEST_BRIDGE_MM,
-                "mm",
-                f"set {name}.opens = {better!r}, or print it with supports on the bed",
-            )
+            what = f"the pocket of the {name} prints with its floor over air"
+            change = f"set {name}.opens = {better!r}, or print it with supports on the bed"
+            yield warning(what, span, WIDEST_BRIDGE_MM, change)
 
 
 def ceiling(part: Part, design: Design) -> float:

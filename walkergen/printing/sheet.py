@@ -4,15 +4,27 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen.printing import checks, estimate, orientation, packing, slicer, walls
-from walkergen.printing.checks import Finding
+from walkergen.printing import estimate, findings, packing, slicer, walls
 from walkergen.printing.estimate import Load
+from walkergen.printing.findings import Finding
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
-from walkergen.walker import mass, solids
+from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.solids import Solids
+
+ON_SIDE = "on its side, no supports"
+
+LEGS_UP = (
+    "upside down, flat on its upper side, legs up; no supports up to 45 deg of tilt, unless the "
+    "checks tell of a body over air"
+)
+
+
+def lying(design: Design) -> str:
+    """Say how a walker lies on the bed, and with which supports."""
+    return ON_SIDE if solids.on_side(design) else LEGS_UP
 
 
 class LegWeight(NamedTuple):
@@ -69,13 +81,13 @@ class Batch(NamedTuple):
     """Name of the file for weighed masses."""
 
 
-def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
+def to_markdown(batch: Batch, weights: Sequence[Weight], found: Sequence[Finding], legend: str) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    sections = [*of_print(batch, [weight.load for weight in weights], findings, legend), _weighing(weights, batch)]
+    sections = [*of_print(batch, [weight.load for weight in weights], found, legend), _weighing(weights, batch)]
     return "\n\n".join(sections) + "\n"
 
 
-def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> list[str]:
+def of_print(batch: Batch, loads: Sequence[Load], found: Sequence[Finding], legend: str) -> list[str]:
     """Sections of a sheet up to the end of the print; `loads` are those of the parts."""
     printer = batch.printer
     return [
@@ -85,15 +97,15 @@ def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], l
         _contents(batch),
         _plastic(batch, loads),
         *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
-        _findings(findings),
+        _findings(found),
     ]
 
 
-def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
+def facts(printer: Printer, found: Sequence[Finding]) -> dict[str, Any]:
     """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
-        "findings": [finding._asdict() for finding in checks.grouped(findings)],
+        "findings": [finding._asdict() for finding in findings.listed(found)],
     }
 
 
@@ -148,7 +160,7 @@ def body_facts(design: Design) -> dict[str, Any]:
 
 def _settings(batch: Batch) -> str:
     printer, stem = batch.printer, batch.stem
-    listed = slicer.sheet_settings(printer, orientation.settings(batch.members))
+    listed = slicer.sheet_settings(printer, orientations(batch.members))
     rows = [(setting.name, setting.value, setting.reason) for setting in listed]
     return (
         "## Settings on which the prediction rests\n\n"
@@ -156,6 +168,21 @@ def _settings(batch: Batch) -> str:
         "measured in PrusaSlicer 2.5; other slicers are given the same settings, and not measured."
         "\n\n" + table(("setting", "value", "because"), rows)
     )
+
+
+def orientations(members: Sequence[Design]) -> list[slicer.Setting]:
+    """Lines of a print sheet on how its walkers lie; where they differ, each names its designs."""
+    ways: dict[str, list[str]] = {}
+    for name, own in names.by_design(members).items():
+        ways.setdefault(lying(own[0]), []).append(name)
+    return [
+        slicer.Setting(
+            "orientation" if len(ways) == 1 else f"orientation of {', '.join(designs)}",
+            f"as in the file: {way}",
+            "layers run across the leg's width" if way == ON_SIDE else "layers lie across the leg: weaker, softer",
+        )
+        for way, designs in ways.items()
+    ]
 
 
 def _contents(batch: Batch) -> str:
@@ -201,8 +228,8 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
     )
 
 
-def _findings(findings: Sequence[Finding]) -> str:
-    lines = [f"- **{finding.level}** {checks.line(finding)}" for finding in checks.grouped(findings)]
+def _findings(found: Sequence[Finding]) -> str:
+    lines = [f"- **{finding.level}** {finding.line}" for finding in findings.listed(found)]
     return "## Checks before the print\n\n" + ("\n".join(lines) or "Nothing found.")
 
 

@@ -31,6 +31,7 @@ import math
 from collections.abc import Callable, Hashable
 from typing import NamedTuple, TypeVar
 
+from walkergen.printing.findings import About
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -68,6 +69,7 @@ class Wall(NamedTuple):
     """Cosine of its angle from the vertical: in a layer it is thicker by its inverse."""
     height: float
     """Height to which it prints, mm."""
+    part: About = About.LEGS
 
     @property
     def section(self) -> float:
@@ -87,7 +89,7 @@ def of_design(design: Design) -> list[Wall]:
     if not side:
         return legs + braces
     size = design.size
-    return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth)]
+    return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth, About.BODY)]
 
 
 def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.printing import checks, orientation, packing, plates, walls
-from walkergen.printing.checks import Finding
+from walkergen.printing import findings, packing, plates, sheet, walls
+from walkergen.printing.findings import Finding
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -26,7 +26,7 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CheckReport(Report):
-    """Walls of walkers, and what the checks say of them; errors are left to `checks.refuse`."""
+    """Walls of walkers, and what the checks say of them; errors are left to `findings.refuse`."""
 
     findings: Sequence[Finding]
 
@@ -49,14 +49,14 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.of_design(design)
     )
-    attitudes = list(dict.fromkeys(orientation.words(design) for design in members))
+    attitudes = list(dict.fromkeys(sheet.lying(design) for design in members))
     return _report(list(unlike_walls), layout, attitudes, sum(copies))
 
 
 def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
     """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
-    findings, printer = checks.grouped(layout.findings), layout.printer.name
-    counts = [_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")]
+    listed, printer = findings.listed(layout.findings), layout.printer.name
+    counts = [_count(sum(finding.level == level for finding in listed), level) for level in ("error", "warning")]
     sheets = len(layout.plates)  # none when a part fits no plate
     return CheckReport(
         name="check",
@@ -76,14 +76,14 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
         ],
         facts={
             "walls": [wall._asdict() for wall in unlike_walls],
-            "findings": [finding._asdict() for finding in findings],
+            "findings": [finding._asdict() for finding in listed],
             "orientations": list(attitudes),
             "parts": parts,
             "plates": sheets,
         },
         lines=[
             *(f"printed {attitude}" for attitude in attitudes),
-            *(f"{finding.level}: {checks.line(finding)}" for finding in findings if finding.level != "error"),
+            *(f"{finding.level}: {finding.line}" for finding in listed if finding.level != "error"),
             f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
         ],
         findings=layout.findings,
