@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 from walkergen.crowd.cards.card import Card
-from walkergen.crowd.flat import crowd, deck
+from walkergen.crowd.flat import crowd, deck, doors
 from walkergen.crowd.space.placing import place
 from walkergen.dish import Dish
 
@@ -45,9 +45,8 @@ def card() -> Card:
 def taken(one: Card, dish: Dish, places: np.ndarray, simulated: float, ranks: int) -> tuple[float, float]:
     """Time of the processors and of the clock in a run, s."""
     started, before = time.perf_counter(), os.times().children_user
-    crowd.simulate(
-        [one], np.zeros(len(places), int), dish, places, seconds=simulated, rate_hz=50.0, seed=1, ranks=ranks
-    )
+    asked = doors.crowd([one], np.zeros(len(places), int), dish, places, simulated, rate_hz=50.0, seed=1)
+    crowd.simulate(asked, ranks)
     return os.times().children_user - before, time.perf_counter() - started
 
 

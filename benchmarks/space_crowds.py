@@ -70,14 +70,13 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     """CPU time of a simulated second of a body in LAMMPS, s: by two runs, without its start."""
     from crowds import card
 
-    from walkergen.crowd.flat import crowd
+    from walkergen.crowd.flat import crowd, doors
 
     taken = []
     for simulated in (0.1, 0.6):
         before = os.times().children_user
-        crowd.simulate(
-            [card()], np.zeros(len(places), int), dish, places, seconds=simulated, rate_hz=50.0, seed=1, ranks=1
-        )
+        kinds = np.zeros(len(places), int)
+        crowd.simulate(doors.crowd([card()], kinds, dish, places, simulated, rate_hz=50.0, seed=1))
         taken.append(os.times().children_user - before)
     return (taken[1] - taken[0]) / 0.5 / len(places)
 

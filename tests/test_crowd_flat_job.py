@@ -5,7 +5,6 @@ Random walks stand for LAMMPS; one slow test runs it.
 
 import importlib.util
 import json
-import math
 
 import numpy as np
 import pytest
@@ -59,12 +58,11 @@ def asked(monkeypatch):
     """What each run was asked for, by which a random walk stands for it."""
     calls = []
 
-    def walk(cards, kinds, dish, places, *, seconds, rate_hz, seed, ranks=1, progress=silent):
-        calls.append((cards, kinds, dish, places, seconds, rate_hz, seed))
-        frames = 1 + math.floor(seconds * rate_hz + 1e-9)
-        steps = np.random.default_rng(seed).normal(scale=0.02, size=(frames, *places.shape))
-        progress("frames", frames - 1, frames - 1)
-        return FlatRun(np.arange(frames) / rate_hz, places + np.cumsum(steps, axis=0))
+    def walk(crowd, ranks=1, progress=silent):
+        calls.append(crowd)
+        steps = np.random.default_rng(crowd.seed).normal(scale=0.02, size=(crowd.frames, *crowd.places.shape))
+        progress("frames", crowd.frames - 1, crowd.frames - 1)
+        return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, crowd.places + np.cumsum(steps, axis=0))
 
     monkeypatch.setattr(flat, "simulate", walk)
     return calls
@@ -127,12 +125,11 @@ def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_pat
     assert facts["model"] == "flat"
     assert facts["kinds"] == {"bar": 4, "other": 3}
     assert facts["seconds"] == pytest.approx(2.0)
-    assert len(asked) == 2
-    _, kinds, _, places, seconds, rate, seed = asked[0]
-    assert kinds.tolist() == [0, 0, 0, 0, 1, 1, 1]
-    assert seconds == pytest.approx(3.0)  # with its discarded second
-    assert (rate, seed != asked[1][-1]) == (25.0, True)
-    assert np.abs(places - asked[1][3]).max() > 1.0
+    first, second = asked
+    assert first.kinds.tolist() == [0, 0, 0, 0, 1, 1, 1]
+    assert first.seconds == pytest.approx(3.0)  # with its discarded second
+    assert (first.rate_hz, first.seed != second.seed) == (25.0, True)
+    assert np.abs(first.places - second.places).max() > 1.0
 
 
 def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():

@@ -14,7 +14,7 @@ import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
 from walkergen.crowd.cards.card import Card
-from walkergen.crowd.flat import crowd, deck, dump, engine
+from walkergen.crowd.flat import crowd, deck, doors, dump, engine
 from walkergen.dish import Dish
 from walkergen.errors import InputError, OutputError
 
@@ -31,15 +31,18 @@ PLACES = [[-20.0, 0.0, 0.0], [20.0, 0.0, 3.0]]
 posix = pytest.mark.skipif(os.name != "posix", reason="a script as a program")
 
 
-def simulate(places=PLACES, one=None, dish=None, **keys):
+def simulate(places=PLACES, one=None, dish=None, ranks=1, progress=lambda *_: None, **keys):
     """Run of two walkers."""
-    return crowd.simulate(
-        [one or card()],
-        [0] * len(places),
-        dish or Dish("disc", (200.0,)),
-        places,
-        **{"seconds": 0.02, "rate_hz": 100.0, "seed": 1, **keys},
-    )
+    keys = {"seconds": 0.02, "rate_hz": 100.0, "seed": 1, **keys}
+    ground = dish or Dish("disc", (200.0,))
+    asked = doors.crowd([one or card()], [0] * len(places), ground, places, **keys)
+    return crowd.simulate(asked, ranks, progress)
+
+
+def write(folder, asked):
+    """Write the input of a crowd into a folder."""
+    for name, data in crowd.files(asked).items():
+        (folder / name).write_bytes(data)
 
 
 @pytest.fixture
@@ -131,7 +134,7 @@ def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
 @posix
 @with_lammps
 def test_lammps_itself_says_when_the_disk_is_full(tmp_path):
-    crowd.write(tmp_path, [card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1)
+    write(tmp_path, doors.crowd([card()], [0, 0], Dish("disc", (200.0,)), PLACES, seconds=1, rate_hz=200.0, seed=1))
     (tmp_path / deck.DUMP).symlink_to("/dev/full")
     with pytest.raises(OutputError, match="No space left"):
         engine.run(engine.locate(), tmp_path, deck.INPUT, 1, lambda *_: None)
@@ -199,22 +202,22 @@ def test_two_ranks_give_the_same_bytes_each_time(monkeypatch):
 def test_the_input_alone_needs_no_lammps_and_is_the_same_each_time(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "lammps", None)
-    asked = ([card()], [0, 0], Dish("ring", (200.0, 20.0)), [[40, 40, 0.0], [-40, 40, 1.0]])
-    keys = {"seconds": 1.0, "rate_hz": 50.0, "seed": 4}
-    paths = crowd.write(tmp_path, *asked, **keys)
-    assert {path.name: path.read_bytes() for path in paths} == crowd.files(*asked, **keys)
+    places = [[40, 40, 0.0], [-40, 40, 1.0]]
+    asked = doors.crowd([card()], [0, 0], Dish("ring", (200.0, 20.0)), places, seconds=1.0, rate_hz=50.0, seed=4)
+    assert crowd.files(asked) == crowd.files(asked)
 
 
 def test_a_walker_a_hair_off_the_seam_of_a_periodic_square_is_inside_it():
     one, seam = silent(outline_mm=[DISC]), Dish("periodic", (100.0,))
-    assert crowd.files([one], [0], seam, [[0.0, -1e-15, 0.0]], seconds=1.0, rate_hz=10.0, seed=1)
+    assert crowd.files(doors.crowd([one], [0], seam, [[0.0, -1e-15, 0.0]], seconds=1.0, rate_hz=10.0, seed=1))
 
 
 @with_lammps
 def test_the_dump_of_written_files_is_read_back_as_the_run(tmp_path):
     dish, keys = Dish("periodic", (150.0,)), {"seconds": 0.04, "rate_hz": 50.0, "seed": 4}
-    run = crowd.simulate([card()], [0, 0], dish, PLACES, **keys)
-    crowd.write(tmp_path, [card()], [0, 0], dish, PLACES, **keys)
+    asked = doors.crowd([card()], [0, 0], dish, PLACES, **keys)
+    run = crowd.simulate(asked)
+    write(tmp_path, asked)
     engine.run(engine.locate(), tmp_path, deck.INPUT, 1, lambda *_: None)
     again = crowd.read(tmp_path / deck.DUMP, 2, 0.04, 50.0)
     assert again.poses.tobytes() == run.poses.tobytes()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flat_cards import DISC, card, silent, with_lammps
 
-from walkergen.crowd.flat import crowd, motion
+from walkergen.crowd.flat import crowd, doors, motion
 from walkergen.dish import Dish
 
 pytestmark = with_lammps
@@ -20,7 +20,7 @@ def run(one, side, spacing, seconds, rate_hz, seed=1, turn=0.0):
     places = np.column_stack((x.ravel(), y.ravel(), headings))
     kinds = np.zeros(side**2, int)
     dish = Dish("periodic", (side * spacing,))
-    return crowd.simulate([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed)
+    return crowd.simulate(doors.crowd([one], kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed))
 
 
 def test_without_noise_a_walker_runs_circles_at_the_speed_of_its_card_and_lags_by_tau():

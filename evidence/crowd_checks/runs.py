@@ -9,6 +9,7 @@ import numpy.typing as npt
 from walkergen.crowd.cards import walker_motion
 from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
+from walkergen.crowd.flat import doors
 from walkergen.crowd.space import run as crowds
 from walkergen.dish import Dish
 from walkergen.scene import Scene
@@ -56,16 +57,9 @@ def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, ra
                 raise KeyboardInterrupt  # ends LAMMPS, on this thread
 
         own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-        run = flat.simulate(
-            [card],
-            np.zeros(len(places[number]), int),
-            dish,
-            places[number],
-            seconds=seconds,
-            rate_hz=rate_hz,
-            seed=own,
-            progress=ending,
-        )
+        kinds = np.zeros(len(places[number]), int)
+        asked = doors.crowd([card], kinds, dish, places[number], seconds, rate_hz, own)
+        run = flat.simulate(asked, progress=ending)
         return Run(run.times, run.poses)
 
     return batch.every(one, len(places))

@@ -1,7 +1,7 @@
 """A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from walkergen.crowd import members
 from walkergen.crowd import runs as jobs
 from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
+from walkergen.crowd.flat import deck, doors
 from walkergen.crowd.runs import Job, Kind
 from walkergen.crowd.statistics import CrowdFilm, measure
 from walkergen.numerics.quantity import Quantity
@@ -55,7 +56,7 @@ class InPlane(NamedTuple):
                     raise KeyboardInterrupt  # ends LAMMPS, on this thread
                 tell(frames / total)
 
-            run = flat.simulate(**_arguments(job, number), progress=advance)
+            run = flat.simulate(_run(job, number), progress=advance)
             kept = run.times >= job.scene.run.discard_seconds - 1e-9 * whole
             return jobs.film_of(job, run.times[kept] - run.times[kept][0], run.poses[kept])
 
@@ -78,7 +79,7 @@ def inputs(job: Job) -> dict[str, bytes]:
     return {
         f"run-{number}/{name}": data
         for number in range(job.scene.run.runs)
-        for name, data in flat.files(**_arguments(job, number)).items()
+        for name, data in flat.files(_run(job, number)).items()
     }
 
 
@@ -87,16 +88,9 @@ def _seconds(job: Job) -> float:
     return job.scene.run.seconds + job.scene.run.discard_seconds
 
 
-def _arguments(job: Job, number: int) -> dict[str, Any]:
+def _run(job: Job, number: int) -> deck.Crowd:
     """What a run in a plane is asked for."""
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
     places = jobs.placed(job, [kind.outline for kind in job.kinds], number)
-    return {
-        "cards": [kind.card for kind in job.kinds],
-        "kinds": np.array(job.numbers),
-        "dish": job.scene.crowd.dish,
-        "places": places,
-        "seconds": _seconds(job),
-        "rate_hz": job.rate_hz,
-        "seed": seed,
-    }
+    cards = [kind.card for kind in job.kinds if kind.card]
+    return doors.crowd(cards, job.numbers, job.scene.crowd.dish, places, _seconds(job), job.rate_hz, seed)

@@ -1,19 +1,18 @@
 """One run of a crowd of cards in a plane: its LAMMPS input, or where everybody was.
 
-Here LAMMPS is a program like any other; with `files` it is another machine's.
+What is run is a crowd as `doors` has checked it. Here LAMMPS is a program like any other; with `files`
+it is another machine's.
 """
 
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import deck, doors, dump, engine
-from walkergen.dish import Dish
+from walkergen.crowd.flat.deck import Crowd
 from walkergen.files import output
 from walkergen.files.progress import Progress, silent
 
@@ -29,79 +28,37 @@ class FlatRun(NamedTuple):
     """x, y (mm) and heading (rad), shape (F, N, 3); neither wrapped."""
 
 
-def simulate(
-    cards: Sequence[Card],
-    kinds: npt.ArrayLike,
-    dish: Dish,
-    places: npt.ArrayLike,
-    *,
-    seconds: float,
-    rate_hz: float,
-    seed: int,
-    ranks: int = 1,
-    progress: Progress = silent,
-) -> FlatRun:
-    """Run N walkers of the cards in a dish with LAMMPS and read back where they were.
+def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatRun:
+    """Run a crowd with LAMMPS and read back where its walkers were.
 
-    `kinds` are numbers of cards, shape (N,), `places` x, y (mm) and heading (rad), shape (N, 3),
-    where no bodies overlap. The same arguments give the same, to the bit. `ranks` above 1 are
-    processes of MPI. Progress counts frames. Its files stand in a temporary folder that goes with
-    the run. Raises InputError for bad numbers, for LAMMPS absent, too old or stopped; OutputError
-    where the disk is full.
+    Equal crowds give the same, to the bit. `ranks` above 1 are processes of MPI. Progress counts frames. Its
+    files stand in a temporary folder that goes with the run. Raises InputError for LAMMPS absent, too old or
+    stopped; OutputError where the disk is full.
     """
-    asked = doors.crowd(cards, kinds, dish, places, seconds, rate_hz, seed)
     if ranks < 1:
         raise doors.wrong("ranks", ranks, ">= 1")
     program = engine.locate()
-    parts = deck.mechanics(asked.cards)
-    stride = deck.steps_per_frame(asked, parts)
+    parts = deck.mechanics(crowd.cards)
+    stride = deck.steps_per_frame(crowd, parts)
 
     def count(what: str, step: int, _: int) -> None:
-        progress(what, step // stride, asked.frames - 1)
+        progress(what, step // stride, crowd.frames - 1)
 
     with tempfile.TemporaryDirectory(prefix="walkergen-crowd-") as place:
         folder = Path(place)
-        for name, data in deck.files(asked, parts).items():
+        for name, data in deck.files(crowd, parts).items():
             output.write(folder / name, data)
         engine.run(program, folder, deck.INPUT, ranks, count)
-        frames = dump.read(folder / deck.DUMP, len(asked.places), asked.frames)
-    return FlatRun(np.arange(asked.frames) / rate_hz, frames.poses)
+        frames = dump.read(folder / deck.DUMP, len(crowd.places), crowd.frames)
+    return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, frames.poses)
 
 
-def files(
-    cards: Sequence[Card],
-    kinds: npt.ArrayLike,
-    dish: Dish,
-    places: npt.ArrayLike,
-    *,
-    seconds: float,
-    rate_hz: float,
-    seed: int,
-) -> dict[str, bytes]:
+def files(crowd: Crowd) -> dict[str, bytes]:
     """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`.
 
     It needs no LAMMPS here. Its dump is read back by `read`.
     """
-    asked = doors.crowd(cards, kinds, dish, places, seconds, rate_hz, seed)
-    return deck.files(asked, deck.mechanics(asked.cards))
-
-
-def write(
-    folder: Path,
-    cards: Sequence[Card],
-    kinds: npt.ArrayLike,
-    dish: Dish,
-    places: npt.ArrayLike,
-    *,
-    seconds: float,
-    rate_hz: float,
-    seed: int,
-) -> list[Path]:
-    """Write the files of `files` into a folder; their paths."""
-    texts = files(cards, kinds, dish, places, seconds=seconds, rate_hz=rate_hz, seed=seed)
-    for name, data in texts.items():
-        output.write(folder / name, data)
-    return [folder / name for name in texts]
+    return deck.files(crowd, deck.mechanics(crowd.cards))
 
 
 def read(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:

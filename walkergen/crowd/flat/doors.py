@@ -33,7 +33,11 @@ def crowd(
     rate_hz: float,
     seed: int,
 ) -> deck.Crowd:
-    """The crowd of these arguments. Raises InputError for what no run can be made of."""
+    """A run of N walkers of the cards in a dish. Raises InputError for what no run can be made of.
+
+    `kinds` are numbers of cards, shape (N,), `places` x, y (mm) and heading (rad), shape (N, 3), where no bodies
+    overlap.
+    """
     if not 1 <= len(cards) <= MOST_KINDS:
         raise wrong("cards", len(cards), f"1 to {MOST_KINDS} kinds")
     where, numbers = np.asarray(places, float), np.asarray(kinds)
