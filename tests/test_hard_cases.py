@@ -1,15 +1,19 @@
 """Every hard case over every model to which it applies: planar ones, and those of `selftest`.
 
-By day `walkergen selftest`, in the README's tour, runs its own; here each is told apart.
+A case is written once: here are those that test the code alone, in `selftest` those that people run as
+well. By day `walkergen selftest`, in the README's tour, runs its own in space; here each is told apart.
 """
 
 import pytest
 from hard import bounces, cascades, extremes, friction, landings, steps, symmetries
 
+from walkergen.jobs.trust.selftest.case import SPACE
 from walkergen.jobs.trust.selftest.catalogue import CASES
 
 MODULES = bounces, cascades, extremes, friction, landings, steps, symmetries
 PLANAR = [case for module in MODULES for case in module.CASES]
+QUICK = [case for case in CASES if case.runs_on != SPACE]
+IN_SPACE = [case for case in CASES if case.runs_on == SPACE]
 
 
 def each(cases):
@@ -34,9 +38,14 @@ def test_planar_hard_case(case, model):
     check(case, model)
 
 
+@pytest.mark.parametrize(("case", "model"), each(QUICK))
+def test_hard_case_of_an_impact_or_a_solid(case, model):
+    check(case, model)
+
+
 @pytest.mark.nightly
-@pytest.mark.parametrize(("case", "model"), each(CASES))
-def test_hard_case(case, model):
+@pytest.mark.parametrize(("case", "model"), each(IN_SPACE))
+def test_hard_case_in_space(case, model):
     check(case, model)
 
 

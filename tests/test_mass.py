@@ -1,12 +1,9 @@
 """Mass properties against closed forms, translated and scaled; the solids' own shapes."""
 
-import math
-
 import mpmath as mp
 import numpy as np
 import pytest
 
-from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
 
@@ -80,55 +77,6 @@ def test_braced_walker_is_one_rigid_body(tilt):
         np.testing.assert_allclose(whole.centre[:2] + leg.foot, [x, lowest], atol=1e-12)
         assert (leg.m, leg.j) == (0.0, 0.0)
     assert found.rigid
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (1e6, -1e6, 1e6)])
-def test_weighing_is_exact_far_away_and_at_any_scale(scale, shift):
-    design = Design().variant(tilt_deg=10.0)
-    shift = np.array(shift) * scale
-    built = solids.build(design)
-    for mesh in (built.body, *built.legs):
-        here = mass.weigh(mesh, DENSITY)
-        moved = mass.weigh(Mesh(scale * mesh.vertices + shift, mesh.triangles), DENSITY)
-        assert moved.mass == pytest.approx(here.mass * scale**3, rel=1e-9)
-        assert moved.inertia == pytest.approx(here.inertia * scale**5, rel=1e-9)
-        expected = scale * here.centre + shift
-        np.testing.assert_allclose(moved.centre, expected, rtol=1e-15, atol=1e-9 * scale)
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1e3])
-def test_designs_of_any_scale_weigh_alike(scale):
-    one = Design()
-    tables = one.model_dump(include={"body", "legs"}, exclude_none=True)
-    lengths = {
-        name: {key: value * scale if key.endswith("_mm") else value for key, value in table.items()}
-        for name, table in tables.items()
-    }
-    for kind in ("flexible", "braced"):
-        small = Design.model_validate(lengths).variant(kind=kind)
-        big = one.variant(kind=kind)
-        found = solids.mass_of(small)
-        expected = solids.mass_of(big)
-        assert found.M == pytest.approx(expected.M * scale**3, rel=1e-12)
-        assert found.J == pytest.approx(expected.J * scale**5, rel=1e-12)
-        for leg, like in zip(found.legs, expected.legs, strict=True):
-            np.testing.assert_allclose(leg.c_A, like.c_A * scale, rtol=1e-11)
-
-
-def test_round_foot_approaches_the_half_circle():
-    design = Design.model_validate({"legs": {"foot": "round", "tilt_deg": 20.0}})
-    errors = []
-    r, tilt = 0.2, math.radians(20.0)
-    # Trapezoid down to the circle's centre, plus the half circle.
-    exact = (7.5 - r) * 2 * r + 0.5 * math.pi * r * r
-    for segments in (16, 32, 64):
-        area = mass.weigh(solids.build(design, segments).legs[0], 1.0).volume / 8.0
-        errors.append(exact - area)
-    assert errors[0] > errors[1] > errors[2] > 0
-    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)  # second order in the edge
-    leg = solids.mass_of(design).legs[0]
-    np.testing.assert_allclose(leg.c_A + leg.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r])
 
 
 def test_weighed_masses_override_and_rescale():

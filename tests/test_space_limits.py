@@ -183,12 +183,6 @@ def test_free_top_turns_as_by_eulers_equations():
     assert found == pytest.approx(heading_by_euler(20, 100.0, 20.0), rel=1e-4)
 
 
-@pytest.mark.slow
-def test_free_top_keeps_what_it_must_over_ten_thousand_turns():
-    heading = check_top(10_000, 100.0, 5.0)
-    assert heading == pytest.approx(200.0 * heading_by_euler(50, 100.0, 5.0), rel=2e-3)
-
-
 def shown(plan, state):
     """Place of O, rotation, and corners by the rival's geometry, of what a state shows."""
     work = work_for(plan.world.walker, state)

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from hard import COMPLIANT, EVERY, RIGID, lift, with_legs
-from hard.survival import survives
+from hard import COMPLIANT, EVERY, RIGID, lift, survives, with_legs
 from walkergen.errors import InputError
 from walkergen.jobs.trust.selftest.case import Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, plan_of, shaken

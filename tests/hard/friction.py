@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from hard import EVERY, lift, with_legs
-from hard.survival import survives
+from hard import EVERY, lift, survives, with_legs
 from walkergen.jobs.trust.selftest.case import Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, advance, plan_of, shaken
 from walkergen.scene import GRAVITY

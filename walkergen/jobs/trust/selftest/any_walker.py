@@ -9,7 +9,7 @@ import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import Array, advance, scene_of, shaken
-from walkergen.jobs.trust.selftest.space_scenes import apart, endures, quarter_turned, thrown, unslowed
+from walkergen.jobs.trust.selftest.space_scenes import apart, quarter_turned, survives, thrown, unslowed
 from walkergen.printing.export import stl_bytes
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -108,7 +108,7 @@ def _survivors(model: str) -> Iterator[Check]:
         ("disc between walls", _design(_on_disc(), body=DISC), "lane"),
     ):
         plan = _plan(design, arena=arena)
-        yield from endures(plan, thrown(plan), RUN, about, BALANCE)
+        yield from survives(plan, thrown(plan), RUN, about, BALANCE)
 
 
 def _on_disc() -> list[dict[str, Any]]:
@@ -140,7 +140,7 @@ def _forty(model: str) -> Iterator[Check]:
     state = plan.start(0.0, 0.0, 0.0)
     off = float(np.abs(plan.feet(state)[:, 1]).max())
     yield Check("heights of forty feet that stand, mm", off, 1e-9, "rounding of a mesh's masses")
-    yield from endures(plan, thrown(plan), 4e-3, "forty legs", BALANCE)
+    yield from survives(plan, thrown(plan), 4e-3, "forty legs", BALANCE)
 
 
 def _mesh(model: str) -> Iterator[Check]:

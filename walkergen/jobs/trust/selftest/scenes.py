@@ -5,11 +5,13 @@ its mirror image exact images of each other, to the last bit, which a mesh does 
 """
 
 import copy
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.jobs.trust.selftest.case import Check, exactly
 from walkergen.scene import Scene, at_rest
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
@@ -24,6 +26,8 @@ Array = npt.NDArray[np.float64]
 
 LEG, HALF, TALL = 7.5, 6.5, 9.0
 """Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
+
+ENDS_OF_PHYSICS = Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED
 
 STILL = at_rest(90.0)
 """Drive of a plate at rest: its amplitude vanishes against the rounding of any height."""
@@ -86,3 +90,29 @@ def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.T
     tally = record.new(len(state))
     status = plan.advance(state, seconds, tally)
     return (Outcome.OK if status == OK else ENDS[status]), tally
+
+
+Limit = tuple[float, str]
+"""Limit of a check, and the reason why it is not tighter."""
+
+
+def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit) -> Iterator[Check]:
+    """Checks of any motion, however extreme: it ends as physics may, finite, over the plate, its energy accounted for.
+
+    Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
+    exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
+    """
+    before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
+    sums = np.zeros_like(record.new(0).sums)
+    for _ in range(40):
+        outcome, tally = advance(plan, state, seconds / 40)
+        sums += tally.sums
+        lowest = min(lowest, float(plan.feet(state)[:, 1].min()))
+        if outcome is not Outcome.OK:
+            break
+    finite = bool(np.isfinite(state).all() and np.isfinite(sums).all())
+    physical = outcome in ENDS_OF_PHYSICS
+    yield exactly(f"{about}: a physical end ({outcome.value}), finite", physical and finite)
+    error = record.energy_error(sums, plan.energy(state) - before, before)
+    yield Check(f"{about}: energy unaccounted for", error, *tolerance)
+    yield Check(f"{about}: foot below the plate, mm", -lowest, *deepest)

@@ -7,7 +7,7 @@ import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, advance, design_of, masses, scene_of, shaken
-from walkergen.jobs.trust.selftest.space_scenes import apart, endures, in_space, reflected, thrown, unslowed
+from walkergen.jobs.trust.selftest.space_scenes import apart, in_space, reflected, survives, thrown, unslowed
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
@@ -30,7 +30,7 @@ def _rough(model: str) -> Iterator[Check]:
         for label in (0.02, 0.5, 1.0):
             plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
             title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
-            yield from endures(plan, thrown(plan), RUN, title, BALANCE)
+            yield from survives(plan, thrown(plan), RUN, title, BALANCE)
 
 
 def _without_slip(model: str) -> Iterator[Check]:
@@ -96,7 +96,7 @@ def _stiffness(model: str) -> Iterator[Check]:
             )
             title = f"{damping}, stiffness x {ratio:g}"
             seconds = RUN if ratio <= 1e2 else 0.1 * RUN
-            yield from endures(plan, thrown(plan), seconds, title, BALANCE)
+            yield from survives(plan, thrown(plan), seconds, title, BALANCE)
 
 
 def _frozen(model: str) -> Iterator[Check]:
@@ -158,7 +158,7 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
         advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
         yield Check(title, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
-        yield from endures(plan, state, RUN, f"e = {label:g}", BALANCE)
+        yield from survives(plan, state, RUN, f"e = {label:g}", BALANCE)
         half = 0.5 * plan.scene.arena.gap_mm if plan.scene.arena.gap_mm else math.inf
         yield Check(
             f"e = {label:g}: middle of the walker between the walls, mm",

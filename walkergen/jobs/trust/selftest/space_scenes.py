@@ -6,12 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.jobs.trust.selftest.case import Check, exactly
-from walkergen.jobs.trust.selftest.scenes import Array, advance, plan_of
+from walkergen.jobs.trust.selftest.case import Check
+from walkergen.jobs.trust.selftest.scenes import Array, Limit, advance, endures, plan_of
 from walkergen.scene import GRAVITY
-from walkergen.simulation import record
 from walkergen.simulation.model import Plan
-from walkergen.simulation.run import Outcome
 from walkergen.simulation.space.state import (
     C_X,
     C_Z,
@@ -102,27 +100,9 @@ def unslowed(plan: Plan, seconds: float) -> Check:
     return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
 
 
-def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: tuple[float, str]) -> Iterator[Check]:
-    """Checks of a motion: a physical end, finite, over the plate, its energy accounted for."""
-    before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
-    speed = plan.scene.drive.peak_speed
-    fallen = max(before - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
-    speed += math.sqrt(2.0 * fallen / plan.world.walker.mass)
-    sums = np.zeros_like(record.new(0).sums)
-    for _ in range(40):
-        outcome, tally = advance(plan, state, seconds / 40)
-        sums += tally.sums
-        lowest = min(lowest, float(plan.feet(state)[:, 1].min()))
-        if outcome is not Outcome.OK:
-            break
-    finite = bool(np.isfinite(state).all() and np.isfinite(sums).all())
-    ends = (Outcome.OK, Outcome.TOPPLED)
-    yield exactly(f"{about}: a physical end ({outcome.value}), finite", outcome in ends and finite)
-    error = record.energy_error(sums, plan.energy(state) - before, before)
-    yield Check(f"{about}: energy unaccounted for", error, *tolerance)
-    yield Check(
-        f"{about}: foot below the plate, mm",
-        -lowest,
-        deepest_of(plan, 2.0 * speed),
-        "all of the walker on one corner's spring, at twice the speeds of plate and drop",
-    )
+def survives(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
+    """Checks of a motion in space: those of `endures`, with the depth that its fall explains."""
+    fallen = max(plan.energy(state) - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
+    speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
+    reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"
+    return endures(plan, state, seconds, about, tolerance, (deepest_of(plan, 2.0 * speed), reason))
