@@ -10,10 +10,8 @@ import numpy as np
 import pytest
 import rendered_films as walkers
 from marker_films import Camera, Light, Shot
-from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.track.film import lens, marked_doubts
 from walkergen.track.film.blobs import Blobs
@@ -148,13 +146,9 @@ GOOD = of(Camera(), -0.1)
     ("changes", "hint"),
     [
         ({"camera_matrix": None}, "camera_matrix is missing: must be 9 numbers"),
-        ({"camera_matrix": [1, 2, 3]}, "camera_matrix = .*must be 9 numbers"),
         ({"camera_matrix": [[0, 0, 1], [0, 1, 1], [0, 0, 1]]}, "with fx, fy > 0"),
-        ({"camera_matrix": [[7, 1, 1], [0, 7, 1], [0, 0, 1]]}, "rows fx, 0, cx"),
         ({"distortion_coefficients": [0.1] * 3}, "must be 4 or 5 or 8 or 12 or 14 numbers"),
-        ({"distortion_coefficients": ["a"] * 4}, "distortion_coefficients = "),
         ({"image_width": "wide"}, "image_width = wide: must be 1 number$"),
-        ({"image_width": 0}, "must be > 0"),
         ({"image_height": 640}, "calibrated with pictures of 640 x 640, the film has 640 x 480"),
         ({"distortion_coefficients": [-9.0, 0, 0, 0]}, "its distortion is off by"),
     ],
@@ -166,20 +160,13 @@ def test_what_is_no_lens_is_one_line(tmp_path, changes, hint):
     assert len(str(caught.value).splitlines()) == 1
 
 
-def test_opencv_s_own_objects_are_read_and_the_command_takes_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_opencv_s_own_objects_are_read(tmp_path):
     nested = GOOD | {
         "camera_matrix": {"rows": 3, "cols": 3, "data": np.ravel(GOOD["camera_matrix"]).tolist()},
         "distortion_coefficients": {"rows": 1, "cols": 5, "data": [-0.1, 0, 0, 0, 0]},
     }
     write(tmp_path / "own.json", nested)
     assert lens.read(tmp_path / "own.json") == lens.read(write(tmp_path / "b.json", GOOD))
-    (tmp_path / "none.mp4").write_bytes(b"no film")
-    words = ("track", "none.mp4", "--markers", "aruco", "--lens", "b.json")
-    done = CliRunner().invoke(command_line, words)
-    assert "none.mp4: cannot be read as a film" in str(done.exception)
-    words = ("track", "none.mp4", "--markers", "aruco", "--lens", "c.json")
-    assert "c.json" in str(CliRunner().invoke(command_line, words).exception)
 
 
 def boards(camera, count=15):

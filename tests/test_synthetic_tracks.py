@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from synthetic_tracks import Walker, film, film_of, lane, lost_frames
+from synthetic_tracks import Walker, film, lane, lost_frames
 
 KINDS = {
     "abp": Walker(),
@@ -52,13 +52,6 @@ def test_walkers_differ_by_the_spread_told():
     # Standard deviations of 400: +- 3.5 %. Chords are shorter than arcs by 1e-3 of themselves.
     assert (turns.mean(), turns.std()) == pytest.approx((0.2, 0.5), abs=0.09)
     assert (way.mean(), way.std()) == pytest.approx((30.0, 3.0), abs=0.54)
-
-
-def test_given_walkers_are_filmed_one_each():
-    walkers = [Walker(speed=one, rate=0.0, turn=0.0, noise=0.0, lost=0.0) for one in (45.0, 85.0)]
-    made = film_of(np.random.default_rng(4), walkers, 2.0, headed=False).tracks
-    ways = [abs((one.position[-1] - one.position[0]) @ [1, 1j]) for one in made]
-    assert ways == pytest.approx([90.0, 170.0])
 
 
 def test_speeds_in_a_lane_fluctuate_about_their_own():

@@ -11,7 +11,6 @@ from rendered_films import write
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen import extras
 from walkergen.analysis import motion, tracks
 from walkergen.cli import command_line
 from walkergen.errors import InputError
@@ -331,22 +330,14 @@ def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
     [
         ((), "give either --mm-per-px"),
         (("--mm-per-px", "1", "--length", "28"), "give either --mm-per-px"),
-        (("--mm-per-px", "nan"), "--mm-per-px nan: must be a number above 0"),
-        (("--length", "-3"), "--length -3: must be"),
         (("--length", "inf"), "--length inf: must be"),
-        (("--fps", "0", "--length", "28"), "--fps 0: must be"),
         (("--threshold", "300", "--length", "28"), "--threshold 300: must be"),
-        (("--width", "nan", "--length", "28"), "--width nan"),
         (("--walkers", "green", "--length", "28"), "must be one of dark, light"),
-        (("--heading", "nose", "--length", "28"), "must be one of motion, mark"),
         (("--frames", "20:10", "--length", "28"), "--frames 20:10: counts from 0"),
         (("--frames", "1e9", "--length", "28"), "must be FIRST:LAST"),
-        (("--frames", "500:", "--length", "28"), "0 frames from 500 on: at least 2"),
         (("--frames", "29:", "--length", "28"), "1 frame from 29 on: at least 2"),
         (("--region", "0,0,9999,10", "--length", "28"), "must lie within the 240 x 160"),
-        (("--region", "0,0,x,10", "--length", "28"), "LEFT,TOP,WIDTH,HEIGHT"),
         (("--region", "0,0,40,40", "--length", "28"), "no walker found"),
-        (("--walkers", "light", "--length", "28"), "no walker found"),
         (("--width", "90", "--length", "28"), "no walker found in 30 frames"),
     ],
 )
@@ -358,10 +349,9 @@ def test_bad_wishes_are_one_clear_line_and_write_nothing(run, tmp_path, two, wor
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_is_no_film_is_one_clear_line(tmp_path, two):
+def test_what_is_no_film_is_one_clear_line(tmp_path):
     files = {
         "text.mp4": (b"I am no film\n", "cannot be read as a film"),
-        "empty.mp4": (b"", "is empty; give a film"),
         "list.mp4": (b"#EXTM3U\n#EXTINF:9,\nhttp://127.0.0.1:9/x.ts\n", "cannot be read as a film"),
     }
     for name, (data, hint) in files.items():
@@ -369,19 +359,12 @@ def test_what_is_no_film_is_one_clear_line(tmp_path, two):
         with pytest.raises(InputError, match=hint) as caught:
             films.about(tmp_path / name)
         assert len(str(caught.value).splitlines()) == 1
-    with pytest.raises(InputError, match="is a folder; give a film"):
-        films.about(tmp_path)
-    with pytest.raises(InputError, match="no such file"):
-        films.about(tmp_path / ".." / "nope.mp4")
 
 
-def test_too_large_a_film_and_a_missing_package_say_what_to_do(monkeypatch, two):
+def test_too_large_a_film_says_what_to_do(monkeypatch, two):
     monkeypatch.setattr(films, "MOST_PIXELS", 1000)
     with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* make it smaller"):
         films.about(two)
-    monkeypatch.setitem(extras.PACKAGES, "film", {"no_such_module": "no-such-package"})
-    with pytest.raises(InputError, match=r"no-such-package not installed: pip install 'walkergen"):
-        films.require()
 
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
