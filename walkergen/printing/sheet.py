@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.printing import estimate, findings, packing, slicer, walls
@@ -83,22 +84,41 @@ class Batch(NamedTuple):
 
 def to_markdown(batch: Batch, weights: Sequence[Weight], found: Sequence[Finding], legend: str) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    sections = [*of_print(batch, [weight.load for weight in weights], found, legend), _weighing(weights, batch)]
-    return "\n\n".join(sections) + "\n"
+    printing = of_print(batch, [weight.load for weight in weights], found, legend)
+    paired = all(len(design.limbs) == 2 for design in batch.members)
+    share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
+    return f"{printing}\n\n{_asset('weighing.md').format(form=batch.form, share=share, weights=_weights(weights))}"
 
 
-def of_print(batch: Batch, loads: Sequence[Load], found: Sequence[Finding], legend: str) -> list[str]:
-    """Sections of a sheet up to the end of the print; `loads` are those of the parts."""
-    printer = batch.printer
-    return [
-        f"# Print sheet: {batch.stem}, {printer.description or printer.name}",
-        _steps(batch),
-        _settings(batch),
-        _contents(batch),
-        _plastic(batch, loads),
-        *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
-        _findings(found),
-    ]
+def of_print(batch: Batch, loads: Sequence[Load], found: Sequence[Finding], legend: str) -> str:
+    """Sheet up to the end of the print, its words in assets; `loads` are those of the parts."""
+    printer, stem, ending, material = batch.printer, batch.stem, packing.suffix(), batch.members[0].material
+    listed = slicer.sheet_settings(printer, orientations(batch.members))
+    lines = [f"- **{finding.level}** {finding.line}" for finding in findings.listed(found)]
+    return (
+        _asset("sheet.md")
+        .format(
+            stem=stem,
+            printer=printer.description or printer.name,
+            preset=slicer.preset_name(printer),
+            profile=printer.name,
+            ENDING=ending[1:].upper(),
+            put_in=_put_in(batch),
+            slicing=f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}",
+            nozzle=material.nozzle_deg_c,
+            bed=material.bed_deg_c,
+            settings=table(("setting", "value", "because"), listed),
+            contents=_contents(batch),
+            plastic=_plastic(batch, loads),
+            legend=f"## Which part is which\n\n{legend.strip()}\n\n" if legend else "",
+            findings="\n".join(lines) or "Nothing found.",
+        )
+        .rstrip("\n")
+    )
+
+
+def _asset(name: str) -> str:
+    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
 def facts(printer: Printer, found: Sequence[Finding]) -> dict[str, Any]:
@@ -107,38 +127,6 @@ def facts(printer: Printer, found: Sequence[Finding]) -> dict[str, Any]:
         "prusaslicer": slicer.prusaslicer_settings(printer),
         "findings": [finding._asdict() for finding in findings.listed(found)],
     }
-
-
-def _steps(batch: Batch) -> str:
-    stem, name, ending = batch.stem, slicer.preset_name(batch.printer), packing.suffix()
-    material = batch.members[0].material
-    slicing = f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}"
-    return (
-        "## Print\n\n"
-        "1. Choose your own printer and filament in the slicer: the files here leave both alone.\n"
-        f"2. Load the print settings, once. PrusaSlicer: File > Import > Import Config Bundle, "
-        f"`{stem}.ini` (not Import Config, which replaces printer and filament). OrcaSlicer or "
-        f"Bambu Studio: File > Import > Import Configs, `{stem}_orca.json`. Another slicer: enter "
-        "the settings below.\n"
-        f"3. Choose `{name}` among the print settings (OrcaSlicer, Bambu Studio: among the user "
-        "presets under Process). Its speeds are the slicer's defaults: yours to change, they move "
-        "no plastic. Change nothing else.\n"
-        f"4. Open a plate's {ending[1:].upper()}; where the slicer asks, as geometry. Keep names "
-        "and places: do not arrange, turn, scale or merge. (OrcaSlicer and Bambu Studio name every "
-        "copy. PrusaSlicer shows copies under one name; a plate of one kind alone under the "
-        "file's, unless it was made with --prusaslicer.)\n"
-        "5. Slice. In the preview every leg must show plastic in every layer.\n"
-        f"6. Print; take the parts off cold, by the body; cut off any brim.\n{_put_in(batch)}\n"
-        "Without a window, `yours.ini` being your printer and filament (PrusaSlicer: File > Export "
-        "> Export Config):\n\n"
-        f"```\nprusa-slicer --load yours.ini --load {stem}_print.ini {slicing}\n```\n\n"
-        "Without --output the file takes a part's name, and the next plate overwrites it. If you "
-        "have no profile of your own:\n\n"
-        f"```\nprusa-slicer --load {stem}.ini {slicing}\n```\n\n"
-        f"This heats the nozzle to {material.nozzle_deg_c} °C and the bed to "
-        f"{material.bed_deg_c} °C, as the design says of its material, and has PrusaSlicer's plain "
-        "start code, not your printer's own."
-    )
 
 
 def _put_in(batch: Batch) -> str:
@@ -156,18 +144,6 @@ def body_facts(design: Design) -> dict[str, Any]:
     """Facts of a design's body for the manifest: hash of its file, if any, and repairs to it."""
     shape = design.body.shape
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
-
-
-def _settings(batch: Batch) -> str:
-    printer, stem = batch.printer, batch.stem
-    listed = slicer.sheet_settings(printer, orientations(batch.members))
-    rows = [(setting.name, setting.value, setting.reason) for setting in listed]
-    return (
-        "## Settings on which the prediction rests\n\n"
-        f"Printer profile {printer.name}; exact keys in `{stem}.ini`. What they lay down is "
-        "measured in PrusaSlicer 2.5; other slicers are given the same settings, and not measured."
-        "\n\n" + table(("setting", "value", "because"), rows)
-    )
 
 
 def orientations(members: Sequence[Design]) -> list[slicer.Setting]:
@@ -192,8 +168,7 @@ def _contents(batch: Batch) -> str:
         counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
         for name, copies in counts.items():
             rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"`{name}`", str(copies)))
-    note = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
-    return "## What is on which plate\n\n" + note + table(("file", "part", "copies"), rows)
+    return table(("file", "part", "copies"), rows)
 
 
 def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
@@ -219,21 +194,10 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
         "mean layer",
         f"all, ± {error}",
     )
-    return (
-        "## Plastic and time\n\n"
-        "Without skirt, brim and purge. Grams are the legs as sliced and the bodies as drawn, at "
-        "the density of the design. The time is an estimate for PrusaSlicer's default speeds, "
-        "without heating, from the outlines and lines of the layers; at your speeds the slicer "
-        "knows better.\n\n" + table(headings, rows)
-    )
+    return table(headings, rows)
 
 
-def _findings(found: Sequence[Finding]) -> str:
-    lines = [f"- **{finding.level}** {finding.line}" for finding in findings.listed(found)]
-    return "## Checks before the print\n\n" + ("\n".join(lines) or "Nothing found.")
-
-
-def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
+def _weights(weights: Sequence[Weight]) -> str:
     rows = [
         (
             f"`{weight.name}`",
@@ -245,16 +209,7 @@ def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
         for weight in {weight.name: weight for weight in weights}.values()
         for leg, name in weight.legs
     ]
-    paired = all(len(design.limbs) == 2 for design in batch.members)
-    share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
-    return (
-        "## After the print: weigh\n\n"
-        f"Weigh every part, without its brim, to 1 mg or better, and write it into `{batch.form}`; "
-        "`walkergen predict` takes it by `--weights`. Cut the legs "
-        f"off one spare part of each kind, flush with the body, and weigh them together: {share}. "
-        "Speeds rest on both masses.\n\n"
-        + table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
-    )
+    return table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
 
 
 def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -123,7 +123,7 @@ def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str
     batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FILE)
     loads = pieces.loads(laid, design.material.density_g_cm3)
     printing = sheet.of_print(batch, loads, laid.findings, "")
-    return "\n\n".join([*printing, measuring.to_markdown(drawn, design, laid.printer)])
+    return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
 
 
 def _places(laid: Laid) -> list[Place]:
