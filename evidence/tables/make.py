@@ -10,24 +10,22 @@ import argparse
 import csv
 import io
 import json
-import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from evidence.tables import cases, fit, motor_cases, motor_fit
-from evidence.tables.cases import Case
+from evidence.tables import cases, motors, plates
+from evidence.tables.cases import Case, Group
+from walkergen.cli import show
 from walkergen.files import output
 from walkergen.points import run, worker_pool
 from walkergen.points.point import Point, Record
 from walkergen.points.store import Store
-from walkergen.theory import discrepancy, motors
-from walkergen.theory.surrogate import Place
-from walkergen.walker import solids
+from walkergen.theory import discrepancy
+from walkergen.theory import motors as theory_motors
 
 Array = npt.NDArray[np.float64]
 
@@ -40,67 +38,52 @@ class Kind(NamedTuple):
     columns: tuple[str, ...]
     """Columns of that file: numbers without unit; speeds and their standard errors over the peak
     speed of the plate, or of the motor's swing."""
-    cases: Callable[[int], Iterator[Case]]
-    whole: int
-    """Number of rows of a whole table, about."""
+    groups: Sequence[Group]
+    seed: int
     place: Callable[[Case], tuple[Array, float]]
     """Numbers of a row, and the peak speed of plate or swing, mm/s."""
     fit: Callable[[Array, int], dict[str, npt.NDArray[Any]]]
     table: Path
-    report: Callable[[dict[str, npt.NDArray[Any]]], str]
 
-
-def of_plate(case: Case) -> tuple[Array, float]:
-    """Numbers of a walker on a shaken plate, and the plate's peak speed, mm/s."""
-    place = discrepancy.place_of(case.scene, case.design, solids.mass_of(case.design))
-    return np.array([case.design.rigid, *place]), case.scene.drive.peak_speed
-
-
-def of_motor(case: Case) -> tuple[Array, float]:
-    """Numbers of a walker with a motor, and the peak speed of its swing, mm/s."""
-    tabled = motors.placed(case.scene, case.design, solids.mass_of(case.design))
-    return np.array([*tabled.place[: motors.SHARED], *tabled.beside]), tabled.swing
+    def cases(self, rows: int) -> Iterator[Case]:
+        """Walkers and scenes of about so many rows."""
+        return cases.cases(self.groups, rows, self.seed)
 
 
 MEASURED = ("speed", "se", "runs")
 
+FOLDER = Path(__file__).parent
+
 PLATES = Kind(
-    Path(__file__).with_name("rows.csv"),
-    ("braced", *Place._fields, *MEASURED),
-    cases.cases,
-    cases.COUNT,
-    of_plate,
-    fit.table,
+    FOLDER / "rows.csv",
+    (*plates.COLUMNS, *MEASURED),
+    plates.GROUPS,
+    plates.SEED,
+    plates.place,
+    plates.table,
     discrepancy.TABLE.path,
-    fit.report,
 )
-"""Shaken plates; `braced` is 1 for braced legs."""
-
 MOTORS = Kind(
-    Path(__file__).with_name("motor_rows.csv"),
-    (*motors.NAMES, *MEASURED),
-    motor_cases.cases,
-    motor_cases.COUNT,
-    of_motor,
-    motor_fit.table,
-    motors.TABLE.path,
-    motor_fit.report,
+    FOLDER / "motor_rows.csv",
+    (*motors.COLUMNS, *MEASURED),
+    motors.GROUPS,
+    motors.SEED,
+    motors.place,
+    motors.table,
+    theory_motors.TABLE.path,
 )
-
 KINDS = {"plates": PLATES, "motors": MOTORS}
 
 
 def rows(kind: Kind, chosen: Sequence[Case], cores: int) -> Iterator[Array]:
     """Rows of the table, simulated or found in the store; none of runs that end badly."""
     points = [Point(case.design, case.scene, simulated=True, keep=()) for case in chosen]
-    progress = Progress(len(points))
-    with worker_pool.local(cores) as workers:
-        for case, done in zip(chosen, run.each(points, Store(), workers), strict=True):
-            progress.add(0.0 if done.stored else _seconds(case))
+    with worker_pool.local(cores) as workers, show.progress("rows", wanted=True) as progress:
+        for number, (case, done) in enumerate(zip(chosen, run.each(points, Store(), workers), strict=True), 1):
+            progress("rows", number, len(points))
             numbers = row(kind, case, done.record)
             if numbers is not None:
                 yield numbers
-    progress.end()
 
 
 def with_settings(case: Case, settings: Sequence[str]) -> Case:
@@ -116,41 +99,6 @@ def row(kind: Kind, case: Case, record: Record) -> Array | None:
         return None
     place, peak = kind.place(case)
     return np.array([*place, float(speed) / peak, float(se) / peak, runs])
-
-
-def _seconds(case: Case) -> float:
-    run = case.scene.run
-    return run.runs * (run.seconds + run.discard_seconds)
-
-
-class Progress:
-    """Lines on the error stream: what is done, what it cost, what is left."""
-
-    def __init__(self, count: int) -> None:
-        self.count, self.done, self.simulated = count, 0, 0.0
-        self.started = self.shown = time.monotonic()
-
-    def add(self, seconds: float) -> None:
-        """Count a row, and the seconds that were simulated for it."""
-        self.done += 1
-        self.simulated += seconds
-        if time.monotonic() - self.shown > 10.0:
-            self.shown = time.monotonic()
-            self._tell()
-
-    def end(self) -> None:
-        """Tell the cost of the whole."""
-        self._tell()
-
-    def _tell(self) -> None:
-        elapsed = time.monotonic() - self.started
-        left = elapsed / self.done * (self.count - self.done)
-        print(
-            f"{self.done} of {self.count} rows in {elapsed / 60:.1f} min, {self.simulated:.0f} s "
-            f"simulated; about {left / 60:.1f} min left",
-            file=sys.stderr,
-            flush=True,
-        )
 
 
 def read(kind: Kind = PLATES) -> Array:
@@ -171,33 +119,46 @@ def write(kind: Kind, table: Array) -> None:
     output.write(kind.rows, text.getvalue().encode())
 
 
+def report(name: str, arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Errors of a table, as text."""
+    lines = [f"{name}: error at rows left out by tenths, their own noise within (speeds over the peak, after asinh)"]
+    errors = json.loads(str(arrays["facts"]))["errors"]
+    by_kind = errors if "flexible" in errors else {name: errors}
+    for kind, groups in by_kind.items():
+        for group, of_group in groups.items():
+            numbers = ", ".join(f"{key} {value:.3g}" for key, value in of_group.items())
+            lines.append(f"{kind}, {group}: {numbers}")
+    return "\n".join(lines)
+
+
+def as_bytes(arrays: Mapping[str, npt.NDArray[Any]]) -> bytes:
+    """File of the table, for `numpy.load`; equal arrays give equal bytes."""
+    stream = io.BytesIO()
+    np.savez(stream, allow_pickle=False, **arrays)
+    return stream.getvalue()
+
+
 def main() -> None:
     """Simulate the rows, or read them, and write the tables with their errors."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
     parser.add_argument("--only", choices=KINDS, help="one of the tables; without: all")
-    parser.add_argument(
-        "--rows",
-        type=int,
-        help="rows of each table, about; without: 6700 of plates, in 45 minutes on two cores, and "
-        f"{motor_cases.COUNT} of motors, in half an hour of one",
-    )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="key of every row's scene, such as run.step_us=2",
-    )
+    number = "rows of each table, about; without: 6700 of plates, in 45 minutes on two cores, and 2800 of motors"
+    parser.add_argument("--rows", type=int, help=f"{number}, in half an hour of one")
+    setting = "key of every row's scene, such as run.step_us=2"
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=setting)
     parser.add_argument("--refit", action="store_true", help="fit the stored rows anew, without simulating")
     options = parser.parse_args()
-    for kind in [KINDS[options.only]] if options.only else KINDS.values():
+    for name, kind in KINDS.items():
+        if options.only not in (None, name):
+            continue
         if not options.refit:
-            chosen = [with_settings(case, options.set) for case in kind.cases(options.rows or kind.whole)]
+            count = options.rows or cases.whole(kind.groups)
+            chosen = [with_settings(case, options.set) for case in kind.cases(count)]
             write(kind, np.array(list(rows(kind, chosen, options.cores))))
-        fitted = kind.fit(read(kind), options.cores)
-        output.write(kind.table, fit.as_bytes(fitted))
-        print(kind.report(fitted))
+        arrays = kind.fit(read(kind), options.cores)
+        output.write(kind.table, as_bytes(arrays))
+        print(report(name, arrays))
 
 
 if __name__ == "__main__":

@@ -1,27 +1,38 @@
-"""Walkers with a motor of their own, on a table: rows of the table of motors.
+"""Walkers with a motor of their own, on a table: their rows, and their table by a process.
 
 Two legs under a body on its side, as the template coinbot, and brushes and discs on three to twelve
 legs, as bristlebot and spinner; coin motors in any named axis, anywhere in the body, with a coin
-cell or without.
+cell or without. Rows are a third of those of plates and depend on half as many numbers more: there a
+process errs by less than networks, which learn nothing of them from what plates have
+(docs/physics.md section 8).
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from evidence.tables.cases import ALL, Case, Ranges, tilt_of
+from evidence.tables import fit, process
+from evidence.tables.cases import ALL, Case, Group, Numbers, Ranges, tilt_of
+from evidence.tables.fit import TENTHS
+from evidence.tables.process import Values
 from walkergen.drive import GRAVITY
-from walkergen.errors import GeometryError
+from walkergen.numerics.odd_process import Process
+from walkergen.points import worker_pool
 from walkergen.scene import Arena, Contact, Drive, Feet, LegModel, Run, Scene
-from walkergen.theory import uncertain
+from walkergen.theory import motors, surrogate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.fittings import CELLS, Cell
 from walkergen.walker.pockets import FLOOR_MM
 
+Array = npt.NDArray[Any]
+
 SEED = 40
+
+COLUMNS = motors.NAMES
+"""Columns of the numbers of a row."""
 
 RUN = Run(seconds=0.6, discard_seconds=0.2, runs=4)
 """Runs of a row, 50 to 160 turns each: many rows with noise tell more than few without."""
@@ -84,38 +95,11 @@ COUNTS = (3, 3, 4, 6, 8, 10, 12)
 DISCS = 0.4
 """Share of the walkers of three or four legs whose body is a disc."""
 
-
-class Group(NamedTuple):
-    """Rows that are sampled together."""
-
-    ranges: Ranges
-    rows: int
+SUPPORTS = 300
+"""Rows on which the process rests: of twice as many it errs by no less."""
 
 
-GROUPS = (Group(PAIRS, 2000), Group(MANY, 800))
-
-COUNT = sum(group.rows for group in GROUPS)
-
-
-def cases(rows: int) -> Iterator[Case]:
-    """Walkers and scenes of about so many rows, groups in turns; without what cannot be built."""
-    sampled = []
-    for number, group in enumerate(GROUPS):
-        count = math.ceil(rows * group.rows / COUNT)
-        low, high = np.array(list(group.ranges.values())).T
-        values = low + (high - low) * uncertain.even(len(low), count, SEED + number)
-        sampled += [
-            ((place + 0.5) / count, number, dict(zip(group.ranges, row, strict=True)))
-            for place, row in enumerate(values.tolist())
-        ]
-    for _, _, value in sorted(sampled, key=lambda one: one[:2]):
-        try:
-            yield _case(value)
-        except GeometryError:
-            continue
-
-
-def _case(value: dict[str, float]) -> Case:
+def _case(value: Numbers) -> Case:
     """Walker and scene of a row. Raises GeometryError for one that cannot be built."""
     design = Design.model_validate(_design(value))
     weight = float(solids.mass_of(design).total) * GRAVITY
@@ -138,7 +122,7 @@ def _case(value: dict[str, float]) -> Case:
     return Case(scene, design)
 
 
-def _design(value: dict[str, float]) -> dict[str, Any]:
+def _design(value: Numbers) -> dict[str, Any]:
     """Data of a walker with its motor, and with a cell where there is room for one."""
     cell = _of("LR44" if value["cell_share"] < 0.25 else "CR2032", value["cell_share"] < 0.8)
     tilt = tilt_of(value["tilt_share"])
@@ -164,14 +148,14 @@ def _of(shape: str, carried: bool) -> str | None:
     return shape if carried else None
 
 
-def _depth(value: dict[str, float], cell: str | None) -> float:
+def _depth(value: Numbers, cell: str | None) -> float:
     """Depth of a rectangular body, mm, with walls beside its cell."""
     wide = 0.0 if cell is None else CELLS[cell].diameter_mm
     least = max(wide + 2.0 * (CLEARANCE_MM + FLOOR_MM) + 0.2, 14.0)
     return least + 8.0 * value["depth_share"]
 
 
-def _many(value: dict[str, float], cell: str | None) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def _many(value: Numbers, cell: str | None) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Body in plan view or as a box, and its list of legs."""
     count = COUNTS[int(value["legs_share"] * len(COUNTS))]
     length, width = value["body_length_mm"], value["width_mm"]
@@ -207,7 +191,7 @@ def _many(value: dict[str, float], cell: str | None) -> tuple[dict[str, Any], li
     return body, legs
 
 
-def _parts(value: dict[str, float], body: dict[str, Any], cell: str | None) -> dict[str, Any]:
+def _parts(value: Numbers, body: dict[str, Any], cell: str | None) -> dict[str, Any]:
     """Motor and cell of a walker, each with its place: the motor where it shall be, the cell on the
     larger side of it.
     """
@@ -246,3 +230,87 @@ def _parts(value: dict[str, float], body: dict[str, Any], cell: str | None) -> d
     place = sign * (least + value["cell_along_share"] * (most - least))
     battery = {"shape": cell, "axis": "up", "along_mm": place, "up_mm": over + high, "opens": "up"}
     return {"motor": motor, "battery": battery}
+
+
+GROUPS = (Group(PAIRS, 2000, _case), Group(MANY, 800, _case))
+
+
+def place(case: Case) -> tuple[Array, float]:
+    """Numbers of a walker with a motor, and the peak speed of its swing, mm/s."""
+    tabled = motors.placed(case.scene, case.design, solids.mass_of(case.design))
+    return np.array([*tabled.place[: motors.SHARED], *tabled.beside]), tabled.swing
+
+
+class Left(NamedTuple):
+    """What processes that have not seen it say of each row, after asinh; shape (n,)."""
+
+    centre: Array
+    sd: Array
+    """Their standard deviation, the row's own noise within."""
+
+
+def table(simulated: Array, cores: int, supports: int = SUPPORTS) -> dict[str, Array]:
+    """Arrays of the table, with the ranges of its numbers and errors by groups of rows."""
+    rows = fit.rows_of(simulated)
+    coordinates = motors.coordinates(rows.places)
+    middle = np.r_[np.zeros(motors.ODD), coordinates[:, motors.ODD :].mean(axis=0)]
+    scale = np.sqrt(((coordinates - middle) ** 2).mean(axis=0))
+    scale = np.maximum(scale, np.ptp(coordinates, axis=0) / fit.WIDEST)
+    arrays = {"middle": middle, "scale": np.where(scale > 0.0, scale, 1.0)}
+    inputs = motors.scaled(arrays, rows.places)
+    features, uneven = surrogate.features(motors.even(inputs)), motors.uneven(rows.places)
+    arrays["prints"], noise, _ = fit.scatter(features, uneven, rows)
+    given = Values(inputs, rows.y, noise)
+    left = left_out(given, cores, supports)
+    # Honest where lengths, learnt from the rows, promise too much of those left out
+    widened = float(np.sqrt(np.mean(((left.centre - rows.y) / left.sd) ** 2)))
+    arrays |= process.arrays_of(process.fitted(given, motors.ODD, supports, TENTHS))
+    arrays["widened"] = np.array(max(widened, 1.0))
+    wider = left._replace(sd=np.hypot(max(widened, 1.0) * np.sqrt(left.sd**2 - noise), noise**0.5))
+    ranges = {name: ends(name, column) for name, column in zip(motors.NAMES, rows.places.T, strict=True)}
+    return arrays | fit.facts(ranges, fit.errors(rows, wider.centre, wider.sd, _groups(rows.places)))
+
+
+def ends(name: str, column: Array) -> list[float]:
+    """Ends of the range of a number, with mirror images and upright walkers between them."""
+    low, high = float(column.min()), float(column.max())
+    if name in motors.SIGNED:
+        return [-max(high, -low), max(high, -low)]
+    return [0.0 if name == "root_tilt" else low, high]
+
+
+def left_out(given: Values, cores: int, supports: int) -> Left:
+    """What is said of the rows of each tenth by a process of the others."""
+    tenth = fit.tenths(len(given.values))
+    parts = [Values(*(column[tenth != k] for column in given)) for k in range(TENTHS)]
+    centre, variance = np.empty(len(tenth)), np.empty(len(tenth))
+    with worker_pool.local(cores) as pool:
+        processes = list(pool.executor.map(_fitted, parts, [supports] * TENTHS, range(TENTHS)))
+    for k, other in enumerate(processes):
+        out = tenth == k
+        centre[out], variance[out] = other(given.inputs[out])
+    return Left(centre, np.sqrt(variance + given.noise))
+
+
+def _fitted(given: Values, supports: int, seed: int) -> Process:
+    """Process of values, on one thread: several are fitted at a time."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        return process.fitted(given, motors.ODD, supports, seed)
+
+
+def _groups(places: Array) -> dict[str, npt.NDArray[np.bool_]]:
+    """Rows of which errors are told."""
+    of = dict(zip(motors.NAMES, places.T, strict=True))
+    pairs = of["log_count"] < 1.0
+    return {
+        "all": np.ones(len(places), bool),
+        "two legs": pairs,
+        "three to twelve legs": ~pairs,
+        "axis across": np.abs(of["axis_across"]) > 0.5,
+        "axis along": np.abs(of["axis_along"]) > 0.5,
+        "axis up": np.abs(of["axis_up"]) > 0.5,
+        "push below 1.8 weights": of["gamma"] < 1.8,
+        "push above 3 weights": of["gamma"] > 3.0,
+    }
