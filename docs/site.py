@@ -67,7 +67,7 @@ ROOMS = {
         "points/worker_pool",
         "lab/drops",
     ],
-    "analysis": ["analysis/tracks", "analysis/motion", "analysis/speeds"],
+    "analysis": ["analysis/tracks", "analysis/track_files", "analysis/motion", "analysis/speeds"],
     "lab": ["lab/beams", "lab/inverse", "lab/fit/least_squares"],
     "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],

@@ -11,8 +11,8 @@ import pytest
 from crowd_films import BOX, gas, of
 from PIL import Image
 
-from walkergen.analysis import tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
 from walkergen.crowd import figures as crowd_figures
 from walkergen.crowd import files as crowd_files
 from walkergen.crowd import movie as crowd_movie
@@ -39,7 +39,7 @@ def test_csv_is_read_back_to_the_same_film(tmp_path):
     path = tmp_path / "run.csv"
     crowd_files.write(path, film)
     assert path.read_text().splitlines()[0] == "t_s,particle,x_mm,y_mm,theta_rad"
-    back = films.of_tracks(tracks.read(path, Units()), film.dish, [BOX])
+    back = films.of_tracks(track_files.read(path, Units()), film.dish, [BOX])
     for key in ("times", "x", "y", "areas", "radii"):
         np.testing.assert_allclose(getattr(back, key), getattr(film, key), atol=1e-9)
     turned = (back.theta - film.theta) / (2.0 * np.pi)

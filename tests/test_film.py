@@ -7,7 +7,7 @@ import pytest
 import rendered_films as films
 from rendered_films import Filmed
 
-from walkergen.analysis import tracks
+from walkergen.analysis import track_files
 from walkergen.files.progress import silent
 from walkergen.track.film import appearance, blobs, doubts, make
 from walkergen.track.film.result import Options
@@ -101,7 +101,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     np.testing.assert_allclose(clock.times, t, atol=1e-4)
     assert not clock.regular
     assert made.warnings == []
-    found = tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units())
+    found = track_files.read(tmp_path / "out" / "tracks.csv", track_files.Units())
     assert "rate varies" in found.note
     (one,) = found.tracks
     regular = np.arange(len(one.position)) * found.interval
@@ -119,7 +119,7 @@ def test_places_between_frames_stop_at_gaps(tmp_path):
     lines = [f"{n},{k},{t},{x},{y},{a}" for (n, k, x, y, a), t in zip(rows, np.delete(times, [20, 21]), strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("frame,particle,t_s,x_mm,y_mm,theta_rad\n" + "\n".join(lines) + "\n")
-    found = tracks.read(path, tracks.Units())
+    found = track_files.read(path, track_files.Units())
     (one,) = found.tracks
     start = np.ceil(times[0] / found.interval) * found.interval
     t = start + np.arange(len(one.position)) * found.interval

@@ -7,7 +7,7 @@ from marker_films import Camera, Light, Shot
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.analysis import tracks
+from walkergen.analysis import track_files
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
@@ -184,7 +184,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     path, ways = plain
     made = wg.track(path, markers="aruco", folder=tmp_path / "t")
     assert made.warnings == []
-    read = tracks.read(tmp_path / "t" / "tracks.csv", tracks.Units())
+    read = track_files.read(tmp_path / "t" / "tracks.csv", track_files.Units())
     assert [track.particle for track in read.tracks] == [0, 1, 2]
     for number, track in enumerate(read.tracks):
         true = np.array([ways(frame / 60.0)[number] for frame in range(24)])

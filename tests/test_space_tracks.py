@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.analysis import tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.run.simulate import make, trajectories
@@ -42,7 +42,7 @@ def run(tmp_path, monkeypatch):
 def read(tmp_path, text, units=Units()):  # noqa: B008
     path = tmp_path / "tracks.csv"
     path.write_text(text, encoding="utf-8")
-    return tracks.read(path, units)
+    return track_files.read(path, units)
 
 
 TURNING = HEADER + "".join(
@@ -85,7 +85,7 @@ def test_a_lanes_tracks_have_a_particle_and_are_read_as_a_lanes(run, tmp_path):
     run("simulate", *words, "--trajectory", "t.csv")
     first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,pitch_rad")
-    found = tracks.read(tmp_path / "t.csv", Units())
+    found = track_files.read(tmp_path / "t.csv", Units())
     assert found.lane
     assert [(t.particle, len(t.position)) for t in found.tracks] == [(n, 201) for n in range(3)]
 

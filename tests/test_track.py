@@ -11,7 +11,7 @@ from rendered_films import write
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.analysis import motion, tracks
+from walkergen.analysis import motion, track_files, tracks
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import figures, templates
@@ -241,7 +241,7 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
     assert told["jitter_mm"] < 0.1
     folder = tmp_path / told["folder"]
     assert folder == tmp_path / "out" / "two" / "track"
-    found = tracks.read(folder / "tracks.csv", tracks.Units())
+    found = track_files.read(folder / "tracks.csv", track_files.Units())
     assert found.interval == pytest.approx(0.02)
     for one, truth in zip(found.tracks, map(np.array, (LEFT, RIGHT)), strict=True):
         np.testing.assert_allclose(one.position, 0.5 * truth[:, :2], atol=0.1)
@@ -319,7 +319,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
 def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 12.0)  # 14 pixels wide
     make.track(tmp_path / "film.mp4", Options(mm_per_px=scale), tmp_path / "out", silent)
-    found = motion.analyse(tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units()))
+    found = motion.analyse(track_files.read(tmp_path / "out" / "tracks.csv", track_files.Units()))
     speed = found.estimates["speed"]
     assert speed.value == pytest.approx(shot.distance / 12.0, abs=speed.se)
     assert speed.se < 0.02 * speed.value

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from walkergen.analysis import tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
 from walkergen.errors import InputError
 
 FILM = Units(fps=100.0, mm_per_px=0.5)
@@ -17,7 +17,7 @@ def write(tmp_path, text, name="tracks.csv"):
 
 
 def read(tmp_path, text, units=FILM):
-    return tracks.read(write(tmp_path, text), units)
+    return track_files.read(write(tmp_path, text), units)
 
 
 def test_trackpys_columns_in_any_order_with_its_index_and_brightness(tmp_path):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from walkergen.analysis import tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
 from walkergen.errors import InputError
 from walkergen.files import extended_xyz
 from walkergen.files.progress import silent
@@ -57,12 +57,12 @@ def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
     found = simulated(asked_of("plane", "space"))
     path = tmp_path / "all.csv"
     path.write_bytes(trajectories.to_csv(Written(found, WALKER)))
-    ours = tracks.read(path, Units())
+    ours = track_files.read(path, Units())
     assert [one.particle for one in ours.tracks] == [0, 1]
     film = tmp_path / "film.csv"  # as trackpy would have it: its columns alone
     rows = [line.split(",")[:5] for line in path.read_text().splitlines()]
     film.write_text("\n".join(",".join(row) for row in rows))
-    theirs = tracks.read(film, Units(fps=1.0 / INTERVAL, mm_per_px=1.0))
+    theirs = track_files.read(film, Units(fps=1.0 / INTERVAL, mm_per_px=1.0))
     assert theirs.interval == pytest.approx(ours.interval)
     for one, other in zip(ours.tracks, theirs.tracks, strict=True):
         np.testing.assert_array_equal(one.position, other.position)

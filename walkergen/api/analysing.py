@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.tracks import Units
+from walkergen.analysis.track_files import Units
 from walkergen.errors import InputError
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent

@@ -54,7 +54,7 @@ def analyse(
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured,
     with errors from independent runs (--run), and no walker by itself.
     """
-    from walkergen.analysis.tracks import Units
+    from walkergen.analysis.track_files import Units
     from walkergen.crowd import filmed as crowd
     from walkergen.errors import InputError
     from walkergen.files import output

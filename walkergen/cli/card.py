@@ -91,7 +91,7 @@ def _filmed(
     path: Path, of_film: dict[str, Any], scene: "Scene", inputs: loading.Inputs, tilt: float | None, legs: str | None
 ) -> tuple[Any, dict[str, Any]]:
     """Card of filmed walkers, and what was asked. Raises InputError without a design."""
-    from walkergen.analysis.tracks import Units
+    from walkergen.analysis.track_files import Units
     from walkergen.crowd.cards import make
     from walkergen.files.measured import measured
 

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen import dish as dishes
-from walkergen.analysis import tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import track_files
+from walkergen.analysis.track_files import Units
 from walkergen.crowd import figures as crowd_figures
 from walkergen.crowd import statistics as crowds
 from walkergen.crowd import tables as crowd_tables
@@ -91,7 +91,7 @@ def analyse(path: Path, units: Units, crowd: Asked, folder: Path | None, picture
 
 def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     """Film of a file of tracks, about the middle of the dish."""
-    read = tracks.read(path, units)
+    read = track_files.read(path, units)
     if read.lane:
         raise InputError(f"--dish: {path} has walkers in a lane; a crowd runs on a plane")
     made = film.of_tracks(read, crowd.dish, crowd.contours)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.tracks import Units
+from walkergen.analysis.track_files import Units
 from walkergen.crowd.cards import card as cards
 from walkergen.crowd.cards import inputs, overdamped, report, walker_motion, walled
 from walkergen.crowd.cards.card import Card, measured

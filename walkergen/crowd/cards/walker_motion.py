@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import doubts, motion, tracks
+from walkergen.analysis import doubts, motion, track_files, tracks
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Tracks, Units
+from walkergen.analysis.track_files import Units
+from walkergen.analysis.tracks import Tracks
 from walkergen.crowd.cards import delay, relaxation
 from walkergen.crowd.cards.delay import Delay
 from walkergen.crowd.cards.relaxation import Relaxation
@@ -93,7 +94,7 @@ def filmed(path: Path, units: Units, scene: Scene) -> Measured:
 
     Raises InputError for tracks without headings.
     """
-    read = tracks.read(path, units)
+    read = track_files.read(path, units)
     if read.lane or all(track.heading is None for track in read.tracks):
         raise InputError(
             f"{path}: has no headings (theta or theta_rad), so that nobody knows how late a "

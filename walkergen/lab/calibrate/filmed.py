@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import tracks
+from walkergen.analysis import track_files
 from walkergen.errors import InputError
 from walkergen.files import plain
 from walkergen.numerics.quantity import Quantity
@@ -39,7 +39,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     What stands still beside it, as caps that tell the camera's tilt, is left out. Raises InputError
     for tracks of several parts, of more than a slide, and of no friction.
     """
-    read = tracks.read(path, tracks.Units())
+    read = track_files.read(path, track_files.Units())
     name = plain.line(path.name)
     seen = [_seen(track.position, read.interval) for track in read.tracks]
     ways = np.array([np.linalg.norm(places[-1] - places[0]) for _, places in seen])

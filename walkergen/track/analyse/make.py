@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from walkergen.analysis import motion, tracks
-from walkergen.analysis.tracks import Units
+from walkergen.analysis import motion, track_files
+from walkergen.analysis.track_files import Units
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.track.analyse import report
@@ -20,7 +20,7 @@ def analyse(
     manifest.json. Raises InputError before anything is written.
     """
     progress("reading", 0, 3)
-    read = tracks.read(path, units)
+    read = track_files.read(path, units)
     progress("measuring", 1, 3)
     measured = motion.analyse(read, lag_s)._replace(scale_se=read.scale_se)
     analysis = report.of(read, measured, path.name, folder)
