@@ -180,3 +180,13 @@ def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
     with pytest.raises(InputError, match=r"^--set: scene\.contact\.friction = -1: must be"):
         request.changed(PAPER, LANE, {"scene.contact.friction": -1})
+
+
+@pytest.mark.parametrize(
+    "keys", [{"legs.tilt_deg": 100.0, "body.depth_mm": -1.0}, {"legs.tilt_deg": 80.0}, {"legs": 3}]
+)
+def test_an_error_names_the_key_at_fault_of_each_line(keys):
+    with pytest.raises(InputError) as refused:
+        PAPER.variant(**keys)
+    assert sorted(refused.value.keys) == sorted(keys)
+    assert len(str(refused.value).splitlines()) == len(keys)

@@ -262,19 +262,6 @@ def test_family_without_simulation_does_not_load_the_compiler(tmp_path):
     assert python("-c", code).stdout.strip() == "[]"
 
 
-def test_a_prediction_imports_few_modules_and_no_other_command():
-    code = (
-        "import sys; from walkergen.cli import command_line\n"
-        "try: command_line(['predict', '--tilt', '10', '--json'])\nexcept SystemExit: pass\n"
-        "print(*(name for name in sys.modules if name.split('.')[0] == 'walkergen'), "
-        "file=sys.stderr)"
-    )
-    names = python("-c", code).stderr.split()
-    assert len(names) <= 55
-    others = ("walkergen.printing", "walkergen.simulation", "walkergen.jobs.make.family")
-    assert not [name for name in names if name.startswith(others)]
-
-
 SOME_NEED = (
     "scipy.stats",
     "scipy.optimize",

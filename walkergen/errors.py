@@ -18,6 +18,13 @@ class WalkergenError(Exception):
 class InputError(WalkergenError):
     """A value that a person wrote is unusable; the text says what was seen and what is allowed."""
 
+    keys: tuple[str, ...]
+    """Keys at fault, of each line of the text; "" of a line, or none, where it is no key's."""
+
+    def __init__(self, text: str = "", *keys: str) -> None:
+        super().__init__(text)
+        self.keys = keys
+
 
 class GeometryError(InputError):
     """A design's parts cannot be built as drawn; the text names the limit that was passed."""

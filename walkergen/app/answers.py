@@ -3,9 +3,9 @@
 Every number comes from the job that the command line calls for it.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.errors import WalkergenError
+from walkergen.errors import InputError, WalkergenError
 from walkergen.files import plain
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
@@ -40,8 +40,6 @@ MOST_CURVES = 32
 
 LEGS_MM = 1e-4
 """Distance below the body's underside from which on a triangle belongs to a leg."""
-
-KEY = re.compile(r"[a-z_]+(\[[0-9]+\])?(\.[a-z_]+(\[[0-9]+\])?)*")
 
 
 def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
@@ -92,14 +90,12 @@ def outlook(document: Document) -> dict[str, Any]:
 
 
 def refusal(error: WalkergenError) -> list[dict[str, str]]:
-    """Mistakes, each with the key at fault where its sentence begins with one."""
-    lines = []
-    for line in str(error).splitlines():
-        text = line.removeprefix(f"{documents.SOURCE}: ")
-        match = KEY.match(text)
-        key = match[0] if match and len(match[0]) < len(text) else ""
-        lines.append({"key": key, "text": plain.line(text)})
-    return lines
+    """Mistakes, each with the key at fault where there is one."""
+    keys = error.keys if isinstance(error, InputError) else ()
+    texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in str(error).splitlines()]
+    return [
+        {"key": key, "text": plain.line(text)} for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
+    ]
 
 
 def triangles(mesh: Mesh) -> npt.NDArray[np.float32]:

@@ -155,9 +155,9 @@ def _located(key: str, value: Any, uploads: Path) -> Any:
     if isinstance(value, list):
         return [_located(key, own, uploads) for own in value]
     if value is None:
-        raise InputError(f"{SOURCE}: {_whole(key)[:60]}: no value: leave the key out")
+        raise InputError(f"{SOURCE}: {_whole(key)[:60]}: no value: leave the key out", key)
     if isinstance(value, float) and not math.isfinite(value):
-        raise InputError(f"{SOURCE}: {_whole(key)[:60]} = {value}: must be a number")
+        raise InputError(f"{SOURCE}: {_whole(key)[:60]} = {value}: must be a number", key)
     if not isinstance(value, str):
         return value
     name = key.rpartition(".")[2]
@@ -165,7 +165,7 @@ def _located(key: str, value: Any, uploads: Path) -> Any:
         return _whole(value)
     path = uploads / value
     if not UPLOADED.fullmatch(value) or not path.is_file():
-        raise InputError(f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first")
+        raise InputError(f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first", key)
     return path.as_posix()
 
 

@@ -102,7 +102,7 @@ def assigned(section: Model, data: dict[str, Any], values: Mapping[str, Any], so
         try:
             _put(data, key.split("."), _plain(value))
         except InputError as error:
-            raise InputError(f"{source}: {prefix}{key}: {error}") from None
+            raise InputError(f"{source}: {prefix}{key}: {error}", prefix + key) from None
     return validate(section.settled(data, values), type(section), source, prefix=prefix)
 
 

@@ -172,17 +172,21 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     try:
         return model.model_validate(data)
     except InputError as error:  # of parts that cannot be built, or of a file that a key names
-        lines = []
-        for problem in str(error).splitlines():  # each begins with its key
-            location = _split_key(problem.split(" ", 1)[0])
-            lines.append(f"{where(location, source, text)}: {problem}")
-        raise type(error)("\n".join(lines)) from None
+        problems = str(error).splitlines()
+        at_fault = error.keys or [problem.split(" ", 1)[0] for problem in problems]  # with which each begins
+        lines = [
+            f"{where(_split_key(key), source, text)}: {problem}"
+            for key, problem in zip(at_fault, problems, strict=True)
+        ]
+        raise type(error)("\n".join(lines), *at_fault) from None
     except ValidationError as error:
         mistakes = error.errors()
-        lines = [_explain(mistake, model, source, text, prefix) for mistake in mistakes[:MOST_MISTAKES]]
+        told = mistakes[:MOST_MISTAKES]
+        lines = [_explain(mistake, model, source, text, prefix) for mistake in told]
+        at_fault = [prefix + ".".join(_path_of(mistake["loc"], model)) for mistake in told]
         if len(mistakes) > MOST_MISTAKES:
             lines.append(f"{source}: and {len(mistakes) - MOST_MISTAKES} more mistakes")
-        raise InputError("\n".join(lines)) from None
+        raise InputError("\n".join(lines), *at_fault) from None
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:

@@ -115,7 +115,8 @@ def on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
         raise GeometryError(
             f"cap.marker_mm = {cap.marker_mm:g}: {100 * held:.0f} % of the cap's {cap.side:.4g} mm "
             f"square lie on the middle of the body's upper side, at least {100 * HELD:g} % hold "
-            "it: make it smaller, or the body wider or flat on top"
+            "it: make it smaller, or the body wider or flat on top",
+            "cap.marker_mm",
         )
     x, y, z = mesh(cap).vertices.T  # to the front, to the left, up
     placed = np.column_stack([x, z + top, 0.5 * depth - y])

@@ -119,7 +119,8 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
     if any(len(modeller.bodies(piece)) != 1 for piece in rest):
         raise GeometryError(
             f"{_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces: "
-            "move them, or make the body larger"
+            "move them, or make the body larger",
+            _key(next(iter(design.parts))),
         )
     return modeller.mesh_of(rest[0]), modeller.mesh_of(rest[1])
 
@@ -135,7 +136,8 @@ def refuse_marks(design: "Design", marked: Mesh, plain: Mesh) -> None:
         key = "kind" if design.marks.kind != "none" else "serial"
         raise GeometryError(
             f"marks.{key} = {getattr(design.marks, key)!r}: the pockets take {100.0 * lost:.2g} % "
-            "of the mark away: leave it out, make it smaller, or let the pockets open elsewhere"
+            "of the mark away: leave it out, make it smaller, or let the pockets open elsewhere",
+            f"marks.{key}",
         )
 
 
@@ -241,7 +243,8 @@ def _refuse_shared(design: "Design") -> None:
     if shared > ROUNDING * motor.volume():
         raise GeometryError(
             f"{_place('motor', design)}: the motor stands in the battery (they share {shared:.3g} "
-            "mm3): move one of them (along_mm, across_mm, up_mm)"
+            "mm3): move one of them (along_mm, across_mm, up_mm)",
+            _key("motor"),
         )
 
 
@@ -255,7 +258,8 @@ def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.
                 what, remedy = "the channel", "make it narrower, 0 for none, or move the motor"
             raise GeometryError(
                 f"{_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
-                f"{lost:.3g} mm3): {remedy}"
+                f"{lost:.3g} mm3): {remedy}",
+                _key(name),
             )
 
 
@@ -273,12 +277,17 @@ def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Des
         raise GeometryError(
             f"{_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
             f"{FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket: move "
-            "it (along_mm, across_mm, up_mm), or make the body larger"
+            "it (along_mm, across_mm, up_mm), or make the body larger",
+            _key(name),
         )
 
 
 def _place(name: str, design: "Design") -> str:
     """Key of the place of a part, or of the channel's width, with its value."""
-    if name == "channel":
-        return f"pockets.channel_mm = {design.fit.channel_mm:g}"
-    return f"{name}.along_mm = {design.parts[name].along_mm:g}"
+    value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
+    return f"{_key(name)} = {value:g}"
+
+
+def _key(name: str) -> str:
+    """Key of the place of a part, or of the channel's width."""
+    return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

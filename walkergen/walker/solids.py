@@ -154,7 +154,7 @@ def _on_any_body(design: Design, foot_segments: int) -> Solids:
         key = f"legs[{number}].along_mm = {limb.along:g}"
         outside = joining.flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
-            raise GeometryError(f"{key}: the leg is not wholly under the body: move it")
+            raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
         corner = np.array([*limb.anchor, _left_side(limb, depth)])
         legs.append(outside._replace(vertices=outside.vertices - corner))
     return Solids(walker, ground.mesh, tuple(legs))
@@ -173,7 +173,9 @@ def _lettered(ground: Mesh, design: Design) -> Mesh:
     # Half of the tool stands above the body, the other half makes the pockets
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
-        raise GeometryError(f"{_key(design)}: the letters leave the outline: make text_height_mm smaller")
+        raise GeometryError(
+            f"{_key(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
+        )
     return modeller.mesh_of(cut)
 
 
@@ -181,7 +183,7 @@ def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
     """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
     from walkergen.shapes.lettering import letters
 
-    marks, source = design.marks, _key(design).partition(" ")[0]
+    marks, source = design.marks, _mark_key(design)
     polygons = letters(design.letters, marks.text_height_mm or 0.5 * height, False, source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
     high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
@@ -189,15 +191,19 @@ def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
     if wide > length - 2.0 * marks.line_mm or tall > height - 2.0 * marks.line_mm:
         raise GeometryError(
             f"{_key(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
-            f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller"
+            f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller",
+            _mark_key(design),
         )
     return polygons
 
 
 def _key(design: Design) -> str:
     """Key whose letters are engraved, with all that is."""
-    key = "marks.text" if design.marks.kind == "text" else "marks.serial"
-    return f"{key} = {design.letters!r}"
+    return f"{_mark_key(design)} = {design.letters!r}"
+
+
+def _mark_key(design: Design) -> str:
+    return "marks.text" if design.marks.kind == "text" else "marks.serial"
 
 
 class _Section(NamedTuple):

@@ -127,7 +127,8 @@ def check(limbs: Sequence[Limb], mass: MassProperties) -> None:
     raise GeometryError(
         f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over: its centre of mass lies at "
         f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {places} mm "
-        "along): move legs to either side of it"
+        "along): move legs to either side of it",
+        "legs[1].along_mm",
     )
 
 
