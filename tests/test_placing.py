@@ -5,10 +5,17 @@ import math
 import numpy as np
 import pytest
 import shapely
+import trimesh
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from walkergen.errors import GeometryError
+from walkergen.files import templates
+from walkergen.scene import Scene
+from walkergen.theory import prediction
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import from_centre
 from walkergen.walker.placing import EDGE_MM, NARROWEST_MM, STEADY, Reach, rows
 
 LEG = Reach(1.1, 1.5)  # 7.5 mm at 10 deg: its top is ahead of its foot
@@ -89,3 +96,64 @@ def test_stars_of_any_kind_stand_or_say_why(radii):
 def test_what_does_not_stand_says_what_would(ground):
     with pytest.raises(GeometryError, match=r"^legs.place: no two rows .* make it larger, or its legs shorter$"):
         placed(ground)
+
+
+def svg(folder, path):
+    file = folder / "own shape.svg"
+    page = 'xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30"'
+    file.write_text(f'<svg {page}><path d="{path}"/></svg>')
+    return file
+
+
+DRAWN = {
+    "disc": "M6 15a14 14 0 1 0 28 0a14 14 0 1 0 -28 0z",
+    "hexagon": "M5 15L12.5 5H27.5L35 15L27.5 25H12.5z",
+    "bell": "M10 7A8 8 0 1 0 10 23L14 19L26 19L30 23A8 8 0 1 0 30 7L26 11L14 11Z",
+    "heart": "M20 27C-2 14 8 2 20 9C32 2 42 14 20 27z",
+    "fish": "M3 15Q16 2 27 13L37 8V22L27 17Q16 28 3 15z",
+    "ring": "M6 15a14 14 0 1 0 28 0a14 14 0 1 0 -28 0zM11 15a9 9 0 1 1 18 0a9 9 0 1 1 -18 0z",
+    "arrow": "M4 11H22V5L36 15L22 25V19H4z",
+    "cross": "M15 3H25V10H36V20H25V27H15V20H4V10H15z",
+}
+
+
+@pytest.mark.parametrize("shape", DRAWN)
+def test_a_drawing_is_a_walker_without_a_hand_on_its_legs(tmp_path, shape):
+    path = svg(tmp_path, DRAWN[shape])
+    design = templates.load(path, "walkers", Design)
+    assert design.name == "own-shape"
+    for tilt in (0.0, 10.0, 20.0, -10.0):
+        walker = design.variant(tilt_deg=tilt)
+        solid = solids.build(walker)
+        assert solid.walker.vertices[:, 1].min() < solid.body.vertices[:, 1].min() - 5.0  # it stands on its legs
+        mass, feet = solids.mass_of(walker), [limb.along for limb in walker.limbs]
+        middle = float(from_centre(walker, mass, np.zeros((1, 2)))[0, 0])
+        assert min(feet) < -middle < max(feet)
+    assert design.variant(tilt_deg=20.0).tilt_deg == 20.0
+
+
+def test_symmetric_bodies_have_equal_legs_which_predictions_know(tmp_path):
+    design = templates.load(svg(tmp_path, DRAWN["bell"]), "walkers", Design)
+    assert design.alike
+    row = prediction.predict(design, solids.mass_of(design), templates.load("plane-90hz", "scenes", Scene))
+    assert row.speed_by == "table"
+
+
+def test_a_mesh_stands_on_its_rounded_side(tmp_path):
+    egg = trimesh.creation.icosphere(subdivisions=3)
+    egg.apply_scale((12.0, 6.0, 5.0))
+    path = tmp_path / "egg.stl"
+    path.write_bytes(egg.export(file_type="stl"))
+    for tilt in (0.0, 10.0, 25.0):
+        design = templates.load(path, "walkers", Design).variant(tilt_deg=tilt)
+        solid = solids.build(design)
+        lowest = [leg.vertices[:, 1].min() + limb.bottom for leg, limb in zip(solid.legs, design.limbs, strict=True)]
+        assert lowest == pytest.approx([lowest[0]] * len(lowest), abs=1e-6)  # all feet on the plate
+
+
+def test_written_places_are_kept(tmp_path):
+    design = templates.load(svg(tmp_path, DRAWN["disc"]), "walkers", Design)
+    written = design.variant(**{"legs.contact_spacing_mm": 11.0, "legs.width_mm": 6.0})
+    assert [(limb.along, limb.width) for limb in written.limbs] == [(-5.5, 6.0), (5.5, 6.0)]
+    again = written.variant(**{"legs.place": "auto"})
+    assert again.limbs == design.limbs

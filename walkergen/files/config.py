@@ -62,6 +62,11 @@ class Section(BaseModel):
         return sound(value)
 
     @classmethod
+    def of_file(cls, path: Path) -> dict[str, Any] | None:
+        """Data that stand for a file of another kind than TOML, as a drawing; None for any other."""
+        return None
+
+    @classmethod
     def located(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         """Data of a file in `folder`, in which tables that name other files say where they are."""
         return data
@@ -87,7 +92,8 @@ def read(path: Path, model: type[Model]) -> Model:
 
 def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
     """Data of a TOML file, not validated yet, and its text. Raises InputError."""
-    data, text = load(path)
+    own = model.of_file(path)
+    data, text = load(path) if own is None else (own, "")
     if not data:
         raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:

@@ -80,8 +80,8 @@ def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
 
 
 def written_as_path(text: str) -> bool:
-    """True for a text that names a file, not a template: one with .toml or /."""
-    return text.endswith(".toml") or "/" in text or "\\" in text
+    """True for a text that names a file, not a template: one with an ending or /."""
+    return bool(re.search(r"\.[A-Za-z0-9]{2,5}$", text)) or "/" in text or "\\" in text
 
 
 def dump(model: Section, comment: str, every: bool = True) -> str:

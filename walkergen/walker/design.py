@@ -8,6 +8,7 @@ paper's object.
 """
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from operator import not_
 from pathlib import Path
@@ -39,6 +40,9 @@ class Family(Section):
         return list(dict.fromkeys(values))
 
 
+OUTLINES, MESHES = (".svg", ".dxf"), (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
+"""Endings of files that stand for a walker by themselves, as the shape of its body."""
+
 FOLLOWED = 10.0
 """Tilt, deg, of legs that give none, unless the design gives one."""
 
@@ -58,6 +62,16 @@ class Design(Section):
 
         follow = data.get("leg_tilt_deg")
         return stance.level(data, FOLLOWED if follow is None else follow)
+
+    @classmethod
+    def of_file(cls, path: Path) -> dict[str, Any] | None:
+        """Data of a walker whose body is a drawing or a mesh."""
+        key = {"outline": OUTLINES, "mesh": MESHES}
+        source = next((name for name, endings in key.items() if path.suffix.lower() in endings), None)
+        if source is None:
+            return None
+        name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-_")[:64]
+        return {"name": name or "walker", "body": {source: path.name}}
 
     @classmethod
     def located(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -102,7 +116,7 @@ class Design(Section):
 
     @model_validator(mode="after")
     def _buildable(self) -> "Design":
-        if isinstance(self.legs, Legs):
+        if isinstance(self.legs, Legs) and not self.placed:
             faults = [] if self.whole else buildable.of_pair(self.legs, self.size)
         else:
             faults = buildable.of_list(self.limbs, self.size)
@@ -158,6 +172,10 @@ class Design(Section):
                 for number, leg in enumerate(shape.whole.legs, start=1)
             )
         depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
+        if isinstance(self.legs, Legs) and self.placed:
+            from walkergen.walker import placing
+
+            return placing.limbs(self.body.key, self.legs.model_dump_json())
         if isinstance(self.legs, Legs):
             limbs = pair_of(self.legs, depth, bottom)
         else:
@@ -231,6 +249,15 @@ class Design(Section):
         return isinstance(self.legs, Legs) and not self.whole
 
     @property
+    def placed(self) -> bool:
+        """True for legs that are found for the body (`placing`)."""
+        if not isinstance(self.legs, Legs) or self.whole:
+            return False
+        shaped = self.body.flat or self.body.mesh is not None
+        written = self.legs.model_fields_set & {"contact_spacing_mm", "width_mm"}
+        return self.legs.place == "auto" or (self.legs.place is None and shaped and not written)
+
+    @property
     def whole(self) -> bool:
         """True for a finished walker's mesh, cut into body and legs."""
         return self.body.legs_below_mm is not None
@@ -238,7 +265,7 @@ class Design(Section):
     @property
     def alike(self) -> bool:
         """True for two equal legs at equal distances from the middle, as the paper's."""
-        if self.pair:
+        if self.pair and not self.placed:
             return True
         if len(self.limbs) != 2:
             return False

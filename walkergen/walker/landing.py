@@ -67,8 +67,11 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     length = float(np.linalg.norm(footing.anchor - end))
     over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
     met = limb._replace(length=length, bottom=float(footing.anchor[1]))
-    for strut in met.section.struts(met):
-        foot = np.array([met.anchor[0] + strut.offset, end[1], anchor[2]])
-        rise = joining.footing(ground, foot, UP, strut.thickness, limb.width, key).reach
+    # Beyond its anchor a leg goes straight up, as its struts do
+    upright = [(0.0, 2.0 * met.half_width)] if sin else []
+    upright += [(strut.offset, strut.thickness) for strut in met.section.struts(met)]
+    for offset, thickness in upright:
+        foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
+        rise = joining.footing(ground, foot, UP, thickness, limb.width, key).reach
         over = max(over, float(foot[1]) + rise - met.bottom)
     return met._replace(embedding=over + MARGIN_MM)

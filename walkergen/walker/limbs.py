@@ -8,6 +8,7 @@ behind the anchor for tilt > 0.
 
 import math
 from functools import cache
+from operator import not_
 from typing import Annotated, Literal, NamedTuple, Protocol, get_args
 
 import numpy as np
@@ -36,6 +37,9 @@ class Legs(Section):
     kind: Kind = "flexible"
     tilt_deg: Tilt = 10.0
     length_mm: Length = 7.5
+    place: Literal["auto", "given"] | None = Field(default=None, exclude_if=not_)
+    """Whether they are found for the body, or stand as contact_spacing_mm and width_mm say. None: found
+    for a body seen from above or a mesh where neither of these is written."""
     contact_spacing_mm: Length = 13.0
     width_mm: Length | None = None
     """Width across the run. None: as deep as the body."""

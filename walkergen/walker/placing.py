@@ -7,12 +7,15 @@ a notch divides it.
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import GeometryError
+from walkergen.walker.body import Body
+from walkergen.walker.limbs import Legs, Limb, pair_of
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -42,6 +45,13 @@ ROUNDED_MM = 0.01
 Array = npt.NDArray[np.float64]
 
 
+INSETS = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
+"""Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
+
+DIGITS = 6
+"""Decimals of places and widths, mm: what is symmetric is so to the last bit."""
+
+
 class Reach(NamedTuple):
     """What a leg takes up along the run, mm, from its foot."""
 
@@ -62,6 +72,78 @@ class Row(NamedTuple):
     def width(self) -> float:
         """Width of all of them, mm."""
         return sum(width for _, width in self.legs)
+
+
+@lru_cache(maxsize=4096)
+def limbs(body_key: str, legs_key: str) -> tuple[Limb, ...]:
+    """Legs found for a body, the rear row first; both as their JSON.
+
+    They are turned and long as those that are written, at other places and of other widths. Raises
+    GeometryError where none stand.
+    """
+    import shapely
+
+    from walkergen.walker import landing
+
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    size = body.shape.size
+    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _ground(body, body_key)
+    centre, height = (along, across), up - leg.foot_height
+    reach = _reach(leg)
+    if body.flat:
+        return _limbs(leg, rows(ground, centre, height, reach))
+    problem: GeometryError | None = None
+    for inset in INSETS:
+        drawn_in = shapely.buffer(ground, -inset * size.depth)
+        try:
+            return landing.landed(body_key, _limbs(leg, rows(drawn_in, centre, height, reach)))
+        except GeometryError as error:
+            problem = problem or error
+    assert problem is not None
+    raise problem
+
+
+def _ground(body: Body, body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+    """What a body covers, (along, across), and its centre of mass: along, up and across from its middle."""
+    import shapely
+
+    from walkergen.walker import landing, mass
+
+    shape = body.shape
+    if body.flat:
+        outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
+        ground = shapely.Polygon(outer, holes)
+        return ground, (ground.centroid.x, 0.0, ground.centroid.y)
+    ready = landing.ready(body_key)
+    rings = ready.solid.rotate((-90.0, 0.0, 0.0)).project().to_polygons()  # z to y
+    ground = shapely.Polygon()
+    for ring in rings:
+        ground = ground.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    along, up, across = mass.weigh(ready.mesh, 1.0).centre.tolist()
+    return shapely.affinity.translate(ground, 0.0, -0.5 * shape.size.depth), (
+        along,
+        up,
+        across - 0.5 * shape.size.depth,
+    )
+
+
+def _reach(leg: Limb) -> Reach:
+    """What a leg takes up along the run, from its foot."""
+    anchor = -leg.anchor_to_foot[0]
+    ends = [anchor - leg.half_width, anchor + leg.half_width]
+    for strut in leg.section.struts(leg):
+        ends += [anchor + strut.offset - 0.5 * strut.thickness, anchor + strut.offset + 0.5 * strut.thickness]
+    return Reach(min(ends), max(ends))
+
+
+def _limbs(leg: Limb, placed: Sequence[Row]) -> tuple[Limb, ...]:
+    """Legs of rows, each like `leg`."""
+    return tuple(
+        leg._replace(along=round(row.along, DIGITS), across=round(across, DIGITS), width=round(width, DIGITS))
+        for row in placed
+        for across, width in row.legs
+    )
 
 
 def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, Row]:
@@ -126,7 +208,8 @@ def _covered(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tu
     free = shapely.difference(shapely.box(backs, low, fronts, high), inner)
     parts, owners = shapely.get_parts(free, return_index=True)
     shadows: list[list[tuple[float, float]]] = [[] for _ in backs]
-    for owner, (_, begin, _, end), area in zip(owners, shapely.bounds(parts), shapely.area(parts), strict=True):
+    bounds = shapely.bounds(parts).tolist()
+    for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
         if area > 0.0:
             shadows[owner].append((begin, end))
     return [list(_between(sorted(own), low, high)) for own in shadows]
@@ -148,10 +231,3 @@ def _alike(back: Row, front: Row) -> tuple[Row, Row]:
         return back, front
     leg = front.legs[0][0], min(back.width, front.width)
     return back._replace(legs=(leg,)), front._replace(legs=(leg,))
-
-
-def in_words(placed: Sequence[Row]) -> str:
-    """What was chosen, in a line."""
-    back, front = placed
-    counts = [f"{len(row.legs)} of {row.width:.3g} mm" for row in (back, front)]
-    return f"legs {front.along - back.along:.3g} mm apart: {counts[0]} behind, {counts[1]} ahead"
