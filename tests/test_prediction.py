@@ -289,7 +289,7 @@ def test_notes_name_where_equation_15_fails():
     assert "can stick" in row_of(below)[0].note
     assert "can stick" not in row_of(above)[0].note
     assert "eq. 15 fails" in row_of(below, mode="paper")[0].note
-    assert "every speed is stationary" in row_of(friction=0.0)[0].note
+    assert "no foot pushes" in row_of(friction=0.0)[0].note
     steep = row_of(Design().variant(tilt_deg=35.0))[0]
     assert steep.theory_mm_s > steep.speed_high_95_mm_s
     assert "theory leaves" in steep.note

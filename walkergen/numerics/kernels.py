@@ -22,7 +22,8 @@ SOURCES = (
     "numerics/kernels.py",
     "numerics/shipped.py",
     "shapes/crossings.py",
-    "theory/*.py",
+    "theory/balance.py",
+    "theory/impact.py",
     "simulation/**/*.py",
     "crowd/space/*.py",
 )

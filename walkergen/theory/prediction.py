@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.files import words
 from walkergen.scene import Scene
-from walkergen.theory import surrogate, uncertain
+from walkergen.theory import standing, surrogate, uncertain
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
 from walkergen.theory.surrogate import LINEAR_BELOW, UnknownError
@@ -42,8 +42,9 @@ THEORY_SD = 0.75
 the plate's speed): root mean square of what separates it from the table's flexible walkers, of
 whom 1.96 of it hold 97 %. On average it runs 0.3 ahead of them, which is left in it."""
 
-By = Literal["table", "theory", "runs"]
-"""Source of a speed: the model in space by its table, the theory, or runs of the walker itself."""
+By = Literal["table", "theory", "statics", "runs"]
+"""Source of a speed: the model in space by its table, the theory, statics where a walker stands, or runs
+of the walker itself."""
 
 
 class Speed(NamedTuple):
@@ -135,6 +136,8 @@ class Spread(NamedTuple):
     """What a plate in place of a motor leaves out, in words; "" where there is none."""
     outside: str = ""
     """Reason why no table holds this walker; "" where one does."""
+    stands: str = ""
+    """Reason why it stands; "" where it runs."""
 
 
 def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
@@ -144,6 +147,8 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
     """Speeds of a walker at values of `known_inputs`."""
+    if stands := standing.reason(scene, design, mass):
+        return Spread(np.zeros(drawn.number), "statics", stands=stands)
     pace, moment = surrogate.of_motor(scene, drawn)
     model = drawn.columns[MODEL.name]
     try:
@@ -225,6 +230,7 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
         *_notes(by_foot, contact.friction, mode),
         "" if low95 <= theory <= high95 else LEAVES,
     ]
+    notes = [speeds.stands] if speeds.stands else notes
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
