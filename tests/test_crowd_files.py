@@ -94,26 +94,20 @@ def test_a_file_of_no_known_kind_is_refused(tmp_path):
         crowd_movie.write(tmp_path / "run.avi", running(), "", "heading", 25, silent)
 
 
-@pytest.mark.parametrize("dish", ["disc:60", "ring:60,20", "rectangle:60x30", "periodic:60"])
-def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish):
+@pytest.mark.parametrize(
+    ("dish", "high"), [("disc:60", 60.0), ("ring:60,20", 60.0), ("rectangle:60x30", 30.0), ("periodic:60", 60.0)]
+)
+def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish, high):
     places = np.array([[(0.0, 12.0, 0.0), (0.0, -12.0, 0.5 * np.pi), (-13.0, 0.0, np.pi)]] * 4)
     picture = crowd_movie.still(of(places, dish, BOX * 3.0), "three")
     assert picture == crowd_movie.still(of(places, dish, BOX * 3.0), "three")
     seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(float)
-    scale = min(872 / places_wide(dish), 860 / places_high(dish)) * (1 - 4 / 900)
-    middle = np.array([seen.shape[0] - 40 - np.ceil(0.5 * scale * places_high(dish)), 450])
+    scale = min(872 / 60.0, 860 / high) * (1 - 4 / 900)
+    middle = np.array([seen.shape[0] - 40 - np.ceil(0.5 * scale * high), 450])
     wheel = 255.0 * crowd_movie.hues()
     for (x, y, _), hue in zip(places[0], wheel[[0, 18, 36]], strict=True):
         row, column = (middle + scale * np.array([-y, x])).astype(int)
         assert seen[row, column] == pytest.approx(hue, abs=2.0)
-
-
-def places_wide(dish):
-    return 60.0
-
-
-def places_high(dish):
-    return 30.0 if dish.startswith("rectangle") else 60.0
 
 
 def test_headings_are_equally_bright():

@@ -8,44 +8,25 @@ import json
 
 import numpy as np
 import pytest
+from flat_cards import card
 from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.crowd import in_plane
 from walkergen.crowd.cards import card as cards
-from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.flat.crowd import FlatRun
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.scene import Scene
 
-BAR = [[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]
-
-
-def card_of(name="bar", **keys):
-    return Card.model_validate(
-        {
-            "name": name,
-            "mass_g": 0.9,
-            "inertia_g_mm2": 70.0,
-            "outline_mm": [BAR],
-            "speed_mm_s": {"value": 30.0, "se": 1.0},
-            "velocity_relaxation_s": {"value": 0.05},
-            "turning_rad_s": {"value": 0.1},
-            "rotational_diffusion_rad2_s": {"value": 0.2},
-            "translational_diffusion_mm2_s": {"value": 3.0},
-            **keys,
-        }
-    )
-
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("bar", "other"):
-        (tmp_path / f"{name}.json").write_bytes(cards.to_json(card_of(name)))
+        (tmp_path / f"{name}.json").write_bytes(cards.to_json(card(name=name)))
 
     def call(*words):
         return CliRunner().invoke(command_line, ["crowd", *words], catch_exceptions=True)
@@ -134,13 +115,13 @@ def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_pat
 
 def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
     scene = Scene().variant(**{"crowd.friction": 0.7})
-    (kind,) = in_plane.asked(scene, [card_of(restitution=0.2, friction=0.1)], [3], 25.0).kinds
+    (kind,) = in_plane.asked(scene, [card(restitution=0.2, friction=0.1)], [3], 25.0).kinds
     assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
 
 
 def test_from_python_a_card_or_cards_make_the_same_crowd(run, asked, tmp_path):
     keys = {"arena": "disc:200", "seconds": 1.0, "runs": 2, "seed": 5}
-    first = wg.crowd(card_of(), count=4, **keys)
+    first = wg.crowd(card(), count=4, **keys)
     second = wg.crowd("bar.json", count=4, out=tmp_path / "dish", **keys)
     assert first.statistics.by_run["speed"].tolist() == second.statistics.by_run["speed"].tolist()
     assert (tmp_path / "dish" / "crowd.csv").exists()
