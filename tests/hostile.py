@@ -611,7 +611,6 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "movie": (("--fps", "3", "--model", "rigid", "--out", "out"), {}),
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
     "reproduce": (("--tilt", "99", "--out", "out"), {}),
-    "validate": (("--only", "nothing", "--out", "out"), {}),
     "explain": (("--model", "rigid"), {}),
     "bench drop": (("--measured", "0.5", "--measured-sd", "0.1", "--drops", "2"), {}),
     "bench slide": (("--measured", "14", "--measured-sd", "1"), {}),

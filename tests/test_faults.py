@@ -408,12 +408,11 @@ LONG = {
     "calibrate": ("calibrate", "FORM"),
     "bench": ("bench", "slide", "--measured", "14", "--measured-sd", "1"),
     "accuracy": ("accuracy", "--only", "models", "--budget", "1s"),
-    "validate": ("validate", "--only", "closed", "--quick"),
     "reproduce": ("reproduce", "--tilt", "5,10,20", "--gamma", "1.8,2.4", "--seconds", "0.2", "--runs", "8"),
 }
 """Commands that write, with what is asked of them."""
 
-TIMED = ("accuracy", "validate", "reproduce")
+TIMED = ("accuracy", "reproduce")
 """Those that write how long they took: equal in the files that they write, not in bytes."""
 
 TRIES = int(os.environ.get("WALKERGEN_FAULTS", "3"))
