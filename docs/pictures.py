@@ -36,7 +36,7 @@ from walkergen.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
-MEASURES = ("walkergen/analysis/values.py", "walkergen/analysis/landings.py")
+MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "growth", "impact_types", "landings"))
 SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
