@@ -199,27 +199,12 @@ def test_a_slicer_that_fails_is_said(tmp_path):
     assert claims_programs.sliced(str(broken), b"", b"") is None
 
 
-@pytest.mark.parametrize("only", ["", "paper,nonsense", "\x00"])
-def test_groups_that_are_none_are_refused(only, tmp_path):
+@pytest.mark.parametrize("only", ["", "paper,nonsense"])
+def test_groups_stand_in_the_order_of_the_page_and_others_are_refused(only, tmp_path):
+    assert make.choose(" Bouncing, closed ") == ["closed", "bouncing"]
     result = call("--only", only, "--out", str(tmp_path / "none"))
     assert isinstance(result.exception, InputError)
     assert "choose from paper, closed, bouncing, rivals, programs" in str(result.exception)
-    assert not (tmp_path / "none").exists()
-
-
-def test_groups_stand_in_the_order_of_the_page():
-    assert make.choose(" Bouncing, closed ") == ["closed", "bouncing"]
-    assert make.choose(None) == list(report.TITLES) == list(make.GROUPS)
-
-
-def test_nothing_is_written_when_a_claim_raises(monkeypatch, tmp_path):
-    def raises(effort):
-        raise ArithmeticError("broken")
-        yield
-
-    monkeypatch.setitem(make.GROUPS, "closed", (*make.GROUPS["closed"][:1], raises))
-    result = call("--only", "closed", "--out", str(tmp_path / "none"))
-    assert result.exit_code == 1
     assert not (tmp_path / "none").exists()
 
 
