@@ -163,18 +163,17 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
         def __init__(self, speed):
             self.summary = type("Summary", (), {"speed_mm_s": speed})
 
-    def until_third(asked, titles, progress, pool):
-        for number, one in enumerate(asked):
-            asked_for.append(one)
-            if len(asked_for) == 4:
-                raise KeyboardInterrupt
-            yield Found(None if number == 1 else float(len(asked_for)))
+    def until_third(asked, progress):
+        first = not asked_for
+        asked_for.extend(asked)
+        done = {number: Found(None if number == 1 else number + 1.0) for number in range(len(asked))}
+        return {number: done[number] for number in range(3)} if first else done
 
-    monkeypatch.setattr(emulated.experiments, "each", until_third)
+    monkeypatch.setattr(emulated.walkers, "at_once", until_third)
     with pytest.raises(KeyboardInterrupt):
         emulated.simulate(ground, setting(), x, silent, 0)
     speeds = emulated.simulate(ground, setting(), x, silent, 0)
-    assert len(asked_for) == 4 + 5
+    assert len(asked_for) == 8 + 5
     assert speeds[[0, 2]] == pytest.approx([1.0, 3.0])
     assert np.isnan(speeds[1])
 

@@ -124,7 +124,7 @@ def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_fra
 def test_samples_kept_are_not_simulated_again(monkeypatch):
     one = asked_of("lane", "relaxed")
     point = make.measure(one, silent).point
-    monkeypatch.setattr(trajectories.experiments, "measure", None)
+    monkeypatch.setattr(trajectories.walkers, "simulate", None)
     assert len(trajectories.of(one, point, silent).rows) == 14
 
 

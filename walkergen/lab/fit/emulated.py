@@ -115,14 +115,12 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
-    try:
-        made = walkers.at_once(wanted, part(progress, 0, 1, f"simulating tilt {setting.tilt:g}")) if wanted else {}
-        fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
-        store.put((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
-        if len(made) < len(wanted):
-            raise KeyboardInterrupt
-    finally:
-        store.close()
+    made = walkers.at_once(wanted, part(progress, 0, 1, f"simulating tilt {setting.tilt:g}"))
+    fresh = {keys[missing[place]]: point.summary.speed_mm_s for place, point in made.items()}
+    store.put((key, {"speed_mm_s": speed}) for key, speed in fresh.items())
+    store.close()
+    if len(made) < len(wanted):
+        raise KeyboardInterrupt
     speeds |= fresh
     return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
 
