@@ -194,14 +194,14 @@ def test_a_hidden_restitution_is_found_again():
 def test_the_inverse_lists_every_branch_and_says_where_there_is_none():
     line = told(0.2 + 0.5 * AT, 0.45, 0.05)
     assert line.branches[0] == pytest.approx((0.5, 0.4, 0.6), abs=1e-3)
-    assert line.told == "restitution 0.50 (+0.10, -0.10)"
+    assert line.text == "restitution 0.50 (+0.10, -0.10)"
     assert line.number("restitution").pair == pytest.approx((0.5, 0.1), abs=1e-3)
     turning = told((AT - 0.5) ** 2, 0.16, 0.01)
     assert [one.value for one in turning.branches] == pytest.approx([0.1, 0.9], abs=2e-3)
     assert not turning.number("restitution").known
     off = told(0.6 + 0.05 * AT, 0.8, 0.05)
     assert off.branches == []
-    assert off.told == "no restitution gives that at 35 deg: nearest is 0.65 at 1.00, 3.0 errors away"
+    assert off.text == "no restitution gives that at 35 deg: nearest is 0.65 at 1.00, 3.0 errors away"
     level = told(0.6 + 0.05 * AT, 0.62, 0.05)
     assert level.everywhere
     assert "does not tell" in level.number("restitution").refused

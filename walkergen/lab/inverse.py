@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -56,7 +56,8 @@ class Branch(NamedTuple):
 class Answer(NamedTuple):
     """What a measured number tells of a number that the model needs."""
 
-    told: str
+    text: str
+    """It, in words."""
     branches: Sequence[Branch]
     """Ranges that agree with it."""
     everywhere: bool = False
@@ -66,10 +67,16 @@ class Answer(NamedTuple):
     misses: float = 0.0
     """Distance there, in errors of the measured number and of the tries together."""
 
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What JSON holds of it."""
+        told = {"told": self.text, "branches": [branch._asdict() for branch in self.branches]}
+        return {**told, "everywhere": self.everywhere, "nearest": self.nearest, "misses": self.misses}
+
     def number(self, key: str) -> Quantity:
         """The one range that agrees, with half its width as the error; refused where it is not one."""
         if self.everywhere or len(self.branches) != 1:
-            return Quantity(key, "", None, refused=self.told)
+            return Quantity(key, "", None, refused=self.text)
         (branch,) = self.branches
         return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
@@ -119,16 +126,16 @@ def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
     nearest, misses, everywhere = float(at[best]), float(abs(away[best])), bool(inside.all())
     ends = float(curve.at[0]), float(curve.at[-1])
     if everywhere:
-        told = f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
+        text = f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
     elif branches:
-        told = f"{what} " + ", or ".join(_in_words(branch, ends) for branch in branches)
+        text = f"{what} " + ", or ".join(_in_words(branch, ends) for branch in branches)
     else:
         within = "" if misses > FAR else " within one error"
-        told = (
+        text = (
             f"no {what} gives that{within}{where}: nearest is {shown[best]:.2f} at {nearest:.2f}, "
             f"{misses:.1f} errors away"
         )
-    return Answer(told, branches, everywhere, nearest, misses)
+    return Answer(text, branches, everywhere, nearest, misses)
 
 
 def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
@@ -136,16 +143,16 @@ def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
     cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
     up, down = branch.high - branch.value, branch.value - branch.low
     digits = digits_of(max(up, down))
-    text = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
-    return text + (f", cut off at {' and '.join(cut)}" if cut else "")
+    words = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
+    return words + (f", cut off at {' and '.join(cut)}" if cut else "")
 
 
 def with_error(what: str, number: Quantity, unit: str) -> Answer:
     """Answer in closed form: a number with its symmetric error, in a unit as people write it."""
     value, sd = number.pair
     digits = digits_of(sd)
-    told = f"{what} {value:.{digits}f} ± {sd:.{digits}f} {unit}".rstrip()
-    return Answer(told, [Branch(value, value - sd, value + sd)], nearest=value)
+    text = f"{what} {value:.{digits}f} ± {sd:.{digits}f} {unit}".rstrip()
+    return Answer(text, [Branch(value, value - sd, value + sd)], nearest=value)
 
 
 def digits_of(error: float) -> int:

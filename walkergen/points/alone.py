@@ -8,7 +8,8 @@ from walkergen.points import walkers
 from walkergen.points.kinds import Picture
 from walkergen.points.point import PREDICTION, Point, Record, Went, went
 from walkergen.points.walkers import Met
-from walkergen.printing import checks, findings
+from walkergen.printing import checks
+from walkergen.printing.findings import listed as in_order
 from walkergen.printing.printers import Printer
 from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary, listed
@@ -102,9 +103,11 @@ def evaluate(point: Point) -> Record:
     if "printability" in keep:
         assert point.printer is not None
         lying = solids.as_printed(design, solids.build(design).walker)
-        found = checks.of_part(design.name, design, lying, point.printer)
-        record |= {f"print_{level}s": sum(one.level == level for one in found) for level in ("error", "warning")}
-        worst = findings.listed(found, {"error", "warning"})
+        findings = checks.of_part(design.name, design, lying, point.printer)
+        record |= {
+            f"print_{level}s": sum(finding.level == level for finding in findings) for level in ("error", "warning")
+        }
+        worst = in_order(findings, {"error", "warning"})
         record["print_told"] = worst[0].text if worst else None
     return record
 

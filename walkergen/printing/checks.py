@@ -128,26 +128,26 @@ def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
     lines, expected = section / width, walls.deviation(section, printer)
     change, name = f"{_nearest_good(wall.thickness, printer, slant):g} mm would do", walls.the(wall.name)
 
-    def found(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+    def finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
         return new(wall.part, level, what, seen, limit, unit, change)
 
     if lines < ONE_LINE[0]:
         what = f"{name} is thinner than {ONE_LINE[0]:g} printed lines"
-        return found("error", what, wall.thickness, ONE_LINE[0] * width * slant, "mm", change)
+        return finding("error", what, wall.thickness, ONE_LINE[0] * width * slant, "mm", change)
     if section <= walls.vanishes_below(printer):
         what = f"{name} gets no plastic, thin walls not being detected"
         least = walls.vanishes_below(printer) * slant
-        return found("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
+        return finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
     drawn = f"{name} ({wall.thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
         what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
-        return found("warning", what, lines, ONE_LINE[1], "lines", change)
+        return finding("warning", what, lines, ONE_LINE[1], "lines", change)
     what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
-        return found("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
+        return finding("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
     if abs(expected) > mass_sd:
-        return found("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+        return finding("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.printing import estimate, findings, packing, slicer, walls
+from walkergen.printing import estimate, packing, slicer, walls
 from walkergen.printing.estimate import Load
-from walkergen.printing.findings import Finding
+from walkergen.printing.findings import Finding, listed
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
@@ -82,19 +82,19 @@ class Batch(NamedTuple):
     """Name of the file for weighed masses."""
 
 
-def to_markdown(batch: Batch, weights: Sequence[Weight], found: Sequence[Finding], legend: str) -> str:
+def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    printing = of_print(batch, [weight.load for weight in weights], found, legend)
+    printing = of_print(batch, [weight.load for weight in weights], findings, legend)
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
     return f"{printing}\n\n{_asset('weighing.md').format(form=batch.form, share=share, weights=_weights(weights))}"
 
 
-def of_print(batch: Batch, loads: Sequence[Load], found: Sequence[Finding], legend: str) -> str:
+def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
     """Sheet up to the end of the print, its words in assets; `loads` are those of the parts."""
     printer, stem, ending, material = batch.printer, batch.stem, packing.suffix(), batch.members[0].material
-    listed = slicer.sheet_settings(printer, orientations(batch.members))
-    lines = [f"- **{finding.level}** {finding.line}" for finding in findings.listed(found)]
+    settings = slicer.sheet_settings(printer, orientations(batch.members))
+    lines = [f"- **{finding.level}** {finding.line}" for finding in listed(findings)]
     return (
         _asset("sheet.md")
         .format(
@@ -107,7 +107,7 @@ def of_print(batch: Batch, loads: Sequence[Load], found: Sequence[Finding], lege
             slicing=f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}",
             nozzle=material.nozzle_deg_c,
             bed=material.bed_deg_c,
-            settings=table(("setting", "value", "because"), listed),
+            settings=table(("setting", "value", "because"), settings),
             contents=_contents(batch),
             plastic=_plastic(batch, loads),
             legend=f"## Which part is which\n\n{legend.strip()}\n\n" if legend else "",
@@ -121,11 +121,11 @@ def _asset(name: str) -> str:
     return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
-def facts(printer: Printer, found: Sequence[Finding]) -> dict[str, Any]:
+def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
     """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
-        "findings": [finding._asdict() for finding in findings.listed(found)],
+        "findings": [finding._asdict() for finding in listed(findings)],
     }
 
 

@@ -68,48 +68,48 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> LabRepor
     """
     check("--height-mm", how.height, 0.01, HIGHEST_MM)
     check_drops(how.turn_deg, how.drops)
-    found = drop.drop(test.scene, test.design, *how, progress)
+    rebounds = drop.drop(test.scene, test.design, *how, progress)
     hand = f"pitch and roll ± {how.turn_deg:g} deg"
-    curves = {"let go flat": found.curve(flat=True), f"from the hand ({hand})": found.curve(flat=False)}
+    curves = {"let go flat": rebounds.curve(flat=True), f"from the hand ({hand})": rebounds.curve(flat=False)}
     if how.turn_deg == 0.0:
         curves.popitem()
     answers = _answers(test, curves, "foot restitution", f" at {test.design.tilt_deg:g} deg")
     notes = [
         f"from the hand: {hand}, {how.height:g} mm; rebound: root of the height regained over that "
         "of the drop, of the body's middle over where it stands",
-        *_on_flatness(found),
+        *_on_flatness(rebounds),
     ]
     return _reported(
         test,
         "drop",
         f"Drop of {test.design.name}, {test.design.tilt_deg:g} deg, {test.design.kind}",
         f"dropped by {how.height:g} mm",
-        _tables_of_drop(found),
+        _tables_of_drop(rebounds),
         answers,
         _settings(answers, -1, "contact.restitution"),
         notes,
         folder,
-        lambda figures, title: figures.of_drop(found, title, how.turn_deg, test.measured),
+        lambda figures, title: figures.of_drop(rebounds, title, how.turn_deg, test.measured),
         how._asdict(),
     )
 
 
 def slid(test: Test, folder: Path, progress: Progress) -> LabReport:
     """Tilt the plate under a walker; writes slide.csv, figure and page."""
-    found = slide.slide(test.scene, test.design, progress)
-    curves = {f"facing {facing}": found.curve(facing) for facing in ("downhill", "uphill")}
+    incline = slide.slide(test.scene, test.design, progress)
+    curves = {f"facing {facing}": incline.curve(facing) for facing in ("downhill", "uphill")}
     answers = _answers(test, curves, "friction")
     return _reported(
         test,
         "slide",
         f"Incline under {test.design.name}, {test.design.tilt_deg:g} deg, {test.design.kind}",
         "the plate is tilted slowly",
-        [_table_of_slide(found)],
+        [_table_of_slide(incline)],
         answers,
         _settings(answers, 0, "contact.friction"),
-        _on_inclines(found),
+        _on_inclines(incline),
         folder,
-        lambda figures, title: figures.of_slide(found, title, test.measured),
+        lambda figures, title: figures.of_slide(incline, title, test.measured),
         {},
     )
 
@@ -121,12 +121,12 @@ def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Prog
     """
     progress("plucking", 0, 1)
     design, scene = test.design, test.scene
-    found = pluck.pluck(scene, design)
+    leg = pluck.pluck(scene, design)
     answers: dict[str, Quantity] = {}
-    notes = _on_plucking(found, scene)
+    notes = _on_plucking(leg, scene)
     if test.measured is not None:
         hertz, sd = test.measured.number.pair
-        by_frequency = pluck.by_frequency(design, found.leg_mass, hertz, sd)
+        by_frequency = pluck.by_frequency(design, leg.leg_mass, hertz, sd)
         answers["Young's modulus"] = by_frequency.modulus
         notes = [_on_thickness(design, by_frequency), *notes]
     if decrement is not None:
@@ -140,12 +140,12 @@ def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Prog
         "pluck",
         f"Pluck of a leg{pluck.which(design)} of {design.name}, {design.tilt_deg:g} deg",
         f"leg's damping ratio {scene.legs.damping_ratio:g}",
-        _tables_of_pluck(found, scene, design),
+        _tables_of_pluck(leg, scene, design),
         [("", inverse.with_error(what, number, number.unit.replace("gpa", "GPa"))) for what, number in answers.items()],
         settings,
         notes,
         folder,
-        lambda figures, title: figures.of_pluck(found, title, test.measured, pluck.by_modulus(design, found.leg_mass)),
+        lambda figures, title: figures.of_pluck(leg, title, test.measured, pluck.by_modulus(design, leg.leg_mass)),
         {"decrement": None if decrement is None else decrement.facts},
     )
 
@@ -171,17 +171,14 @@ def _reported(
         return drawn(figures, title)
 
     caption = f"{resting.in_words(test.scene, test.design)}; {how}"
-    lines = [f"{condition}: {answer.told}" if condition else answer.told for condition, answer in answers]
+    lines = [f"{condition}: {answer.text}" if condition else answer.text for condition, answer in answers]
     if settings:
         lines.append("set " + ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items()))
     facts = {
         "bench": bench,
         "caption": caption,
         "tables": {table.name: list(table) for table in tables},
-        "answers": [
-            {"condition": condition} | answer._asdict() | {"branches": [branch._asdict() for branch in answer.branches]}
-            for condition, answer in answers
-        ],
+        "answers": [{"condition": condition, **answer.facts} for condition, answer in answers],
         "settings": settings,
         "notes": notes,
     }
@@ -232,9 +229,9 @@ def _rows(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[
     return Table(name, values, keys, report.every(keys, texts), title)
 
 
-def _tables_of_drop(found: Dropped) -> list[Table]:
+def _tables_of_drop(rebounds: Dropped) -> list[Table]:
     """Rebounds by restitution, by what else counts, and by the first turn."""
-    conditions = {"restitution": list(zip(drops.LABELS, found.by_label, strict=True)), **found.by}
+    conditions = {"restitution": list(zip(drops.LABELS, rebounds.by_label, strict=True)), **rebounds.by}
     units = {"tilt": "tilt_deg", "height": "height_mm"}
     tables = []
     for what, table in conditions.items():
@@ -243,59 +240,59 @@ def _tables_of_drop(found: Dropped) -> list[Table]:
         rows = [(float(at), each.flat, each.mean, each.sd, each.fell) for at, each in table]
         tables.append(_rows(name, f"rebound by {title}", keys, rows))
     turns = ("turn_deg", "rebound_rolled", "rebound_pitched")
-    return [*tables, _rows("turns", "rebound by the first turn", turns, found.by_turn)]
+    return [*tables, _rows("turns", "rebound by the first turn", turns, rebounds.by_turn)]
 
 
-def _on_flatness(found: Dropped) -> list[str]:
+def _on_flatness(rebounds: Dropped) -> list[str]:
     """Note on how flat a drop has to be to count as flat."""
-    alike = found.flat_within
+    alike = rebounds.flat_within
     if alike is None:
         return []
-    if alike == found.by_turn[-1][0]:
+    if alike == rebounds.by_turn[-1][0]:
         return [f"a first roll up to {alike:g} deg changes nothing that shows"]
     return [f"flat means a roll of at most {alike:g} deg: beyond it one corner lands alone"]
 
 
-def _table_of_slide(found: Incline) -> Table:
+def _table_of_slide(incline: Incline) -> Table:
     """Slopes by friction, for a block and by the way in which a walker faces."""
     lines: list[tuple[Value, ...]] = []
-    for place, friction in enumerate(found.frictions):
-        row = {facing: outcomes[place] for facing, outcomes in found.by_heading.items()}
+    for place, friction in enumerate(incline.frictions):
+        row = {facing: outcomes[place] for facing, outcomes in incline.by_heading.items()}
         fell = ", ".join(facing for facing, outcome in row.items() if outcome.toppled)
         block = math.degrees(math.atan(friction))
-        lines.append((friction, block, *(outcome.angle for outcome in row.values()), found.slips[place], fell))
-    facing = (f"{facing}_deg" for facing in found.by_heading)
+        lines.append((friction, block, *(outcome.angle for outcome in row.values()), incline.slips[place], fell))
+    facing = (f"{facing}_deg" for facing in incline.by_heading)
     keys = ("friction", "block_deg", *facing, "uphill_slips_deg", "falls_over")
     return _rows("slide", "slope at which it gives way, by the way it faces", keys, lines)
 
 
-def _on_inclines(found: Incline) -> list[str]:
+def _on_inclines(incline: Incline) -> list[str]:
     """Notes on how far a walker is a rigid block, and on where it falls over."""
-    off = found.off("downhill")
+    off = incline.off("downhill")
     notes = [f"facing downhill it slides like a rigid block, at tan(slope) = friction, within {off:.2f} deg"]
-    if found.off("uphill") > 0.5:
+    if incline.off("uphill") > 0.5:
         notes.append(
             "facing uphill its upper foot slips first where friction exceeds tan(tilt), and well "
             "beyond the walker chatters down from there: let it face downhill"
         )
-    falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in found.edges.items())
-    most = math.tan(math.radians(found.edges["downhill"]))
+    falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in incline.edges.items())
+    most = math.tan(math.radians(incline.edges["downhill"]))
     notes.append(f"it falls over at (deg) {falls}: no friction beyond {most:.2f} shows")
     notes.append("the model has one friction: nudge the walker, and take the slope at which it keeps sliding")
     return notes
 
 
-def _tables_of_pluck(found: Plucked, scene: Scene, design: Design) -> list[Table]:
+def _tables_of_pluck(leg: Plucked, scene: Scene, design: Design) -> list[Table]:
     """Frequencies of a plucked leg, and what others would be heard and die out."""
     spring = scene.legs.spring
     lines: list[tuple[Value, ...]] = [
-        ("the printed leg, a cantilever; body held", found.cantilever),
-        *((f"hinge, spring = {name!r}; body held", hertz) for name, hertz in found.hinges.items()),
-        (f"hinge, {spring}, damped, simulated; body held", found.held.frequency),
-        (f"hinge, {spring}; body free, lowest", found.free[0]),
-        (f"hinge, {spring}; body free, highest", found.free[-1]),
+        ("the printed leg, a cantilever; body held", leg.cantilever),
+        *((f"hinge, spring = {name!r}; body held", hertz) for name, hertz in leg.hinges.items()),
+        (f"hinge, {spring}, damped, simulated; body held", leg.held.frequency),
+        (f"hinge, {spring}; body free, lowest", leg.free[0]),
+        (f"hinge, {spring}; body free, highest", leg.free[-1]),
     ]
-    moduli, damping = pluck.by_modulus(design, found.leg_mass), pluck.by_damping()
+    moduli, damping = pluck.by_modulus(design, leg.leg_mass), pluck.by_damping()
     decays = ("damping_ratio", "decrement", "next_swing_over_swing")
     return [
         _rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines),
@@ -304,22 +301,22 @@ def _tables_of_pluck(found: Plucked, scene: Scene, design: Design) -> list[Table
     ]
 
 
-def _on_thickness(design: Design, found: pluck.ByFrequency) -> str:
+def _on_thickness(design: Design, heard: pluck.ByFrequency) -> str:
     """Note on the thickness that would ring as well."""
     key = "legs.flexible_thickness_mm" if design.pair else f"legs[{pluck.plucked_leg(design) + 1}].thickness_mm"
-    thick, sd = found.thickness.pair
+    thick, sd = heard.thickness.pair
     return (
         f"or {key} = {thick:.3f} ± {sd:.3f} with {design.material.youngs_modulus_gpa:g} GPa: "
-        f"the frequency tells E s^3 only, within {100 * found.bending:.1f} %"
+        f"the frequency tells E s^3 only, within {100 * heard.bending:.1f} %"
     )
 
 
-def _on_plucking(found: Plucked, scene: Scene) -> list[str]:
+def _on_plucking(leg: Plucked, scene: Scene) -> list[str]:
     """Notes on what swings in the model and what on the bench."""
-    own, spring = found.hinges[scene.legs.spring], scene.legs.spring
+    own, spring = leg.hinges[scene.legs.spring], scene.legs.spring
     return [
-        f"hold the body: free, the legs swing at {found.free[0] / own:.3f} to {found.free[-1] / own:.3f} of it",
-        f"the model's hinge ({spring}) swings at {own / found.cantilever:.3f} of the leg that "
+        f"hold the body: free, the legs swing at {leg.free[0] / own:.3f} to {leg.free[-1] / own:.3f} of it",
+        f"the model's hinge ({spring}) swings at {own / leg.cantilever:.3f} of the leg that "
         "you hear: 'cantilever' has its stiffness under a slow load, 'frequency' its first mode",
         "the leg counts as a beam; one as wide as long is stiffer by up to 15 %, and a soft root "
         "softens it: the modulus found is what this leg acts with, as the hinge needs it",

@@ -78,10 +78,10 @@ def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     number = Quantity("youngs_modulus", "gpa", solved.modulus, solved.modulus * float(solved.errors[0]))
     sets = ("material.youngs_modulus_gpa", "material.youngs_modulus_sd_gpa")
     readings = sum(strip.tries for strip in strips)
-    told = Estimate("Young's modulus", number, readings, solved.chi2, solved.dof, sets)
-    if told.agrees:
-        return told
-    return told._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(told.chi2 / told.dof, 1.0))))
+    agreed = Estimate("Young's modulus", number, readings, solved.chi2, solved.dof, sets)
+    if agreed.agrees:
+        return agreed
+    return agreed._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(agreed.chi2 / agreed.dof, 1.0))))
 
 
 def points(strips: Sequence[Specimen], density: Quantity) -> list[Point]:

@@ -12,8 +12,8 @@ from walkergen.files.tables import csv_text
 from walkergen.lab.calibrate import form, parts
 from walkergen.lab.calibrate import sheet as measuring
 from walkergen.lab.calibrate.parts import Drawn
-from walkergen.printing import checks, findings, packing, pieces, sheet
-from walkergen.printing.findings import Finding
+from walkergen.printing import checks, packing, pieces, sheet
+from walkergen.printing.findings import Finding, of_printers, refuse
 from walkergen.printing.pieces import Laid, Piece
 from walkergen.printing.printers import Printer
 from walkergen.printing.walls import Wall
@@ -60,9 +60,9 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     """
     drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
     laid = [pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates) for drawn, printer in drawings]
-    found = findings.of_printers([(batch.printer.name, batch.findings) for batch in laid])
-    tell(found)
-    findings.refuse(found, order.strict)
+    findings = of_printers([(batch.printer.name, batch.findings) for batch in laid])
+    tell(findings)
+    refuse(findings, order.strict)
     paths: list[Path] = []
     for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
         progress(printer.name, number, len(laid))

@@ -70,7 +70,7 @@ def of(
             chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
             lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
     if drop is not None:
-        lines.append(f"drop: {drop.told}")
+        lines.append(f"drop: {drop.text}")
     settings = settings_of(estimates)
     facts = {
         "measured": list(tables[0]),
@@ -78,7 +78,7 @@ def of(
         "probability": None if bent is None else bent.fit.probability,
         "drop": None
         if drop is None
-        else {"told": drop.told, "branches": [branch._asdict() for branch in drop.branches]},
+        else {"told": drop.text, "branches": [branch._asdict() for branch in drop.branches]},
         "settings": settings,
         "notes": notes,
     }

@@ -131,9 +131,12 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
         from scipy.stats import chi2 as chi2_law
 
         chi2, p_value = least, float(chi2_law.sf(least, dof))
-    notes = [*_unseen(knowledge), *_aligned(knowledge, values, intervals)]
-    notes += _hazy(knowledge, values, intervals)
-    notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
+    notes = _notes(knowledge, values, intervals)
+    if chi2 is not None and p_value is not None and p_value <= 1e-3:
+        notes.append(
+            f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
+            "does not describe these speeds within their errors, which the errors here suppose"
+        )
     predicted = values["impact_speed_factor"] * unit_speeds(speeds, values["restitution"], values["friction"])
     return ContactFit(
         values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value, predicted, notes
@@ -274,55 +277,36 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
     )
 
 
-def _unseen(knowledge: _Knowledge) -> list[str]:
-    return [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
-
-
-def _aligned(
+def _notes(
     knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
-    """Note on parameters of which only a combination is known."""
-    if knowledge.level > ALIGNED or len(knowledge.together) < 2:
-        return []
-    together = knowledge.together
-    names = ", ".join(together[:-1]) + f" and {together[-1]}"
-    evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
-    if any(_vague(values[name], knowledge.errors[name], intervals.get(name)) for name in together):
-        return [f"{names} cannot be told apart {evidence}: fix one, --fix {together[0]}=..."]
-    return [f"{names} are strongly correlated {evidence}: quote them together"]
+    """Notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
+    errors, together = knowledge.errors, knowledge.together
 
+    def vague(name: str) -> bool:
+        error = errors[name]
+        if error is None:
+            return True
+        low, high = intervals.get(name) or (values[name] - error, values[name] + error)
+        return low is None or high is None or high > VAGUE * low
 
-def _hazy(
-    knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
-) -> list[str]:
-    """Notes on parameters that the speeds depend on, but too weakly for their errors."""
-    return [
+    notes = [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
+    if knowledge.level <= ALIGNED and len(together) >= 2:
+        names = ", ".join(together[:-1]) + f" and {together[-1]}"
+        evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
+        notes.append(
+            f"{names} cannot be told apart {evidence}: fix one, --fix {together[0]}=..."
+            if any(map(vague, together))
+            else f"{names} are strongly correlated {evidence}: quote them together"
+        )
+    notes += [
         f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
-        for name, error in knowledge.errors.items()
-        if error is not None and _vague(values[name], error, intervals.get(name))
+        for name, error in errors.items()
+        if error is not None and vague(name)
     ]
-
-
-def _vague(value: float, error: float | None, interval: tuple[float | None, float | None] | None) -> bool:
-    if error is None:
-        return True
-    low, high = interval or (value - error, value + error)
-    return low is None or high is None or high > VAGUE * low
-
-
-def _at_limits(values: Mapping[str, float], free: Sequence[str]) -> list[str]:
-    return [
+    return notes + [
         f"{name} lies at the limit {limit:g} of its range: its standard error means nothing there"
-        for name in free
+        for name in errors
         for limit in RANGES[name]
         if math.isclose(values[name], limit, rel_tol=1e-6, abs_tol=1e-6)
-    ]
-
-
-def _poor(p_value: float | None, chi2: float | None, dof: int) -> list[str]:
-    if p_value is None or chi2 is None or p_value > 1e-3:
-        return []
-    return [
-        f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
-        "does not describe these speeds within their errors, which the errors here suppose"
     ]

@@ -19,9 +19,9 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> FitReport:
     job = checked(job)
     choices = {"file": path.name, "fixed": job.held}
     if job.model == "theory":
-        told, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
+        fitted, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
         choices["mode"] = job.mode
     else:
-        told, word = report.of_model(learn.learn(path, job, progress), job, path, folder), "Learnt from"
+        fitted, word = report.of_model(learn.learn(path, job, progress), job, path, folder), "Learnt from"
         choices |= {"model": job.model, "prior": job.prior}
-    return written(told, job, choices, f"{word} {path.name}: {job.caption}", every=True)
+    return written(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)

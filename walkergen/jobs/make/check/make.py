@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.printing import findings, packing, plates, sheet, walls
-from walkergen.printing.findings import Finding
+from walkergen.printing import packing, plates, sheet, walls
+from walkergen.printing.findings import Finding, listed
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -55,8 +55,8 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
 
 def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
     """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
-    listed, printer = findings.listed(layout.findings), layout.printer.name
-    counts = [_count(sum(finding.level == level for finding in listed), level) for level in ("error", "warning")]
+    findings, printer = listed(layout.findings), layout.printer.name
+    counts = [_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")]
     sheets = len(layout.plates)  # none when a part fits no plate
     return CheckReport(
         name="check",
@@ -76,14 +76,14 @@ def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequ
         ],
         facts={
             "walls": [wall._asdict() for wall in unlike_walls],
-            "findings": [finding._asdict() for finding in listed],
+            "findings": [finding._asdict() for finding in findings],
             "orientations": list(attitudes),
             "parts": parts,
             "plates": sheets,
         },
         lines=[
             *(f"printed {attitude}" for attitude in attitudes),
-            *(f"{finding.level}: {finding.line}" for finding in listed if finding.level != "error"),
+            *(f"{finding.level}: {finding.line}" for finding in findings if finding.level != "error"),
             f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
         ],
         findings=layout.findings,

@@ -16,9 +16,9 @@ from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.jobs.make.family.report import FamilyReport
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.printing import export, findings, plates, sheet
+from walkergen.printing import export, plates, sheet
 from walkergen.printing import packing as plate
-from walkergen.printing.findings import Finding
+from walkergen.printing.findings import Finding, refuse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
 from walkergen.theory import discrepancy, prediction
@@ -87,7 +87,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
         job.members, built, job.copies or [1] * len(job.members), job.printer, max_parts=job.max_parts
     )
     tell(layout.findings)
-    findings.refuse(layout.findings, job.strict)
+    refuse(layout.findings, job.strict)
     run = None if job.run_in is None else _played(job, job.run_in)
     with Folder(path) as folder:
         walkers: list[Member] = []
@@ -183,7 +183,7 @@ def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
     return None
 
 
-def _facts(job: Job, found: Sequence[Finding], seconds: float) -> dict[str, Any]:
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
     """Facts for the manifest: inputs resolved, versions of the software, time taken."""
     return {
         "design": job.design.model_dump(mode="json"),
@@ -197,7 +197,7 @@ def _facts(job: Job, found: Sequence[Finding], seconds: float) -> dict[str, Any]
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
-        "print": sheet.facts(job.printer, found),
+        "print": sheet.facts(job.printer, findings),
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,

@@ -10,9 +10,9 @@ from walkergen.files.assignments import changed
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report, Table
-from walkergen.printing import caps, findings, packing, plates, sheet
+from walkergen.printing import caps, packing, plates, sheet
 from walkergen.printing.caps import Capped
-from walkergen.printing.findings import Finding
+from walkergen.printing.findings import Finding, of_printers, refuse
 from walkergen.printing.plates import Place
 from walkergen.printing.printers import Printer
 from walkergen.walker import names, solids, weights
@@ -99,11 +99,11 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
         plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts) for printer in order.printers
     ]
     capped = _capped(layouts[0])
-    found = findings.of_printers(
+    findings = of_printers(
         [(one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts]
     )
-    tell(found)
-    findings.refuse(found, order.strict)
+    tell(findings)
+    refuse(findings, order.strict)
     steps = sum(plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
     of_caps = list(caps.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
