@@ -40,31 +40,10 @@ def rings(modulus, density, strip, tip=0.0, root=0.42, clamp=0.05, elements=30):
     bending = modulus * width * thickness**3 / 12.0
     per_length = density * thickness * width + 0.25 * math.pi * AIR * width**2
     h = (free - clamp * width) / elements
-    k = (
-        bending
-        / h**3
-        * np.array(
-            [
-                [12, 6 * h, -12, 6 * h],
-                [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-                [-12, -6 * h, 12, -6 * h],
-                [6 * h, 2 * h * h, -6 * h, 4 * h * h],
-            ]
-        )
-    )
-    m = (
-        per_length
-        * h
-        / 420
-        * np.array(
-            [
-                [156, 22 * h, 54, -13 * h],
-                [22 * h, 4 * h * h, 13 * h, -3 * h * h],
-                [54, 13 * h, 156, -22 * h],
-                [-13 * h, -3 * h * h, -22 * h, 4 * h * h],
-            ]
-        )
-    )
+    by_length = np.outer(both := np.array([1.0, h, 1.0, h]), both)
+    k = bending / h**3 * by_length * [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
+    m = per_length * h / 420 * by_length
+    m = m * [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
     size = 2 * elements + 2
     stiff, mass = np.zeros((size, size)), np.zeros((size, size))
     for one in range(elements):

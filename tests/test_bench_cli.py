@@ -67,16 +67,11 @@ def test_a_drop_is_filmed(run, tmp_path):
     ("words", "told"),
     [
         (("drop", "--measured", "0.8"), "--measured 0.8: needs --measured-sd"),
-        (("drop", "--measured-sd", "0.1"), "--measured-sd 0.1: needs --measured"),
         (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be >= 1e-09 and <= 1"),
         (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be >= 1e-09"),
         (("drop", "--height-mm", "-1"), "--height-mm -1: must lie in 0.01..1000"),
-        (("drop", "--height-mm", "nan"), "--height-mm nan: must lie in"),
         (("drop", "--roll-deg", "90"), "--roll-deg 90: must lie in 0..20"),
-        (("drop", "--drops", "0"), "--drops 0: must lie in 2..1000"),
         (("drop", "--movie", "a.mp4"), "--movie 'a.mp4': must end in .gif"),
-        (("drop", "--restitution", "0.01"), "contact.restitution = 0.01"),
-        (("pluck", "--legs", "braced"), "braced legs do not swing"),
         (("pluck", "--decrement", "0.3"), "--decrement 0.3: needs --decrement-sd"),
     ],
 )

@@ -379,24 +379,19 @@ LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
     ("rows", "told"),
     [
         ("strip_1,thickness_mm,nan,0.02,,,", "reading = 'nan'"),
-        ("strip_1,thickness_mm,-0.4,0.02,,,", "reading = '-0.4'"),
-        ("strip_1,thickness_mm,1e9,0.02,,,", "reading = '1e9'"),
         ("../strip_1,thickness_mm,0.4,0.02,,,", "part '../strip_1'"),
         ("strip_1,colour,1,1,,,", "must be one of thickness_mm"),
         ("block,slides_deg,14,,,,", "no error"),
-        ("block,slides_deg,14,0,,,", "error = '0'"),
         ("block,slides_deg,89,1,,,", "must be > 2 and <= 80"),
         ("walker,slides_deg,0.23,0.02,,,", "is it a friction?"),
         ("block,slides_deg,14,1,,5,", "leave it blank"),
         ("walker,flight_s,0.04,0.002,,,", "needs at_mm"),
-        ("block,filmed_deg,20,1,,,", "needs the column tracks"),
         ("strip_1,deflection_mm,5,0.5,5,1,48", "reading less unloaded_mm = 0"),
         (LONG + "strip_1,deflection_mm,30,0.5,0,1,48", "hang less"),
         (LONG + "strip_1,deflection_mm,3,0.5,0,1,58", "beyond the strip"),
         (SIZES + "strip_1,free_length_mm,3,0.1,,,\nstrip_1,ring_hz,40,1,,,", "as a beam"),
         (SIZES + "strip_1,free_length_mm,9,9,,,\nstrip_1,ring_hz,40,1,,,", "must be at most 25%"),
         (LONG + "strip_1,ring_hz,90000,1,,,", "plastics have 0.001..30"),
-        ("strip_1,swings_to_half,0.1,1,,,", "must be > 0.5"),
         ("strip_1,ring_hz,40,1,,,", "tells nothing"),
         ("", "no readings"),
     ],
@@ -413,13 +408,7 @@ def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
 
 @pytest.mark.parametrize(
     ("words", "told"),
-    [
-        (("--by", "ear"), "--by 'ear'"),
-        (("--roll-deg", "nan"), "--roll-deg nan"),
-        (("--drops", "1"), "--drops 1"),
-        (("--design", "../x.toml"), "no such file"),
-        (("--set", "printer.gap_mm=1"), "takes no printer"),
-    ],
+    [(("--by", "ear"), "--by 'ear'"), (("--roll-deg", "nan"), "--roll-deg nan"), (("--drops", "1"), "--drops 1")],
 )
 def test_a_bad_option_is_one_line(tmp_path, words, told):
     path = tmp_path / "m.csv"

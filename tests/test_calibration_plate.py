@@ -2,7 +2,6 @@
 
 import csv
 import json
-import math
 
 import maker
 import numpy as np
@@ -103,12 +102,6 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
             assert other.read_bytes() == path.read_bytes()
 
 
-def test_every_plate_has_a_map(run, tmp_path):
-    assert run("plate", "--calibration", "--quiet", "--out", "a").exit_code == 0
-    picture = tmp_path / "a" / "calibration" / "calibration_prusa-mk3s_1.png"
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
 def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     words = ("plate", "--calibration", "--out", "a", "--no-pictures", "--quiet")
     assert run(*words).exit_code == 0
@@ -121,26 +114,20 @@ def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     assert manifest["design"]["legs"]["tilt_deg"] == 15.0
     told = run("plate", "--calibration", "--out", "a", "--no-pictures").stderr
     assert "somebody has written in it: left as it is" in told
-    path.write_text(text.replace("strip_1,thickness_mm,0.41,0.02", "strip_1,thickness_mm,,0.03"))
-    assert "left as it is" in run(*words).stderr  # nothing is read yet, but it is somebody's
 
 
 def test_ordinary_weights_are_near_what_they_say():
     for _, grams in sheet.ORDINARY:
         assert sheet.near(grams)
     a4 = 21.0 * 29.7 * 0.008
-    assert a4 == pytest.approx(4.99, abs=0.01)
     assert sheet.ORDINARY[0][1] == pytest.approx(a4 / 29.7, rel=1e-2)
     assert sheet.near(1e3) == ""
-    assert math.isfinite(sum(one[1] for one in sheet.ORDINARY))
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("--copies", "3"), "leave --copies out"),
-        (("--serial", "3"), "leave --serial out"),
-        (("--orders", "x.csv"), "leave --orders out"),
         (("--how-many",), "leave --how-many out"),
         (("--tilt", "5,10"), "give one tilt"),
         (("--set", "printer.bed_width_mm=60"), "does not fit"),
