@@ -14,32 +14,19 @@ from nbconvert import MarkdownExporter
 from traitlets.config import Config
 from typer.testing import CliRunner
 
-from walkergen.cli import COMMANDS, command_line
+import walkergen
+from walkergen.cli import command_line
+from walkergen.commands import COMMANDS
 
 ROOT = Path(__file__).parent.parent
-NAMES = [name for names in COMMANDS.values() for name in names]
+NAMES = list(COMMANDS)
 """Commands, in the order of the help."""
 
 PAPERS = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
-CALLS = {
-    "load": "loading",
-    "predict": "predicting",
-    "simulate": "simulating",
-    "family": "making",
-    "export": "making",
-    "crowd": "crowding",
-    "sweep": "sweeping",
-    "track": "tracking",
-    "analyse": "analysing",
-    "fit": "measuring",
-    "calibrate": "measuring",
-    "bench": "measuring",
-    "weigh": "measuring",
-    "templates": "loading",
-}
-"""What people call after `import walkergen as wg`, by need, each with its module in api/."""
+CALLS = ["load", *(name for name in COMMANDS if name in walkergen.__all__)]
+"""What people call after `import walkergen as wg`."""
 
 ROOMS = {
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
@@ -142,13 +129,7 @@ def _calls():
         "and a `Machine` a `wg.Printer` or a name."
     )
     return "\n\n".join(
-        [
-            begin,
-            *(
-                f"::: walkergen.api.{module}.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}"
-                for name, module in CALLS.items()
-            ),
-        ]
+        [begin, *(f"::: walkergen.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}" for name in CALLS)]
     )
 
 

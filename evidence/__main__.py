@@ -1,82 +1,106 @@
 """Commands of the evidence, run from a checkout: `python -m evidence NAME`; `make evidence` runs them all."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from walkergen import cli
-from walkergen.cli import options as opt
-from walkergen.cli import show
+from walkergen import cli, request
+from walkergen.cli import build
+from walkergen.cli.layout import HELP_OPTIONS, Command
+from walkergen.files.progress import Progress
+from walkergen.request import Flag
 
-commands = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+if TYPE_CHECKING:
+    from evidence.crowds_published.cases import Size
+    from walkergen.files.report import Report
 
-Quick = Annotated[bool, typer.Option("--quick", help="Simulate less: wider error bars.")]
+Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
 
 
-@commands.command()
-def validate(
-    only: Annotated[
-        str | None,
-        typer.Option(
-            "--only", metavar="GROUPS", help="Comma-separated groups: paper, closed, bouncing, rivals, programs."
-        ),
-    ] = None,
-    quick: Quick = False,
-    out: opt.Out = None,
-    json: opt.AsJson = False,
-    quiet: opt.Quiet = False,
-) -> None:
+class ValidateRequest(request.Request):
     """Put every prediction beside what is known outside: number, error, source, verdict."""
-    from evidence.validate import make
-    from evidence.validate.claim import Effort
 
-    groups = make.choose(only)
-    folder = out or Path("out") / "validation"
-    choice = (f" --only {','.join(groups)}" if only else "") + (" --quick" if quick else "")
-    with show.progress("validate", wanted=not quiet) as progress:
-        report = make.make(groups, Effort(quick), f"python -m evidence validate{choice}", folder, progress)
-    show.report(report, json, quiet)
+    only: Annotated[
+        str | None, Flag("Comma-separated groups: paper, closed, bouncing, rivals, programs.", "GROUPS")
+    ] = None
+    quick: Quick = False
+    out: request.Out = None
 
+    def run(self, progress: Progress) -> "Report":
+        """Measure the claims."""
+        from evidence.validate import make
+        from evidence.validate.claim import Effort
 
-@commands.command()
-def crowd_checks(quick: Quick = False, out: opt.Out = None, json: opt.AsJson = False, quiet: opt.Quiet = False) -> None:
-    """Compare walkers in a plane with walkers in space. Raises InputError without LAMMPS."""
-    from evidence.crowd_checks import make
-    from evidence.crowd_checks.setting import QUICK, WHOLE
-
-    folder = out or Path("out") / "crowd-checks"
-    command = "python -m evidence crowd-checks" + (" --quick" if quick else "")
-    with show.progress("crowd-checks", wanted=not quiet) as progress:
-        report = make.make(QUICK if quick else WHOLE, command, folder, progress)
-    show.report(report, json, quiet)
+        groups = make.choose(self.only)
+        choice = (f" --only {','.join(groups)}" if self.only else "") + (" --quick" if self.quick else "")
+        folder = self.out or Path("out") / "validation"
+        return make.make(groups, Effort(self.quick), f"python -m evidence validate{choice}", folder, progress)
 
 
-@commands.command()
-def crowds_published(
-    quick: Quick = False,
-    seconds: opt.Seconds = None,
-    runs: opt.Runs = None,
-    seed: opt.Seed = None,
-    out: opt.Out = None,
-    json: opt.AsJson = False,
-    quiet: opt.Quiet = False,
-) -> None:
-    """Compare our crowds with published ones. Raises InputError."""
-    from evidence.crowds_published import make
-    from evidence.crowds_published.cases import QUICK, WHOLE
+class CrowdChecksRequest(request.Request):
+    """Compare walkers in a plane with walkers in space."""
 
-    size = QUICK if quick else WHOLE
-    size = size._replace(
-        runs=size.runs if runs is None else runs,
-        seconds=size.seconds if seconds is None else seconds,
-        seed=size.seed if seed is None else seed,
-    )
-    make.check(size)
-    folder = out or Path("out") / "crowds-published"
-    with show.progress("crowds-published", wanted=not quiet, about_s=make.expected_s(size)) as progress:
-        report = make.make(size, folder, progress)
-    show.report(report, json, quiet)
+    quick: Quick = False
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Compare. Raises InputError without LAMMPS."""
+        from evidence.crowd_checks import make
+        from evidence.crowd_checks.setting import QUICK, WHOLE
+
+        command = "python -m evidence crowd-checks" + (" --quick" if self.quick else "")
+        setting = QUICK if self.quick else WHOLE
+        return make.make(setting, command, self.out or Path("out") / "crowd-checks", progress)
+
+
+class CrowdsPublishedRequest(request.Request):
+    """Compare our crowds with published ones."""
+
+    quick: Quick = False
+    seconds: request.Seconds = None
+    runs: request.Runs = None
+    seed: request.Seed = None
+    out: request.Out = None
+
+    def about_s(self) -> float | None:
+        """Time that it takes."""
+        from evidence.crowds_published import make
+
+        return make.expected_s(self._size())
+
+    def run(self, progress: Progress) -> "Report":
+        """Compare."""
+        from evidence.crowds_published import make
+
+        return make.make(self._size(), self.out or Path("out") / "crowds-published", progress)
+
+    def _size(self) -> "Size":
+        """Runs that are asked for. Raises InputError."""
+        from evidence.crowds_published import make
+        from evidence.crowds_published.cases import QUICK, WHOLE
+
+        size = QUICK if self.quick else WHOLE
+        size = size._replace(
+            runs=size.runs if self.runs is None else self.runs,
+            seconds=size.seconds if self.seconds is None else self.seconds,
+            seed=size.seed if self.seed is None else self.seed,
+        )
+        make.check(size)
+        return size
+
+
+REQUESTS: dict[str, type[request.Request]] = {
+    "validate": ValidateRequest,
+    "crowd-checks": CrowdChecksRequest,
+    "crowds-published": CrowdsPublishedRequest,
+}
+
+commands = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=HELP_OPTIONS
+)
+for _name, _request in REQUESTS.items():
+    commands.command(_name, cls=Command)(build.function(_name, _request))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""`bench drop`, `bench slide` and `bench pluck` as a user meets them."""
+"""`calibrate drop`, `slide` and `pluck` as a user meets them."""
 
 import json
 import math
@@ -19,7 +19,7 @@ def run(tmp_path, monkeypatch):
     for name, few in (("TILTS", (10.0,)), ("FRICTIONS", (0.25,)), ("HEIGHTS", (10.0,))):
         monkeypatch.setattr(drop, name, few)
     monkeypatch.setattr(slide, "FRICTIONS", (0.2, 0.25, 0.3))
-    return lambda *words: CliRunner().invoke(command_line, ["bench", *words])
+    return lambda *words: CliRunner().invoke(command_line, ["calibrate", *words])
 
 
 def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
@@ -69,8 +69,10 @@ def test_a_drop_is_filmed(run, tmp_path):
         (("drop", "--measured", "0.8"), "--measured 0.8: needs --measured-sd"),
         (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be >= 1e-09 and <= 1"),
         (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be >= 1e-09"),
-        (("drop", "--height-mm", "-1"), "--height-mm -1: must lie in 0.01..1000"),
-        (("drop", "--roll-deg", "90"), "--roll-deg 90: must lie in 0..20"),
+        (("drop", "--height-mm", "-1"), "--height-mm -1.0: must be a number >= 0.01"),
+        (("drop", "--height-mm", "nan"), "--height-mm nan: must be"),
+        (("drop", "--roll-deg", "90"), "--roll-deg 90.0: must be a number >= 0 and <= 20"),
+        (("drop", "--drops", "0"), "--drops 0: must be a number >= 2"),
         (("drop", "--movie", "a.mp4"), "--movie 'a.mp4': must end in .gif"),
         (("pluck", "--decrement", "0.3"), "--decrement 0.3: needs --decrement-sd"),
     ],

@@ -49,7 +49,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        return CliRunner().invoke(command_line, ["card", *words], catch_exceptions=True)
+        return CliRunner().invoke(command_line, ["crowd", *words, "--card"], catch_exceptions=True)
 
     return call
 
@@ -109,7 +109,7 @@ def test_what_is_no_card_is_refused(run, tmp_path):
     (tmp_path / "mine.json").write_text("[1, 2]")
     assert "no table of a card" in refused(run, "mine.json")
     (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
-    for flags in (("--runs", "4"), ("--design", "rotator"), ("--set", "legs.tilt_deg=3")):
+    for flags in (("--runs", "4"), ("--tracks", "a.csv"), ("--set", "legs.tilt_deg=3")):
         assert "a card is read as it is" in refused(run, "mine.json", *flags)
 
 
@@ -153,7 +153,7 @@ def test_filmed_walkers_have_a_card(run, tmp_path):
     one = Inertial(rotation=0.5, noise=0.03, heading_noise=0.01)
     own = tracks(11, one, walkers=10, seconds=8.0, interval=0.01)
     (tmp_path / "tracks.csv").write_text(csv_of(own))
-    result = run("tracks.csv", "--design", "polar-disc", "--no-pictures", "--json")
+    result = run("polar-disc", "--tracks", "tracks.csv", "--no-pictures", "--json")
     assert result.exit_code == 0, result.exception
     card = Card.model_validate(json.loads(result.stdout)["card"])
     assert card.name == "polar-disc"
@@ -181,18 +181,17 @@ def test_frames_within_a_period_are_thinned_to_one(tmp_path):
 def test_films_that_tell_too_little_are_refused(run, tmp_path):
     path = tmp_path / "tracks.csv"
     path.write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
-    assert "--design" in refused(run, "tracks.csv")
-    assert "is not known" in refused(run, "tracks.csv", "--design", "rotator")
-    assert "--runs 4" in refused(run, "tracks.csv", "--design", "rotator", "--runs", "4")
+    assert "is not known" in refused(run, "rotator", "--tracks", "tracks.csv")
+    assert "--runs 4" in refused(run, "rotator", "--tracks", "tracks.csv", "--runs", "4")
     path.write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
-    films = ("tracks.csv", "--design", "rotator", "--fps", "50", "--mm-per-px", "0.1")
+    films = ("rotator", "--tracks", "tracks.csv", "--fps", "50", "--mm-per-px", "0.1")
     assert "no headings" in refused(run, *films)
 
 
 def test_scenes_in_which_no_walker_turns_are_refused(run):
     assert "arena.kind" in refused(run, "--scene", "lane-90hz")
     assert "space" in refused(run, "--set", "scene.legs.model=rigid")
-    assert "--design" in refused(run, "koumakis2016", "--design", "rotator")
+    assert "--fps 50" in refused(run, "koumakis2016", "--fps", "50")
 
 
 def test_mass_and_inertia_are_those_of_the_whole_walker():
@@ -340,7 +339,7 @@ def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
     assert "no walls" in refused(run, "--arena", "periodic:100")
     assert "'hexagon:3'" in refused(run, "--arena", "hexagon:3")
     (tmp_path / "tracks.csv").write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
-    film = ("tracks.csv", "--design", "rotator", "--arena", "disc:120")
+    film = ("rotator", "--tracks", "tracks.csv", "--arena", "disc:120")
     assert "--arena disc:120: a film tells nothing of walls" in refused(run, *film)
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     small = scene.model_copy(update={"crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})})

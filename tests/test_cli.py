@@ -184,7 +184,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
         (("predict", "--tilt", "80"), "tilt up to 68.16 deg"),
         (("predict", "--legs", "soft"), "flexible, braced"),
         (("predict", "--restitution", "1.5"), "contact.restitution = 1.5"),
-        (("predict", "--restitution", "nan"), "contact.restitution = nan"),
+        (("predict", "--restitution", "nan"), "must be a number"),
         (("predict", "--friction", "-1"), "contact.friction = -1"),
         (("predict", "--mode", "exact"), "coulomb, paper"),
         (("predict", "--law", "hooke"), "'poisson', 'newton', 'stronge'"),

@@ -135,7 +135,7 @@ def test_fit_learns_from_films_as_from_the_numbers_they_give(folder, tmp_path):
     numbers.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), rows))
     scene = "plane-90hz"
     films, typed = (
-        wg.fit(path, scene=scene, folder=tmp_path / path.stem, pictures=False, predict=[8])
+        wg.fit(path, scene=scene, out=tmp_path / path.stem, pictures=False, predict=[8])
         for path in (folder / "speeds.csv", numbers)
     )
     assert films.bands.rows == typed.bands.rows

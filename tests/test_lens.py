@@ -87,14 +87,14 @@ def circling(path, k1, frames=40):
 def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     """k1 = -0.1, which draws the picture's corners in by 3.6 %: 0.13 mm off, with it 0.01 mm."""
     path, ways = circling(tmp_path / "barrel.mp4", -0.1)
-    bare = wg.track(path, markers="aruco", folder=tmp_path / "bare")
+    bare = wg.track(path, markers="aruco", out=tmp_path / "bare")
     (told,) = (line for line in bare.warnings if "the lens bends" in line)
     assert "smaller" in told
     share = marked_doubts.of_lens(bare.found).share
     away = (marked_doubts.of_lens(bare.found).away_px / NEAR.focal) ** 2
     assert share == pytest.approx(-2 * 0.1 * away, rel=0.4)  # (1 + k1 r2)(1 + 3 k1 r2), its root
     own = write(tmp_path / "lens.json", of(NEAR, -0.1, 3))
-    made = wg.track(path, markers="aruco", lens=own, folder=tmp_path / "made")
+    made = wg.track(path, markers="aruco", lens=own, out=tmp_path / "made")
     assert made.warnings == []
     off, undone = (films.errors(one.tracked, ways) for one in (bare, made))
     print(off, undone)
@@ -107,7 +107,7 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
 
 def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
-    made = wg.track(path, markers="aruco", folder=tmp_path / "t")
+    made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
     bend = marked_doubts.of_lens(made.found)
     assert abs(bend.share) < 0.003
@@ -122,7 +122,7 @@ def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_pat
     path = walkers.write(tmp_path / "film.mp4", [films.bent(one, camera, k1) for one in pictures])
     own = write(tmp_path / "lens.json", of(camera, k1))
     bare, made = (
-        wg.track(path, length=walkers.LONG, lens=one, folder=tmp_path / name)
+        wg.track(path, length=walkers.LONG, lens=one, out=tmp_path / name)
         for one, name in ((None, "bare"), (own, "made"))
     )
     assert made.tracked.mm_per_px == pytest.approx(1.0, abs=0.03)  # a pixel of 40: blurred edges

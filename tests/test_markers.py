@@ -182,7 +182,7 @@ def test_times_are_the_container_s(tmp_path):
 
 def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     path, ways = plain
-    made = wg.track(path, markers="aruco", folder=tmp_path / "t")
+    made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
     read = track_files.read(tmp_path / "t" / "tracks.csv", track_files.Units())
     assert [track.particle for track in read.tracks] == [0, 1, 2]
@@ -192,7 +192,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
         assert turned == pytest.approx(true[:, 2] - true[0, 2], abs=np.radians(1.0))
         assert np.ptp(np.linalg.norm(np.diff(track.position, axis=0), axis=1)) < 0.1
     picture = made.picture.read_bytes()
-    again = wg.track(path, markers="aruco", marker_mm="7.2+-0.1", folder=tmp_path / "again")
+    again = wg.track(path, markers="aruco", marker_mm="7.2+-0.1", out=tmp_path / "again")
     assert again.picture.read_bytes() == picture
     assert again.facts["mm_per_px"] == made.facts["mm_per_px"]
     share = again.facts["mm_per_px_se"] / again.facts["mm_per_px"]
@@ -232,7 +232,7 @@ def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_pat
     camera = Camera(height=260.0, tilt=np.radians(20.0), roll=0.6)
     shot = Shot(camera, Light(uneven=0.4, exposures=3), rate=1000)
     path = films.film(tmp_path / "race.mp4", ways, 145, shot)
-    made = wg.track(path, markers="aruco", folder=tmp_path / "t")
+    made = wg.track(path, markers="aruco", out=tmp_path / "t")
     off = films.errors(made.tracked, ways)
     print(off, made.found.plane.tilt_deg)
     assert off.wrong == 0

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from walkergen.errors import InputError
-from walkergen.jobs.make.weigh.make import weigh
+from walkergen.jobs.make.check.weighing import weigh
 from walkergen.shapes import meshes
 
 BOX = trimesh.creation.box((28.0, 8.0, 3.0))

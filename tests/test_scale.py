@@ -12,8 +12,8 @@ import walkergen as wg
 from walkergen.analysis.estimates import UNITS
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.files.measured import measured
 from walkergen.files.tables import csv_text
+from walkergen.request import parse_measured
 from walkergen.track.film import report
 
 SCALE, ERROR = 0.2, 0.01
@@ -112,17 +112,17 @@ def test_the_speed_over_the_plates_bears_it_too(tmp_path):
         ("28 +- 0.1", (28.0, 0.1)),
         ("28+/-.1", (28.0, 0.1)),
         ("5e-2±1e-3", (0.05, 0.001)),
-        (None, (None, None)),
+        (None, None),
     ],
 )
 def test_measured_numbers_are_read(text, expected):
-    assert measured(text, "--x") == expected
+    assert parse_measured(text) == expected
 
 
 @pytest.mark.parametrize("text", ["", "0", "-1", "nan", "1±2", "1±-0.1", "1±x", "1±.1±.1", "±1"])
 def test_what_is_no_measured_number_is_refused(text):
-    with pytest.raises(InputError, match=r"--x .*: must be a number above 0"):
-        measured(text, "--x")
+    with pytest.raises(ValueError, match="must be a number above 0"):
+        parse_measured(text)
 
 
 def test_a_scale_that_cannot_be_is_refused(tmp_path, rows):

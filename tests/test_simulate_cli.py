@@ -87,14 +87,14 @@ def test_overrides_reach_the_scene(run):
 
 def test_trajectory_as_csv_and_npz(run, tmp_path):
     words = ("simulate", "--model", "relaxed", "--seconds", "0.1", "--runs", "1", "--quiet")
-    run(*words, "--trajectory", "a.csv", "--rate", "2000")
+    run(*words, "--trajectory", "a.csv", "--rate-hz", "2000")
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     film = ["frame", "particle", "x", "y", "theta"]
     assert list(rows[0])[:9] == [*film, "t_s", "x_mm", "y_mm", "pitch_rad"]
     assert len(rows) == pytest.approx(201, abs=1)
     assert float(rows[1]["t_s"]) == pytest.approx(5e-4)
-    run(*words, "--trajectory", "a.npz", "--rate", "2000")
+    run(*words, "--trajectory", "a.npz", "--rate-hz", "2000")
     with np.load(tmp_path / "a.npz") as data:
         np.testing.assert_array_equal(data["x_mm"], [float(row["x_mm"]) for row in rows])
 
@@ -150,7 +150,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
         (("--step", "1e9"), "run.step_us"),
         (("--tilt", "80"), "tilt up to"),
         (("--trajectory", "t.xls"), "must end in one of .csv, .npz, .xyz"),
-        (("--seconds", "1e6", "--rate", "1e6", "--trajectory", "t.csv", "--runs", "1"), "at most"),
+        (("--seconds", "1e6", "--rate-hz", "1e6", "--trajectory", "t.csv", "--runs", "1"), "at most"),
         (("--trajectory", "file/x.csv", "--seconds", "0.01", "--runs", "1"), "cannot be written"),
     ],
 )

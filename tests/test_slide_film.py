@@ -100,7 +100,7 @@ def test_calibrate_joins_films_with_angles(tmp_path):
     assert (row["readings"], row["dof"]) == (5, 2)
     path.write_text(csv_text(HEADER, [("block", "slides_deg", 20, 1, "", "", "", "0.csv")]))
     with pytest.raises(InputError, match="slides_deg has no column tracks: leave it blank"):
-        wg.calibrate(path, folder=tmp_path / "o")
+        wg.calibrate(path, out=tmp_path / "o")
 
 
 @pytest.mark.slow
@@ -118,7 +118,7 @@ def test_a_filmed_block_with_a_cap_tells_its_friction(tmp_path):
     camera = films.Camera(tilt=0.1, roll=0.4)
     shot = films.Shot(camera, films.Light(exposures=3), fps=120.0)
     path = films.film(tmp_path / "slide.mp4", ways, 45, shot)
-    wg.track(path, markers="aruco", marker_mm="7.2+-0.05", fps=120.0, folder=tmp_path / "t")
+    wg.track(path, markers="aruco", marker_mm="7.2+-0.05", fps=120.0, out=tmp_path / "t")
     found = filmed.friction(tmp_path / "t" / "tracks.csv", ANGLE, 0.1)
     assert found.value == pytest.approx(hidden, abs=0.002)
     assert 0.001 < found.se < 0.004

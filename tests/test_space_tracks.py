@@ -74,7 +74,7 @@ def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
 
 
 def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_path):
-    words = ("simulate", *PLANE, "--seconds", "100", "--rate", "5e4", "--trajectory", "t.csv")
+    words = ("simulate", *PLANE, "--seconds", "100", "--rate-hz", "5e4", "--trajectory", "t.csv")
     with pytest.raises(InputError, match=r"tracks of 16 runs of 8e\+07 samples; at most 20000000"):
         run(*words, "--runs", "16")
     assert list(tmp_path.iterdir()) == []
@@ -140,7 +140,7 @@ def test_landings_kept_are_those_counted():
 
 @pytest.mark.slow
 def test_analyse_finds_in_the_tracks_what_simulate_says(run):
-    words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate", "500", "--trajectory", "t.csv")
+    words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate-hz", "500", "--trajectory", "t.csv")
     told = json.loads(run("simulate", *words, "--json"))
     found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
     assert (told["model"], told["feet"], told["friction"]) == ("space", "viscous", 0.25)

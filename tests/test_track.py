@@ -369,7 +369,7 @@ def test_too_large_a_film_says_what_to_do(monkeypatch, two):
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     monkeypatch.setattr(film_figures, "WIDE", 3.0)  # drawn in less time
-    found = wg.track(two, length=28.0, heading="mark", folder=tmp_path / "here")
+    found = wg.track(two, length=28.0, heading="mark", out=tmp_path / "here")
     assert found.picture == tmp_path / "here" / "check.png"
     table = found.table
     assert table.keys == report.COLUMNS
@@ -378,7 +378,7 @@ def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     moved = wg.analyse(found)
     assert moved.motion.particles == 2
     with pytest.raises(InputError, match="give either --mm-per-px"):
-        wg.track(two, folder=tmp_path / "none")
+        wg.track(two, out=tmp_path / "none")
     assert not (tmp_path / "none").exists()
     wish = Options(length_mm=28.0, heading="mark")
     again = make.track(two, wish, tmp_path / "again", silent).tracked

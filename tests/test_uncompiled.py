@@ -54,7 +54,7 @@ def test_motion_is_the_same_without_the_compiler(tmp_path, monkeypatch, model, l
         legs,
         "--model",
         model,
-        "--rate",
+        "--rate-hz",
         "20000",
         "--json",
         "--trajectory",

@@ -7,8 +7,8 @@ import pytest
 from rich.console import Console
 from rich.table import Table
 
-from walkergen.cli.times import parse_time
 from walkergen.files import tables, words
+from walkergen.request import parse_time
 
 
 @pytest.mark.parametrize(

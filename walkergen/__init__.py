@@ -8,35 +8,29 @@ import sys
 
 __version__ = "0.1.0"
 
+_FUNCTIONS = (
+    *("accuracy", "analyse", "calibrate", "check", "crowd", "design", "explain", "export", "family", "fit"),
+    *("movie", "plate", "predict", "reproduce", "selftest", "simulate", "sweep", "track"),
+)
+"""Commands that are functions here, made of the same requests; wg.templates is a table."""
+
 _HOMES = {
     "Design": "walker.design",
     "Printer": "printing.printers",
     "Scene": "scene",
     "WalkergenError": "errors",
-    "analyse": "api.analysing",
-    "bench": "api.measuring",
-    "calibrate": "api.measuring",
-    "crowd": "api.crowding",
-    "export": "api.making",
-    "family": "api.making",
-    "fit": "api.measuring",
     "load": "api.loading",
-    "predict": "api.predicting",
-    "simulate": "api.simulating",
-    "sweep": "api.sweeping",
     "templates": "api.loading",
-    "track": "api.tracking",
-    "weigh": "api.measuring",
 }
-"""Modules of the names that are offered here; __init__.pyi has their types."""
+"""Modules of the names that are offered here beside the functions; __init__.pyi has their types."""
 
-__all__ = sorted(["__version__", *_HOMES])
+__all__ = sorted(["__version__", *_HOMES, *_FUNCTIONS])
 
 
 class _Package(type(sys)):
     def __setattr__(self, name: str, value: object) -> None:
         """Keep `wg.crowd` and `wg.track` the functions when the rooms of these names are imported."""
-        if not (name in _HOMES and isinstance(value, type(sys))):
+        if not (name in __all__ and isinstance(value, type(sys))):
             super().__setattr__(name, value)
 
 
@@ -44,16 +38,19 @@ sys.modules[__name__].__class__ = _Package
 
 
 def __getattr__(name: str) -> object:
-    """Load a name from its module when it is first used, so that the import itself stays fast."""
-    if name not in _HOMES:
+    """Load a name when it is first used, so that the import itself stays fast."""
+    if name not in __all__:
         raise AttributeError(f"module 'walkergen' has no attribute {name!r}")
     from importlib import import_module
 
-    found = getattr(import_module(f"walkergen.{_HOMES[name]}"), name)
-    globals()[name] = found
-    return found
+    if name in _HOMES:
+        value = getattr(import_module(f"walkergen.{_HOMES[name]}"), name)
+    else:
+        value = import_module("walkergen.api.front").function(name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:
     """Names for completion in a notebook."""
-    return sorted({*globals(), *_HOMES})
+    return sorted({*globals(), *__all__})

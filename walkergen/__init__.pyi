@@ -1,18 +1,34 @@
-from walkergen.api.analysing import analyse
-from walkergen.api.crowding import crowd
+# Made of the requests by `python -m walkergen.api.front`
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
+
 from walkergen.api.loading import load, templates
-from walkergen.api.making import export, family
-from walkergen.api.measuring import bench, calibrate, fit, weigh
-from walkergen.api.predicting import predict
-from walkergen.api.simulating import simulate
-from walkergen.api.sweeping import sweep
-from walkergen.api.tracking import track
+from walkergen.crowd.cards.card import Card
 from walkergen.errors import WalkergenError
+from walkergen.files.progress import Progress
+from walkergen.files.report import Report
+from walkergen.jobs.make.check.make import CheckReport
+from walkergen.jobs.make.check.weigh_report import WeighReport
+from walkergen.jobs.make.design.report import DesignReport
+from walkergen.jobs.make.family.report import FamilyReport
+from walkergen.jobs.run.predict.report import PredictReport
+from walkergen.jobs.run.simulate.report import SimulationReport
+from walkergen.jobs.run.sweep.report import SweepReport
+from walkergen.lab.fit.report import FitReport
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
+from walkergen.track.analyse.report import AnalysisReport
+from walkergen.track.film.report import TrackReport
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
 
 __version__: str
+
+Name = str | os.PathLike[str]
+Walker = Design | Name
+Ground = Scene | Name
+Machine = Printer | Name
 
 __all__ = [
     "Design",
@@ -20,18 +36,464 @@ __all__ = [
     "Scene",
     "WalkergenError",
     "__version__",
+    "accuracy",
     "analyse",
-    "bench",
     "calibrate",
+    "check",
     "crowd",
+    "design",
+    "explain",
     "export",
     "family",
     "fit",
     "load",
+    "movie",
+    "plate",
     "predict",
+    "reproduce",
+    "selftest",
     "simulate",
     "sweep",
     "templates",
     "track",
-    "weigh",
 ]
+
+def family(
+    design: Walker = "koumakis2016",
+    out: Name | None = None,
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    scene: Ground = "lane-90hz",
+    restitution: float | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    mode: Literal["coulomb", "paper"] = "coulomb",
+    law: str | None = None,
+    printer: Machine = "prusa-mk3s",
+    set: Mapping[str, Any] = {},
+    copies: int | Mapping[float, int] | str = 1,
+    max_parts: int = 5000,
+    prusaslicer: bool = False,
+    weights: Name | None = None,
+    simulate: bool = False,
+    seconds: float | None = None,
+    runs: int | None = None,
+    measured: Name | None = None,
+    page: bool = False,
+    run_in: Ground | None = None,
+    pictures: bool = True,
+    strict: bool = False,
+    progress: Progress | None = None,
+) -> FamilyReport:
+    """Make a family of walkers: STL files, plates, predicted speeds, pictures.
+
+    With --page also one self-contained HTML page that opens offline; with --run it plays a second of a walker's run,
+    in a scene in which walkers move in space, such as plane-90hz.
+    """
+
+def export(
+    design: Walker = "koumakis2016",
+    out: Name | None = None,
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    format: str | Iterable[str] = ["stl"],
+    caps: Literal["aruco"] | None = None,
+    scene: Ground | None = None,
+    set: Mapping[str, Any] = {},
+    progress: Progress | None = None,
+) -> Report:
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
+
+def check(
+    design: Walker = "koumakis2016",
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    printer: Machine = "prusa-mk3s",
+    set: Mapping[str, Any] = {},
+    copies: int | Mapping[float, int] | str = 1,
+    strict: bool = False,
+    density: float = 1.24,
+    scale: float = 1.0,
+    progress: Progress | None = None,
+) -> CheckReport | WeighReport:
+    """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
+
+    Of a mesh file it tells volume, mass, centre of mass, inertia tensor, principal moments and axes.
+    """
+
+def plate(
+    design: Walker | None = None,
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    copies: int | Mapping[float, int] | str = 1,
+    orders: Name | None = None,
+    serial: int | None = None,
+    caps: Literal["aruco"] | None = None,
+    printer: Machine = "prusa-mk3s",
+    set: Mapping[str, Any] = {},
+    max_parts: int = 5000,
+    prusaslicer: bool = False,
+    max_plates: int | None = None,
+    how_many: bool = False,
+    strict: bool = False,
+    out: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> Report:
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
+
+    Their design, tilts and copies are given here, or those of several designs by an order list.
+    """
+
+def design(
+    *,
+    speed: float | None = None,
+    fastest: bool = False,
+    least_sensitive: bool = False,
+    persistence: float | None = None,
+    turning_radius: float | None = None,
+    design: Walker = "koumakis2016",
+    vary: str | Iterable[str] = [],
+    set: Mapping[str, Any] = {},
+    scene: Ground = "lane-90hz",
+    printer: Machine = "prusa-mk3s",
+    model: str | None = None,
+    error: str = "5%",
+    seed: int | None = None,
+    workers: int | None = None,
+    out: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> DesignReport:
+    """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
+
+def predict(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    tilt: float | Iterable[float] | str | None = None,
+    *,
+    legs: Kind | Iterable[Kind] | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    mode: Literal["coulomb", "paper"] = "coulomb",
+    law: str | None = None,
+    set: Mapping[str, Any] = {},
+    weights: Name | None = None,
+    uncertain: bool = False,
+    progress: Progress | None = None,
+) -> PredictReport:
+    """Predict the speed of walkers, without writing any file.
+
+    With --uncertain it says, for each, which input to measure next to narrow the bounds.
+    """
+
+def sweep(
+    design: Walker | None = None,
+    scene: Ground | None = None,
+    set: Mapping[str, Any] = {},
+    *,
+    model: str | None = None,
+    error: str | None = None,
+    sample: str | None = None,
+    seed: int = 1,
+    keep: str | Iterable[str] | None = None,
+    printer: Machine | None = None,
+    file: Name | None = None,
+    budget: str | float | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    yes: bool = False,
+    out: Name | None = None,
+    pictures: bool = True,
+    progress: Progress | None = None,
+) -> SweepReport:
+    """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
+
+    All combinations of the values are evaluated, the last key fastest; every one of them has every sample. Keys that
+    begin with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+    """
+
+def simulate(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    seconds: float | None = None,
+    runs: int | None = None,
+    model: str | None = None,
+    law: str | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    step: float | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] = {},
+    trajectory: Name | None = None,
+    rate_hz: float = 1000.0,
+    error: str | None = None,
+    uncertain: bool = False,
+    draws: int = 64,
+    out: Name | None = None,
+    of: str = "speed_mm_s",
+    all: bool = False,
+    progress: Progress | None = None,
+) -> SimulationReport:
+    """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
+
+    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
+    speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
+    --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
+    slower.
+    """
+
+def crowd(
+    design: Walker | Card | None = None,
+    scene: Ground = "plane-90hz",
+    *,
+    count: int | Mapping[str, int] | str | None = None,
+    packing: float | None = None,
+    arena: str | None = None,
+    tilt: float | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
+    seconds: float | None = None,
+    runs: int | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    step: float | None = None,
+    seed: int | None = None,
+    model: Literal["space", "flat"] | None = None,
+    rate_hz: float = 25.0,
+    threads: int | None = None,
+    write_only: bool = False,
+    card: bool = False,
+    tracks: Name | None = None,
+    fps: float | None = None,
+    mm_per_px: float | str | None = None,
+    y_down: bool = False,
+    set: Mapping[str, Any] = {},
+    movie: Name | None = None,
+    pictures: bool = True,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Let many walkers run in a dish and meet: order, clusters and packing with errors.
+
+    Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
+    number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
+    makes a crowd in a plane, of thousands; --card measures one: all that such a crowd has to know of a walker, from
+    simulated runs or from the tracks of a film, with inputs for pymunk, HOOMD-blue and LAMMPS.
+    """
+
+def movie(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    tilt: float | Iterable[float] | str | None = None,
+    legs: Kind | Iterable[Kind] | None = None,
+    seconds: float | None = None,
+    periods: float | None = None,
+    slow: float | None = None,
+    view: Literal["above", "perspective"] | None = None,
+    fps: int = 25,
+    model: str | None = None,
+    law: str | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    step: float | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] = {},
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Film a walker in slow motion, or several tilts running (GIF, and MP4).
+
+    A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
+    --view above or --view perspective says otherwise.
+    """
+
+def explain(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    tilt: float | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
+    model: str | None = None,
+    friction: float | None = None,
+    gamma: float | None = None,
+    frequency: float | None = None,
+    set: Mapping[str, Any] = {},
+    cost: bool = True,
+    progress: Progress | None = None,
+) -> Report:
+    """Say which effects a scene calls for, why, how large they are and what they cost."""
+
+def track(
+    film: Name,
+    *,
+    mm_per_px: float | str | None = None,
+    length: float | str | None = None,
+    fps: float | None = None,
+    frames: tuple[int, int | None] | str = (0, None),
+    region: tuple[int, int, int, int] | str | None = None,
+    walkers: Literal["dark", "light"] | None = None,
+    threshold: float | None = None,
+    width: float | None = None,
+    heading: Literal["motion", "mark"] = "motion",
+    markers: Literal["aruco"] | None = None,
+    marker_mm: float | str | None = None,
+    lens: Name | None = None,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> TrackReport:
+    """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
+
+    The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
+    --mm-per-px or --length. With --markers they bear caps, whose markers tell number, place and heading, scale and
+    tilt of the camera. What a lens bends is undone by --lens. Needs the extra film: pip install 'walkergen[film]'.
+    """
+
+def analyse(
+    tracks: Any,
+    *,
+    fps: float | None = None,
+    mm_per_px: float | str | None = None,
+    y_down: bool = False,
+    lane: bool = False,
+    lag_ms: float | None = None,
+    dish: str | None = None,
+    body: str | float | None = None,
+    middle: str | None = None,
+    runs: Iterable[Name] = [],
+    pictures: bool = True,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> AnalysisReport:
+    """Measure speed, persistence and spread from tracks, filmed or simulated.
+
+    A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading theta (rad) or
+    theta_deg, counted from x toward y; or Pogotrack's, which has its own units. A simulation is a file that simulate
+    --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what track()
+    or simulate().trajectory() returned, a frame of pandas, or columns by name.
+
+    With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
+    independent runs (--run), and no walker by itself.
+    """
+
+def fit(
+    speeds: Name,
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    model: Literal["prediction", "theory", "compliant", "space"] = "prediction",
+    fix: Mapping[str, float] | Iterable[str] = [],
+    prior: Literal["flat", "scene"] | None = None,
+    predict: float | Iterable[float] | str | None = None,
+    mode: Literal["coulomb", "paper"] = "coulomb",
+    law: str | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] = {},
+    pictures: bool = True,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> FitReport:
+    """Estimate the contact from measured speeds, and predict walkers that were not measured.
+
+    The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
+    design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
+    place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
+    in a column particle. The contact learnt is that by which speeds are predicted, in seconds, or that of a simulated
+    model by emulators, with bands for one more print at every tilt; that of the theory, the paper's eq. 15, is found by
+    least squares. All write scene.toml and design.toml for `walkergen family`.
+    """
+
+def calibrate(
+    what: Name,
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    tilt: float | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    by: Literal["deflection", "ring", "both"] = "both",
+    roll_deg: float = 1.0,
+    drops: int = 24,
+    seed: int | None = None,
+    measured: float | None = None,
+    measured_sd: float | None = None,
+    tries: int = 1,
+    height_mm: float = 10.0,
+    decrement: float | None = None,
+    decrement_sd: float | None = None,
+    movie: Name | None = None,
+    printer: Machine = "prusa-mk3s",
+    max_plates: int | None = None,
+    prusaslicer: bool = False,
+    strict: bool = False,
+    set: Mapping[str, Any] = {},
+    pictures: bool = True,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Estimate Young's modulus, density, friction, damping and restitution from your readings.
+
+    `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
+    form. Filled in with readings by a ruler and a phone, the form is what `calibrate FORM.csv` takes. What it holds is
+    estimated, with errors from those of the readings and from their scatter, and written into design.toml and
+    scene.toml for `family` and `simulate`; what it lacks stays as design and scene have it. Of films it takes those of
+    slides: the quantity filmed_deg, angle of the incline, with a column tracks that names the film's tracks.csv. A
+    drop test of the walker is simulated (a minute), the rest takes a second.
+
+    `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
+    drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
+    tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
+    frequency (Hz), which tells Young's modulus, and the --decrement, which tells damping.
+    """
+
+def accuracy(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    tilt: float | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
+    restitution: float | None = None,
+    friction: float | None = None,
+    set: Mapping[str, Any] = {},
+    only: str | Iterable[str] = ["models", "steps", "statistics", "shape"],
+    budget: str | float = 60.0,
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Measure what accuracy costs in time: models, steps, statistics, shape."""
+
+def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
+    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
+
+def reproduce(
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
+    *,
+    scene_fitted: Ground = "lane-90hz-fitted",
+    tilt: float | Iterable[float] | str | None = None,
+    gamma: str | Iterable[float] | None = None,
+    seconds: float | None = None,
+    runs: int | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] = {},
+    out: Name | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Compare the paper's figures and mechanisms with ours (takes minutes)."""

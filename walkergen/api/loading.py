@@ -1,7 +1,7 @@
 """Walkers, scenes and printers by name, from a file, or as they are."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, overload
 
@@ -13,8 +13,6 @@ from walkergen.files.report import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import KINDS as LEGS
-from walkergen.walker.limbs import Kind
 
 Name = str | os.PathLike[str]
 """Name of a template, or path of a TOML file."""
@@ -61,64 +59,6 @@ def load(name: Name, kind: str | None = None) -> Any:
 def templates() -> Table:
     """Table of the shipped walkers, scenes and printers: kind, name, description."""
     return shipped.listing().table
-
-
-def walker_of(design: Walker) -> Design:
-    """Walker as it is, by name or from a file. Raises InputError."""
-    return _as_it_is(design, Design, "design")
-
-
-def scene_of(scene: Ground) -> Scene:
-    """Scene as it is, by name or from a file. Raises InputError."""
-    return _as_it_is(scene, Scene, "scene")
-
-
-def printer_of(printer: Machine) -> Printer:
-    """Printer as it is, by name or from a file. Raises InputError."""
-    return _as_it_is(printer, Printer, "printer")
-
-
-def one_of(design: Walker, tilt: float | None, legs: Kind | None) -> Design:
-    """Single walker with a tilt (deg) and kind of legs; None leaves its own. Raises InputError."""
-    (member,) = members_of(design, None if tilt is None else [tilt], legs, whole=False)
-    return member
-
-
-def members_of(
-    design: Walker, tilts: Iterable[float] | None, legs: Kind | Iterable[Kind] | None, whole: bool
-) -> list[Design]:
-    """Variants with these tilts (deg) and kinds of legs, kinds outermost.
-
-    None stands for the design's own or, if `whole`, for those of its family. Raises InputError.
-    """
-    walker = walker_of(design)
-    kinds = None if legs is None else _kinds(legs)
-    tilts = None if tilts is None else [float(tilt) for tilt in tilts]
-    if not whole:
-        tilts = [walker.tilt_deg] if tilts is None else tilts
-        kinds = [walker.kind] if kinds is None else kinds
-    return walker.members(tilts, kinds)
-
-
-def _kinds(legs: Kind | Iterable[Kind]) -> list[Kind]:
-    """List kinds of legs. Raises InputError."""
-    kinds: list[Any] = [legs] if isinstance(legs, str) else list(legs)
-    for kind in kinds:
-        if kind not in LEGS:
-            raise InputError(f"legs={kind!r}: must be one of {', '.join(map(repr, LEGS))}")
-    return kinds
-
-
-def _as_it_is(source: Any, model: type[Found], what: str) -> Found:
-    if isinstance(source, model):
-        return source
-    if not isinstance(source, (str, os.PathLike)):
-        raise InputError(
-            f"{what}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
-            "template or the path of a TOML file"
-        )
-    folder = next(folder for folder, kind in KINDS.values() if kind is model)
-    return shipped.load(source if isinstance(source, str) else Path(source), folder, model)
 
 
 def _kind_of(name: str | Path) -> str:

@@ -1,17 +1,19 @@
-"""The command line: `walkergen COMMAND`; each command calls one public function and shows it."""
+"""The command line: `walkergen COMMAND`; each command is made of a request, runs it and shows the report."""
 
-import atexit
 import logging
 import os
 import signal
 import sys
-from typing import Annotated, Any, NoReturn
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Annotated, Any
 
 import typer
 
 from walkergen import __version__
-from walkergen.cli import streams
-from walkergen.cli.layout import HELP_OPTIONS, Group, Modules
+from walkergen.cli import build, streams
+from walkergen.cli.layout import HELP_OPTIONS, Group
+from walkergen.commands import COMMANDS
 from walkergen.errors import OutputError, WalkergenError
 from walkergen.files import plain
 
@@ -20,24 +22,17 @@ INTERRUPTED = 130
 
 TOLD_INTERRUPTED = "interrupted: finished files are whole; the same command completes"
 
-COMMANDS = {
-    "Design": ("app",),
-    "Make": ("family", "export", "check", "plate", "design"),
-    "Predict": ("predict", "sweep"),
-    "Simulate": ("simulate", "crowd", "movie", "explain"),
-    "Measure": ("track", "analyse", "card", "fit", "calibrate", "weigh", "bench"),
-    "Trust": ("accuracy", "selftest", "reproduce"),
-    "Files": ("templates",),
-}
-"""Commands under the headings of the help; each is in the module of its name."""
-
 
 class Root(Group):
     """The command line, whose commands are imported when they are looked up."""
 
     def __init__(self, **settings: Any) -> None:
-        names = {name: heading for heading, names in COMMANDS.items() for name in names}
-        super().__init__(**settings | {"commands": Modules(names)})
+        super().__init__(**settings | {"commands": build.Commands()})
+
+    @cached_property
+    def sentences(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
+        """Headings and sentences of all commands."""
+        return {name: (own.heading, build.sentence(name)) for name, own in COMMANDS.items()}
 
 
 command_line = typer.Typer(
@@ -104,16 +99,8 @@ def main(commands: typer.Typer = command_line) -> None:
     code = _run(commands)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
     if code == INTERRUPTED:
-        leave()
+        streams.leave(INTERRUPTED)
     sys.exit(code or int(heard.lost))
-
-
-def leave(code: int = INTERRUPTED) -> NoReturn:
-    """End a process now, by default as an interrupted one; Python by itself waits for its threads,
-    or may die of the signal, with no exit code.
-    """
-    atexit._run_exitfuncs()
-    os._exit(code)
 
 
 def _run(commands: typer.Typer) -> int:

@@ -4,9 +4,8 @@ import json
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from walkergen.files import plain
@@ -15,8 +14,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from walkergen.files.report import Report
-    from walkergen.printing.findings import Finding
-    from walkergen.walker.design import Design
 
 
 def _as_json(data: dict[str, Any]) -> None:
@@ -65,6 +62,8 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
             print(path)
         if folder:
             print(f"written into {result.folder}/")
+    for error in result.errors:
+        print(f"error: {error}", file=sys.stderr)
 
 
 def text(line: str) -> None:
@@ -72,24 +71,6 @@ def text(line: str) -> None:
     from rich.console import Console
 
     Console(highlight=False).print(plain.plain(line), markup=False)
-
-
-def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
-    """Print the warnings of the printability checks on the error stream, one per line."""
-    from walkergen.printing import findings as printed
-
-    for line in () if quiet else printed.warnings(findings):
-        print(f"warning: {line}", file=sys.stderr)
-
-
-def kept_forms(folder: Path, members: "Sequence[Design]") -> None:
-    """Say on the error stream which forms for masses were left as somebody had changed them."""
-    from walkergen.walker import names, weights
-
-    for name in names.by_design(members):
-        path = folder / weights.form(members, name)
-        if weights.filled(path):
-            print(f"{path}: somebody has written in it: left as it is", file=sys.stderr)
 
 
 FIRST_S, NEXT_S = 5.0, 15.0
@@ -157,15 +138,28 @@ def _about(seconds: float) -> str:
 
 @contextmanager
 def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
+    """Show a bar from the first time on that a job says how far it is."""
+    with ExitStack() as stack:
+        shown: list[Callable[[str, int, int], None]] = []
+
+        def update(what: str, done: int, total: int) -> None:
+            if not shown:
+                shown.append(_drawn_bar(title, stack))
+            shown[0](what, done, total)
+
+        yield update
+
+
+def _drawn_bar(title: str, stack: ExitStack) -> Callable[[str, int, int], None]:
+    """Bar that is drawn until a stack ends."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(plain.line(title))
+    bar = stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
+    task = bar.add_task(plain.line(title))
 
-        def update(what: str, done: int, total: int) -> None:
-            description = plain.line(f"{title}: {what}")
-            bar.update(task, description=description, completed=done, total=total)
+    def update(what: str, done: int, total: int) -> None:
+        bar.update(task, description=plain.line(f"{title}: {what}"), completed=done, total=total)
 
-        yield update
+    return update

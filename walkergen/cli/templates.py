@@ -6,15 +6,14 @@ from typing import Annotated
 
 import typer
 
-from walkergen.cli import options as opt
-from walkergen.cli import show
-from walkergen.cli.layout import Command, Group, epilog, names_of
+from walkergen.cli import build, show
+from walkergen.cli.layout import Command, Group, epilog
 from walkergen.errors import InputError
 
 commands = typer.Typer(
     name="templates",
     cls=Group,
-    epilog=epilog("templates"),
+    epilog=epilog("templates", "templates copy koumakis2016 my.toml"),
     help="List, show or copy the shipped TOML files.",
     invoke_without_command=True,
 )
@@ -22,13 +21,13 @@ commands = typer.Typer(
 TemplateName = Annotated[
     str,
     typer.Argument(
-        metavar="NAME", help="Name of a template.", autocompletion=names_of("walkers", "scenes", "printers")
+        metavar="NAME", help="Name of a template.", autocompletion=build.names_of(("walkers", "scenes", "printers"))
     ),
 ]
 
 
 @commands.callback()
-def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
+def list_templates(context: typer.Context, json: build.AsJson = False) -> None:
     """List the shipped walkers, scenes and printers."""
     if context.invoked_subcommand is not None:
         return
@@ -37,7 +36,7 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
     show.report(templates.listing(), json, quiet=False)
 
 
-@commands.command("show", cls=Command, epilog=epilog("templates show"))
+@commands.command("show", cls=Command, epilog=epilog("templates show lane-90hz", "templates show prusa-mk3s"))
 def show_template(name: TemplateName) -> None:
     """Print a template's TOML file."""
     from walkergen.files import templates
@@ -45,7 +44,7 @@ def show_template(name: TemplateName) -> None:
     print(templates.find(name).read_text(encoding="utf-8"), end="")
 
 
-@commands.command("copy", cls=Command, epilog=epilog("templates copy"))
+@commands.command("copy", cls=Command, epilog=epilog("templates copy lane-90hz", "templates copy koumakis2016 my.toml"))
 def copy_template(
     name: TemplateName,
     to: Annotated[Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")] = None,

@@ -1,6 +1,7 @@
 """Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 from walkergen.errors import InputError
 from walkergen.files import columns
@@ -15,36 +16,33 @@ RUNS, RATE_HZ = 4, 25.0
 """Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
 
 
-class Share(NamedTuple):
-    """So many walkers of one design."""
+def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
+    """Number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
-    name: str
-    """Template, or path of a file."""
-    walkers: int
-
-
-def parse(text: str) -> int | list[Share]:
-    """Number of walkers as in "30", or designs as in "polar-disc:20,rotator:10". InputError."""
-    told = f"--count {text[:60]!r}"
-    if (whole := columns.whole(text, MOST)) is not None:
-        return check(whole, told)
-    shares = []
-    for part in text.split(","):
-        name, colon, number = part.strip().rpartition(":")
-        count = columns.whole(number, MOST)
-        if not colon:
-            raise InputError(
-                f"{told}: must be a whole number in {FEWEST}..{MOST}, or designs with their "
-                "numbers, as in polar-disc:20,rotator:10"
-            )
-        if not name or count is None:
-            raise InputError(f"{told}: {part[:40]!r} must be DESIGN:N, N in 1..{MOST}")
-        shares.append(Share(name, count))
-    names = [share.name for share in shares]
-    if len(set(names)) < len(names):
-        raise InputError(f"{told}: names a design twice; add its numbers up")
-    check(sum(share.walkers for share in shares), told)
-    return shares
+    Raises ValueError, InputError for less than a crowd.
+    """
+    whole = columns.whole(value, MOST) if isinstance(value, str) else value
+    if isinstance(whole, int) and not isinstance(whole, bool):
+        return check(whole, f"--count {whole}")
+    pairs: list[tuple[str, Any]] = []
+    if isinstance(value, Mapping):
+        pairs = [(str(name), count) for name, count in value.items()]
+    elif isinstance(value, str) and ":" in value:
+        for part in value.split(","):
+            name, _, number = part.strip().rpartition(":")
+            pairs.append((name, columns.whole(number, MOST)))
+    for name, count in pairs:
+        if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
+            raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MOST}")
+    if not pairs:
+        raise ValueError(
+            f"must be a whole number in {FEWEST}..{MOST}, or designs with their numbers, as in polar-disc:20,rotator:10"
+        )
+    counts = dict(pairs)
+    if len(counts) < len(pairs):
+        raise ValueError("names a design twice; add its numbers up")
+    check(sum(counts.values()), f"--count {','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
+    return counts
 
 
 def check(count: int, told: str) -> int:

@@ -112,8 +112,8 @@ def checked(job: Job) -> Job:
     run = job.scene.run
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(
-            f"--rate {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
-            "of a run at least: raise --rate or --seconds"
+            f"--rate-hz {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
+            "of a run at least: raise --rate-hz or --seconds"
         )
     check(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
     return job

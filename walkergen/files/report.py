@@ -240,6 +240,10 @@ class Report:
     """Files that people are told of, a line each."""
     folder: Path | None = None
     """Where it was written."""
+    errors: Sequence[str] = ()
+    """What makes a command fail that shows this, a line each."""
+    code: int = 0
+    """Exit code of a command that shows this: 130 where it was interrupted."""
 
     @property
     def table(self) -> Table:

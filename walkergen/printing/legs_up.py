@@ -84,7 +84,7 @@ def _soft(design: Design) -> Iterator[Finding]:
     if not design.rigid and spread < LEAST_SPREAD_PERCENT:
         enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
         what = "legs printed upright bend across their layers, which is weaker and softer: the deviation of E"
-        change = f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (walkergen bench)"
+        change = f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (calibrate pluck)"
         yield new(About.LEGS, "advice", what, spread, LEAST_SPREAD_PERCENT, "%", change)
 
 

@@ -1,1 +1,1 @@
-"""Job of `card`: what a crowd in a plane has to know of a walker, from runs or films."""
+"""Job of `crowd --card`: what a crowd in a plane has to know of a walker, from runs or films."""

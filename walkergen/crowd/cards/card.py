@@ -1,6 +1,6 @@
 """Card of a walker: what a crowd in a plane has to know of it, each number with its error.
 
-A card is measured from runs or films (`walkergen card`), written as JSON, and read again by the
+A card is measured from runs or films (`walkergen crowd --card`), written as JSON, and read again by the
 flat model of a crowd. Its frame is the walker seen from above: heading along +x, C at the origin.
 """
 
@@ -185,7 +185,7 @@ def read(path: Path) -> Card:
     """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
     data = reading.json_of(path)
     if not isinstance(data, dict):
-        raise InputError(f"{path}: holds no table of a card; give what `walkergen card` wrote")
+        raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
     return config.validate(data, Card, str(path), "")
 
 

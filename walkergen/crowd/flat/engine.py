@@ -169,13 +169,13 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     reasons = [found[0] for found in map(ERROR.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
-        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower --rate")
+        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower --rate-hz")
     if reason:
         return InputError(f"LAMMPS gave up: {reason}")
     if code < 0:
         named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
         if named == "SIGXFSZ":
-            return OutputError("LAMMPS could not write its dump: the file is too large; lower --rate")
+            return OutputError("LAMMPS could not write its dump: the file is too large; lower --rate-hz")
         return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 

@@ -1,1 +1,1 @@
-"""Job of `plate --calibration` and `calibrate`: strips, block and walker to measure, and after."""
+"""Job of `calibrate`: strips, block and walker to measure, and after."""

@@ -192,7 +192,7 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
         raise InputError(
             f"{path}:1: {what}; columns are {', '.join(HEADER)}: start from the form that "
-            "walkergen plate --calibration writes"
+            "walkergen calibrate plate writes"
         )
     return table.rows
 

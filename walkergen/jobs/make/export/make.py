@@ -64,15 +64,13 @@ def make(
         for file, data in of_caps:
             target.write(f"caps/{file}", data)
             written.append(folder / "caps" / file)
-    paths = [str(path) for path in written]
-    return Report(
-        name="export",
-        title="Exported walkers",
-        tables=[],
-        facts={"files": paths},
-        files=written,
-        lines=caps.advice(capped) if capped else [],
-    )
+    return _report(written, caps.advice(capped) if capped else [])
+
+
+def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:
+    """Report of files that were written."""
+    facts = {"files": [str(path) for path in files]}
+    return Report(name="export", title="Exported walkers", tables=[], facts=facts, files=files, lines=lines)
 
 
 def _single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
@@ -89,7 +87,7 @@ def _model(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
     return list(mjcf.files(design, scene))
 
 
-def one(design: Design, path: Path, scene: Scene | None = None) -> None:
+def one(design: Design, path: Path, scene: Scene | None = None) -> Report:
     """Write one walker into the file `path`, whose ending is one of FORMATS, or .xml for MuJoCo.
 
     The bytes are those of `make`. A scene is of MJCF, whose STL files come beside it. Raises
@@ -110,3 +108,4 @@ def one(design: Design, path: Path, scene: Scene | None = None) -> None:
     else:
         endings = ", ".join(f".{ending}" for ending in FORMATS) + f", {MODEL}"
         raise InputError(f"{str(path)!r}: must end in one of {endings}")
+    return _report([path], [])

@@ -79,7 +79,7 @@ class Ask(NamedTuple):
 
 
 def of(
-    names: tuple[str | None, str | None, str | None],
+    sources: tuple[Any, Any, Any],
     near: Path,
     space: Space,
     constants: Mapping[str, Any],
@@ -88,37 +88,43 @@ def of(
     keep: Sequence[str] | None,
     source: str,
 ) -> Ask:
-    """Sweep of a design, a scene and a printer by name, with keys set for all points.
+    """Sweep of a design, a scene and a printer, by name or as they are, with keys set for all points.
 
     Paths begin at the folder `near`. Raises InputError, for constants with `source`.
     """
-    design, scene, printer = names
+    design, scene, printer = sources
     for key in constants:
         request.check(key, f"{source} {key}")
     own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
     model = model_of(model, (*space.keys, *constants))
-    walkers = templates.path_of(design or PAPER, "walkers", near)
-    ground = templates.path_of(scene or scene_for(model), "scenes", near)
-    walker, data = assignments.with_data(walkers, Design, own, source)
-    return Ask(
-        walker,
-        data,
-        assignments.read(ground, Scene, scenes, source, SCENES),
-        None if printer is None else templates.load(printer, "printers", Printer, near),
-        space,
-        tuple(constants),
-        model,
-        error,
-        keep,
-    )
+    if isinstance(design, Design):
+        walker, data = assignments.changed(design, own, source), None
+    else:
+        walker, data = assignments.with_data(templates.path_of(design or PAPER, "walkers", near), Design, own, source)
+    ground = scene or scene_for(model)
+    if isinstance(ground, Scene):
+        ground = assignments.changed(ground, scenes, source, SCENES)
+    else:
+        ground = assignments.read(templates.path_of(ground, "scenes", near), Scene, scenes, source, SCENES)
+    if not isinstance(printer, Printer | None):
+        printer = templates.load(printer, "printers", Printer, near)
+    return Ask(walker, data, ground, printer, space, tuple(constants), model, error, keep)
 
 
 def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
     file = sweep_file.read(path)
-    names = file.design, file.scene, file.printer
-    return of(names, file.folder, file.space, file.constants, file.model, file.error, file.keep, f"{path}: set")
+    return of(
+        (file.design, file.scene, file.printer),
+        file.folder,
+        file.space,
+        file.constants,
+        file.model,
+        file.error,
+        file.keep,
+        f"{path}: set",
+    )
 
 
 def model_of(model: str | None, keys: Sequence[str]) -> str:
@@ -131,12 +137,11 @@ def scene_for(model: str) -> str:
     return kinds.named(kinds.kind_of(model)).SCENE
 
 
-def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
-    """Space of KEY=VALUES as on a command line, and the keys of a single value. InputError."""
-    parsed = [axes.parse(text) for text in texts]
-    axes.check(parsed)
-    spans = tuple(entry for entry in parsed if isinstance(entry, Span))
-    lists = [entry for entry in parsed if isinstance(entry, Axis)]
+def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
+    """Space of axes and spans, and the keys of a single value. Raises InputError."""
+    axes.check(entries)
+    spans = tuple(entry for entry in entries if isinstance(entry, Span))
+    lists = [entry for entry in entries if isinstance(entry, Axis)]
     fixed = {axis.key: axis.values[0] for axis in lists if len(axis.values) == 1}
     varied = tuple(axis for axis in lists if len(axis.values) > 1)
     if sample is None:

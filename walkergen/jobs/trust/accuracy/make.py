@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
@@ -137,15 +136,6 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
         return None
     budget.budget_s = least
     return least
-
-
-def check(names: str) -> list[str]:
-    """Parse a comma-separated list of ladders. Raises InputError."""
-    ladders = [word.strip() for word in names.split(",")]
-    for word in ladders:
-        if word not in LADDERS:
-            raise InputError(f"--only {word[:30]!r}: must be one of {', '.join(LADDERS)}")
-    return list(dict.fromkeys(ladders))
 
 
 def _answers(survey: Survey, title: str, progress: Progress) -> Answers:

@@ -1,0 +1,140 @@
+"""Functions of `import walkergen as wg`, made of the requests of commands, and their types for editors.
+
+`python -m walkergen.api.front` prints walkergen/__init__.pyi.
+"""
+
+import ast
+from collections.abc import Callable
+from functools import cache
+from inspect import Parameter, Signature, getdoc, getsourcefile
+from pathlib import Path
+from textwrap import indent
+from types import UnionType
+from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
+
+import walkergen
+from walkergen.commands import COMMANDS, request_of
+
+if TYPE_CHECKING:
+    from walkergen.request import Request
+FUNCTIONS = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
+"""Commands that are functions of Python too."""
+
+HEADER = """\
+# Made of the requests by `python -m walkergen.api.front`
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal
+
+{imports}
+
+__version__: str
+
+Name = str | os.PathLike[str]
+Walker = Design | Name
+Ground = Scene | Name
+Machine = Printer | Name
+"""
+
+TYPES = (
+    "from walkergen.api.loading import load, templates",
+    "from walkergen.crowd.cards.card import Card",
+    "from walkergen.errors import WalkergenError",
+    "from walkergen.files.progress import Progress",
+    "from walkergen.printing.printers import Printer",
+    "from walkergen.scene import Scene",
+    "from walkergen.walker.design import Design",
+    "from walkergen.walker.limbs import Kind",
+)
+"""Imports of the types of arguments."""
+
+
+@cache
+def function(name: str) -> Callable[..., Any]:
+    """Function that runs a request: as its command does, but that it writes a folder where it is told one."""
+    request, signature = request_of(name), signature_of(name)
+
+    def call(*given: Any, **named: Any) -> Any:
+        values = signature.bind(*given, **named).arguments
+        progress = values.pop("progress", None)
+        from walkergen.files.progress import silent
+
+        return request.asked(values).run(progress or silent)
+
+    call.__name__ = call.__qualname__ = name
+    call.__module__ = "walkergen"
+    call.__doc__ = getdoc(request)
+    call.__signature__ = signature  # type: ignore[attr-defined]
+    call.__annotations__ = {own.name: own.annotation for own in signature.parameters.values()}
+    return call
+
+
+def signature_of(name: str) -> Signature:
+    """Signature of a function: arguments by position, then all others by name; types are as an editor shows them."""
+    request = request_of(name)
+    fields = request.model_fields
+    first = [field for field in request.by_position if field in fields]
+    names = [*first, *(field for field in fields if field not in first)]
+    parameters = []
+    for field in names:
+        own = fields[field]
+        kind = Parameter.POSITIONAL_OR_KEYWORD if field in first else Parameter.KEYWORD_ONLY
+        default = Parameter.empty if own.is_required() else own.get_default()
+        parameters.append(Parameter(field, kind, default=default, annotation=_type_of(request, field)))
+    told = Parameter("progress", Parameter.KEYWORD_ONLY, default=None, annotation="Progress | None")
+    return Signature([*parameters, told], return_annotation=request.run.__annotations__["return"])
+
+
+def _type_of(request: "type[Request]", field: str) -> str:
+    """Type of what Python gives for a field."""
+    from walkergen.request import flag
+
+    return flag(request, field).takes or _text(request.model_fields[field].annotation)
+
+
+def _text(kind: Any) -> str:
+    """Type as it is written: a union by bars."""
+    if get_origin(kind) in (Union, UnionType):
+        return " | ".join(map(_text, get_args(kind)))
+    if kind is type(None):
+        return "None"
+    return kind.__name__ if isinstance(kind, type) else str(kind).replace("typing.", "")
+
+
+def stub() -> str:
+    """Types of all that walkergen offers: text of walkergen/__init__.pyi."""
+    imports = sorted({*TYPES, *(line for name in FUNCTIONS for line in _imports(name))})
+    parts = [HEADER.format(imports="\n".join(imports)), f"__all__ = {walkergen.__all__!r}\n"]
+    for name in FUNCTIONS:
+        own = signature_of(name)
+        lines = [f"    {_parameter(parameter)}," for parameter in own.parameters.values()]
+        at = next(place for place, one in enumerate(own.parameters.values()) if one.kind is Parameter.KEYWORD_ONLY)
+        lines.insert(at, "    *,")
+        text = str(getdoc(request_of(name)))
+        doc = indent(f'"""{text}\n"""' if "\n" in text else f'"""{text}"""', "    ")
+        parts.append("\n".join([f"def {name}(", *lines, f") -> {own.return_annotation}:", doc, ""]))
+    return "\n".join(parts)
+
+
+def _parameter(parameter: Parameter) -> str:
+    """Parameter as a stub has it."""
+    default = "" if parameter.default is Parameter.empty else f" = {parameter.default!r}"
+    return f"{parameter.name}: {parameter.annotation}{default}"
+
+
+def _imports(name: str) -> list[str]:
+    """Lines that import the reports of a function, as the module of its request does for its types."""
+    request = request_of(name)
+    tree = ast.parse(Path(str(getsourcefile(request))).read_text(encoding="utf-8"))
+    returned = str(request.run.__annotations__["return"]).split(" | ")
+    return [
+        f"from {node.module} import {alias.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.name in returned
+    ]
+
+
+if __name__ == "__main__":
+    print(stub(), end="")

@@ -1,0 +1,41 @@
+"""What `app` is asked for."""
+
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from walkergen import request
+from walkergen.files.progress import Progress
+from walkergen.request import Flag
+
+FOLDER = Path("out") / "app"
+"""Folder of all that pages write."""
+
+
+class AppRequest(request.Request):
+    """Design a walker on a page in the browser: slide its tilt, see how it runs, take the files.
+
+    The page is served from this machine to this machine alone, and works without a network. Ctrl-C ends it.
+    """
+
+    reports: ClassVar = False
+
+    design: request.Walker = request.PAPER
+    scene: request.Ground = request.LANE
+    printer: request.Machine = request.PRUSA
+    set: request.Settings = {}
+    port: Annotated[int, Field(ge=0, le=65535), Flag("Port; 0: any that is free.", "N")] = 8765
+    host: Annotated[str, Flag("Address of this machine that others may call.", "ADDRESS")] = "127.0.0.1"
+    browser: Annotated[bool, Flag("Open the page in a browser.")] = True
+
+    def run(self, progress: Progress) -> None:
+        """Serve pages until Ctrl-C."""
+        from walkergen.app import serving
+        from walkergen.app.document import Document
+
+        given = self.inputs()
+        given.design(self.design), given.scene(self.scene), given.printer(self.printer)
+        document = Document(self.design, self.scene, self.printer, given.values)
+        anew = document != Document(request.PAPER, request.LANE, request.PRUSA, {})
+        serving.serve(document, anew, FOLDER, self.host, self.port, self.browser)

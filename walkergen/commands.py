@@ -1,0 +1,73 @@
+"""Commands: under which heading of the help each stands, where its request is, and two examples."""
+
+from importlib import import_module
+from typing import Any, NamedTuple
+
+
+class Command(NamedTuple):
+    """Command NAME, made of `NameRequest` in `request.py` of a folder; so is the function of Python, `wg.NAME`."""
+
+    heading: str
+    folder: str
+    """Folder below walkergen, dotted; "" of `templates`, which has commands below it."""
+    example: str
+    """Words after `walkergen`; files in them are the user's own."""
+    other: str
+    """Words of a second example."""
+
+
+COMMANDS = {
+    "app": Command("Design", "app", "app", "app my.toml --port 0"),
+    "family": Command("Make", "jobs.make.family", "family --page", "family maker-large --tilt 5:20:5 --copies 4"),
+    "export": Command(
+        "Make", "jobs.make.export", "export --tilt 12 --format stl,3mf", "export my.toml --tilt 10 --format mjcf"
+    ),
+    "check": Command("Make", "jobs.make.check", "check my.toml --tilt 5,10 --printer ender3", "check part.stl"),
+    "plate": Command(
+        "Make", "jobs.make.plate", "plate --tilt 5,10,15 --copies 8", "plate --orders orders.csv --how-many"
+    ),
+    "design": Command("Make", "jobs.make.design", "design --speed 80", "design --fastest --vary legs.length_mm=4:9"),
+    "predict": Command(
+        "Predict", "jobs.run.predict", "predict --tilt 5:30:5", "predict my.toml --tilt 10 --weights weights.csv"
+    ),
+    "sweep": Command(
+        "Predict",
+        "jobs.run.sweep",
+        "sweep --set legs.tilt_deg=0:40:2",
+        "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
+    ),
+    "simulate": Command("Simulate", "jobs.run.simulate", "simulate --tilt 10", "simulate --tilt 10 --error 5%"),
+    "crowd": Command(
+        "Simulate", "crowd", "crowd --count 30 --arena disc:120 --seconds 20", "crowd koumakis2016 --card"
+    ),
+    "movie": Command("Simulate", "jobs.run.movie", "movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
+    "explain": Command("Simulate", "jobs.run.explain", "explain --tilt 10", "explain --scene plane-noisy --no-cost"),
+    "track": Command(
+        "Measure", "track.film", "track film.mp4 --mm-per-px 0.1", "track film.mp4 --length 28 --heading mark --fps 240"
+    ),
+    "analyse": Command(
+        "Measure",
+        "track.analyse",
+        "analyse film.csv --fps 50 --mm-per-px 0.1",
+        "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
+    ),
+    "fit": Command("Measure", "lab.fit", "fit speeds.csv", "fit speeds.csv --predict 8,12"),
+    "calibrate": Command(
+        "Measure", "lab.calibrate", "calibrate plate --printer ender3", "calibrate drop --measured 0.5 --tries 10"
+    ),
+    "accuracy": Command(
+        "Trust", "jobs.trust.accuracy", "accuracy --budget 30s", "accuracy --tilt 10 --only models,steps"
+    ),
+    "selftest": Command("Trust", "jobs.trust.selftest", "selftest", "selftest --only 6.7"),
+    "reproduce": Command(
+        "Trust", "jobs.trust.reproduce", "reproduce --tilt 5,10,20 --runs 8", "reproduce --gamma 1.5,1.8"
+    ),
+    "templates": Command("Files", "", "templates", "templates copy koumakis2016 my.toml"),
+}
+"""Commands by their names, in the order of the help."""
+
+
+def request_of(name: str) -> Any:
+    """Request of a command, a class of `walkergen.request.Request`."""
+    module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
+    return getattr(module, f"{name.capitalize()}Request")

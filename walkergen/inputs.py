@@ -1,0 +1,244 @@
+"""Designs, scenes and printers that a request names: files, or what they hold, with keys set anew.
+
+Whatever sets a key goes one way: a flag of its own (--gamma) and --set scene.drive.gamma=2 both become a dotted key
+with a value, and the file is read as if that stood in it.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.files.key_names import KINDS, TILTS
+
+if TYPE_CHECKING:
+    from walkergen.files.config import Model
+    from walkergen.points.worker_pool import WorkerPool
+    from walkergen.printing.printers import Printer
+    from walkergen.scene import Scene
+    from walkergen.walker.design import Design
+    from walkergen.walker.limbs import Kind
+    from walkergen.walker.weights import Weighings
+
+FAMILY_TILTS, FAMILY_KINDS = ("family.tilt_deg",), ("family.legs",)
+"""Keys of a design that --tilt and --legs set of a whole family."""
+
+MARKERS = ("aruco",)
+"""Markers that caps may bear: OpenCV's ArUco."""
+
+
+class Inputs(NamedTuple):
+    """Values that a request gives to keys of files."""
+
+    values: Mapping[str, Any]
+    """Values by dotted keys; those of a scene and a printer begin with these words."""
+    flags: Mapping[str, str]
+    """Flags that gave them, with their values, by key."""
+
+    def design(self, source: Any) -> "Design":
+        """Walker as it is, with a template's name, or at a file's path. Raises InputError."""
+        from walkergen.walker.design import Design
+
+        return self._read(source, "walkers", Design, "design")
+
+    def scene(self, source: Any, otherwise: Mapping[str, Any] | None = None) -> "Scene":
+        """Scene as it is, with a template's name, or at a file's path. Raises InputError.
+
+        What a job has of its own for a key, `otherwise`, holds where nothing sets it.
+        """
+        from walkergen.scene import Scene
+
+        own = {key: value for key, value in (otherwise or {}).items() if not _set_by(self.values, key)}
+        return self._replace(values={**self.values, **own})._read(source, "scenes", Scene, "scene")
+
+    def printer(self, source: Any) -> "Printer":
+        """Printer as it is, with a template's name, or at a file's path. Raises InputError."""
+        from walkergen.printing.printers import Printer
+
+        return self._read(source, "printers", Printer, "printer")
+
+    def printers(self, sources: Any) -> "list[Printer]":
+        """Printers of a comma-separated list, or a single one. Raises InputError for a repeated name."""
+        listed = [name.strip() for name in sources.split(",")] if isinstance(sources, str) else [sources]
+        printers = [self.printer(source) for source in listed]
+        names = [printer.name for printer in printers]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(f"--printer {str(sources)[:60]!r}: two printers are called {name}", "printer")
+        return printers
+
+    def _read(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
+        """Read what is of a kind, with the values of its keys."""
+        from walkergen.files import assignments, templates
+
+        prefix = "" if thing == "design" else f"{thing}."
+        own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
+        if isinstance(source, model):
+            return assignments.changed(source, own, "command line", prefix)
+        if not isinstance(source, (str, Path)):
+            raise InputError(
+                f"{thing}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
+                "template or the path of a TOML file",
+                thing,
+            )
+        return assignments.read(templates.path_of(source, folder), model, own, "command line", prefix)
+
+    def of(self, thing: str) -> list[str]:
+        """Keys of a design, a scene or a printer that are set."""
+        return [key for key in self.values if thing_of(key) == thing]
+
+    def one(self, source: Any, tilt: float | None, legs: "Kind | None") -> "Design":
+        """Walker of a tilt (deg) and a kind of legs, or of its own."""
+        (member,) = self.members(
+            self.design(source), None if tilt is None else [tilt], None if legs is None else [legs], whole=False
+        )
+        return member
+
+    def members(
+        self, design: "Design", tilts: Sequence[float] | None, kinds: "Sequence[Kind] | None", whole: bool
+    ) -> "list[Design]":
+        """Variants of a design, kinds outermost; without tilts and kinds its own or, if `whole`, its family's."""
+        self._refuse_twice(tilts, kinds, whole)
+        if not whole:
+            tilts = [design.tilt_deg] if tilts is None else tilts
+            kinds = [design.kind] if kinds is None else kinds
+        return design.members(tilts, kinds)
+
+    def batch(
+        self,
+        design: "Design",
+        tilts: Sequence[float] | None,
+        kinds: "Sequence[Kind] | None",
+        copies: int | Mapping[float, int],
+        whole: bool,
+    ) -> "tuple[list[Design], list[int]]":
+        """Variants as `members` lists them, and the copies of each; copies by tilt name the tilts."""
+        if isinstance(copies, int):
+            members = self.members(design, tilts, kinds, whole)
+            return members, [copies] * len(members)
+        if tilts is not None:
+            raise InputError("--copies: names the tilts: leave --tilt out", "copies")
+        self.refuse(TILTS + FAMILY_TILTS, "--copies names the tilts: leave one of them out")
+        members = self.members(design, list(copies), kinds, whole)
+        return members, [copies[member.tilt_deg] for member in members]
+
+    def _refuse_twice(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
+        """Refuse keys that --tilt and --legs set too, and of a family those that it replaces."""
+        if whole:
+            advice = "a family has the tilts of family.tilt_deg: --tilt 12, or --set"
+            self.refuse(TILTS, f"{advice} 'family.tilt_deg=[12]'")
+            advice = "a family has the kinds of family.legs: --legs braced, or --set"
+            self.refuse(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
+        for flag, values, keys in (
+            ("--tilt", tilts, FAMILY_TILTS if whole else TILTS),
+            ("--legs", kinds, FAMILY_KINDS if whole else KINDS),
+        ):
+            if values is not None:
+                self.refuse(keys, f"{flag} {','.join(map(str, values))} sets it too: leave one of them out")
+
+    def refuse(self, keys: Sequence[str], why: str) -> None:
+        """Raise InputError for the first of some keys that is set."""
+        for key in keys:
+            if own := _set_by(self.values, key):
+                raise InputError(f"{self.flags[own]}: {why}", key)
+
+
+def of(settings: Mapping[str, Any], flags: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
+    """Values by --set and by flags of their own, each a key's flag and value.
+
+    `things` are those whose keys a job takes: some of design, scene, printer. Raises InputError for keys of others,
+    for a key with two values, and for one within another.
+    """
+    values = {key: value for key, (_, value) in flags.items()}
+    names = {key: f"{flag} {value}" for key, (flag, value) in flags.items()}
+    for key, value in settings.items():
+        name = f"--set {key[:60]}"
+        if thing_of(key) not in things:
+            known = " and the ".join(things)
+            told = f"--set {key[:60]}: this command takes no {thing_of(key)}; it has keys of the {known}"
+            raise InputError(told, key)
+        for other, first in names.items():
+            if other == key or _within(key, other) or _within(other, key):
+                raise InputError(f"{name}: {first} sets it too: leave one of them out", key)
+        values[key], names[key] = value, name
+    return Inputs(values, names)
+
+
+def thing_of(key: str) -> str:
+    """Thing that a key belongs to: design, scene or printer."""
+    first, dot, _ = key.partition(".")
+    return first if dot and first in ("scene", "printer") else "design"
+
+
+def _within(key: str, table: str) -> bool:
+    """True for a key in a table, or in an entry of a list."""
+    return key.startswith((f"{table}.", f"{table}["))
+
+
+def _set_by(values: Mapping[str, Any], key: str) -> str:
+    """Key that sets a key: itself, or a table given as a whole that has it; "" for none."""
+    for other, value in values.items():
+        rest = key.removeprefix(f"{other}.")
+        inside = isinstance(value, Mapping) and rest != key and rest in value
+        if other == key or inside:
+            return other
+    return ""
+
+
+def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, Weighings], list[str]]":
+    """Masses of members from a balance, by their names, and what is to be said of other walkers' rows."""
+    if path is None:
+        return {}, []
+    from walkergen.walker import weights
+
+    weighings, unused = weights.read(path, members), weights.unused(path, members)
+    few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
+    return weighings, [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
+
+
+def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
+    """Walkers with caps of the markers that --caps asks for, where they have none yet."""
+    from walkergen.files.assignments import changed
+
+    if markers is None:
+        return list(members)
+    cap = {"cap.kind": "engraved"}
+    return [changed(design, cap, design.name) if design.cap is None else design for design in members]
+
+
+def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
+    """What is to be said of forms for masses that were left as somebody had changed them."""
+    from walkergen.walker import names, weights
+
+    paths = [folder / weights.form(members, name) for name in names.by_design(members)]
+    return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.filled(path)]
+
+
+def check_mode(mode: str, scene: "Scene") -> None:
+    """Raise InputError for the theory of the paper under a law for which it does not hold."""
+    if mode == "paper" and scene.contact.law != "poisson":
+        raise InputError(
+            f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: use --mode coulomb",
+            "mode",
+        )
+
+
+@contextmanager
+def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
+    """Workers for points; none, unless asked for, where so `few` are faster in this process.
+
+    Raises InputError for a number of processes of a cluster, and for one that does not answer.
+    """
+    from walkergen.points import worker_pool
+
+    if dask is not None:
+        if workers is not None:
+            raise InputError(f"--workers {workers}: not with --dask, which has its own", "workers")
+        with worker_pool.dask(dask) as pool:
+            yield pool
+    elif few and workers is None:
+        yield None
+    else:
+        with worker_pool.local(workers) as pool:
+            yield pool

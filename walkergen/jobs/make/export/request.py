@@ -1,0 +1,76 @@
+"""What `export` is asked for."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from walkergen import inputs, request
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.files.report import Report
+
+HELP = (
+    "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
+    "are prisms, outlines of bodies in plan view; mjcf: the walker on its plate, for MuJoCo. STEP "
+    "needs a heavy kernel and is not written."
+)
+
+ENDING = re.compile(r"\.(?!\d+$)[A-Za-z0-9]{1,4}")
+"""Ending of a file's name, by which it is none of a folder."""
+
+Format = Literal["stl", "3mf", "dxf", "svg", "mjcf"]
+
+
+class ExportRequest(request.Request):
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
+
+    by_position: ClassVar = ("design", "out")
+
+    design: request.Walker = request.PAPER
+    tilt: request.Tilts = None
+    legs: request.Kinds = None
+    format: Annotated[list[Format], request.Words, Flag(HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
+    caps: request.Caps = None
+    scene: Annotated[
+        Any,
+        Flag(
+            "Scene of mjcf: a template or a TOML file; lane-90hz.",
+            "SCENE",
+            takes="Ground | None",
+            templates=("scenes",),
+        ),
+    ] = None
+    set: request.Settings = {}
+    out: Annotated[
+        Path | None,
+        request.Target,
+        Flag(
+            "Folder to write to, or a file whose ending says the format; out/NAME by default.",
+            "FOLDER",
+            takes="Name | None",
+        ),
+    ] = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Write the walkers."""
+        from walkergen.jobs.make.export import make
+
+        single = self.out is not None and ENDING.fullmatch(self.out.suffix) is not None
+        moving = self.out.suffix.lower() == make.MODEL if self.out and single else make.MJCF in self.format
+        if self.scene is not None and not moving:
+            raise InputError(f"--scene {str(self.scene)[:60]}: only --format {make.MJCF} has a scene", "scene")
+        given = self.inputs()
+        if not moving:
+            given.refuse(given.of("scene"), f"only --format {make.MJCF} has a scene")
+        scene = given.scene(self.scene or request.LANE) if moving else None
+        design = given.design(self.design)
+        members = inputs.capped(given.members(design, self.tilt, self.legs, whole=False), self.caps)
+        if self.out is not None and single:
+            self.refuse(f"{self.out} says the format of one file", "format", "caps")
+            if len(members) > 1:
+                raise InputError(f"--out {self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
+            return make.one(members[0], self.out, scene)
+        return make.make(members, self.format, self.out or Path("out") / design.name, progress, scene)

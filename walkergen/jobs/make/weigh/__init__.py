@@ -1,1 +1,0 @@
-"""Job of `weigh`: mass properties of any mesh file."""

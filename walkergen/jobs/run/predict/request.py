@@ -1,0 +1,46 @@
+"""What `predict` is asked for."""
+
+from typing import TYPE_CHECKING, ClassVar
+
+from walkergen import inputs, request
+from walkergen.files.progress import Progress
+
+if TYPE_CHECKING:
+    from walkergen.jobs.run.predict.report import PredictReport
+
+
+class PredictRequest(request.Request):
+    """Predict the speed of walkers, without writing any file.
+
+    With --uncertain it says, for each, which input to measure next to narrow the bounds.
+    """
+
+    by_position: ClassVar = ("design", "scene", "tilt")
+
+    design: request.Walker = request.PAPER
+    tilt: request.Tilts = None
+    legs: request.Kinds = None
+    scene: request.Ground = request.LANE
+    restitution: request.Restitution = None
+    friction: request.Friction = None
+    gamma: request.Gamma = None
+    frequency: request.Frequency = None
+    mode: request.Mode = "coulomb"
+    law: request.Law = None
+    set: request.Settings = {}
+    weights: request.Weights = None
+    uncertain: request.Uncertain = False
+
+    def run(self, progress: Progress) -> "PredictReport":
+        """Predict the walkers."""
+        from dataclasses import replace
+
+        from walkergen.jobs.run.predict import make
+
+        given = self.inputs()
+        design, scene = given.design(self.design), given.scene(self.scene)
+        inputs.check_mode(self.mode, scene)
+        members = given.members(design, self.tilt, self.legs, whole=False)
+        masses, warnings = inputs.weighed(self.weights, members)
+        report = make.predict(design, members, scene, self.mode, masses, self.uncertain)
+        return replace(report, warnings=[*report.warnings, *warnings])

@@ -1,0 +1,188 @@
+"""What `calibrate` is asked for."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from walkergen import request
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.files.report import Report
+    from walkergen.inputs import Inputs
+    from walkergen.jobs.run.movie.make import Made
+    from walkergen.lab.bench.make import Drop, Test
+    from walkergen.printing.findings import Finding
+
+FPS = 20
+"""Frames per second of the film of a drop."""
+
+WHOLE = "form"
+"""What a form filled in is called in `OWN`."""
+
+TESTED = ("drop", "slide", "pluck")
+SIMULATED = (WHOLE, "drop")
+OWN = {
+    "by": (WHOLE,),
+    "roll_deg": SIMULATED,
+    "drops": SIMULATED,
+    "seed": SIMULATED,
+    "restitution": ("drop",),
+    "friction": ("drop",),
+    "measured": TESTED,
+    "measured_sd": TESTED,
+    "tries": ("drop",),
+    "height_mm": ("drop",),
+    "decrement": ("pluck",),
+    "decrement_sd": ("pluck",),
+    "movie": ("drop",),
+    "scene": (WHOLE, *TESTED),
+    "printer": ("plate",),
+    "max_plates": ("plate",),
+    "prusaslicer": ("plate",),
+    "strict": ("plate",),
+}
+"""Fields that are of some calibrations alone."""
+
+
+class CalibrateRequest(request.Request):
+    """Estimate Young's modulus, density, friction, damping and restitution from your readings.
+
+    `calibrate plate` makes a plate to measure: strips of four thicknesses, a block and one walker, with a sheet and a
+    form. Filled in with readings by a ruler and a phone, the form is what `calibrate FORM.csv` takes. What it holds is
+    estimated, with errors from those of the readings and from their scatter, and written into design.toml and
+    scene.toml for `family` and `simulate`; what it lacks stays as design and scene have it. Of films it takes those of
+    slides: the quantity filmed_deg, angle of the incline, with a column tracks that names the film's tracks.csv. A
+    drop test of the walker is simulated (a minute), the rest takes a second.
+
+    `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
+    drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
+    tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
+    frequency (Hz), which tells Young's modulus, and the --decrement, which tells damping.
+    """
+
+    by_position: ClassVar = ("what", "design", "scene")
+
+    what: Annotated[
+        Any,
+        request.AsText,
+        Flag(
+            "Form of `calibrate plate`, filled in; or plate; or a test to simulate: drop, slide or pluck.",
+            "WHAT",
+            takes="Name",
+            argument=True,
+        ),
+    ]
+    design: request.Filmed = request.PAPER
+    tilt: request.Tilt = None
+    legs: request.Legs = None
+    scene: request.Ground = request.LANE
+    restitution: request.Restitution = None
+    friction: request.Friction = None
+    by: Annotated[
+        Literal["deflection", "ring", "both"], Flag("What Young's modulus is by: deflection, ring or both.", "METHOD")
+    ] = "both"
+    roll_deg: Annotated[
+        float,
+        Field(ge=0.0, le=20.0),
+        Flag("Deviation of pitch and roll of drops from the hand, deg; 0: all let go flat.", "DEG"),
+    ] = 1.0
+    drops: Annotated[int, Field(ge=2, le=1000), Flag("Simulated drops from the hand for each point.", "N")] = 24
+    seed: request.Seed = None
+    measured: Annotated[
+        float | None, Flag("Rebound of a drop, slope (deg) of a slide, frequency (Hz) of a pluck.", "NUMBER")
+    ] = None
+    measured_sd: Annotated[float | None, Flag("Standard error of the measured number.", "NUMBER")] = None
+    tries: Annotated[int, Field(ge=1, le=10_000), Flag("Drops whose mean was measured.", "N")] = 1
+    height_mm: Annotated[float, Field(ge=0.01, le=1000.0), Flag("Height of the drop, mm.", "MM")] = 10.0
+    decrement: Annotated[
+        float | None, Flag("Logarithm of a swing over the next on the same side, of a pluck.", "NUMBER")
+    ] = None
+    decrement_sd: Annotated[float | None, Flag("Standard error of the decrement.", "NUMBER")] = None
+    movie: Annotated[
+        Path | None, request.Target, Flag("GIF of a drop from the hand; MP4 beside it.", "FILE", takes="Name | None")
+    ] = None
+    printer: request.Machines = request.PRUSA
+    max_plates: request.MaxPlates = None
+    prusaslicer: request.ForPrusaSlicer = False
+    strict: request.Strict = False
+    set: request.Settings = {}
+    pictures: request.Pictures = True
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Make a plate to measure, simulate a test, or estimate from a filled form."""
+        what = self.what if self.what in (*TESTED, "plate") else WHOLE
+        for field, owners in OWN.items():
+            if what not in owners:
+                self.refuse(f"is of calibrate {', '.join(owners)}, not of {what}", field)
+        given = self.inputs()
+        other = "scene" if what == "plate" else "printer"
+        given.refuse(given.of(other), f"this command takes no {other} for {what}; leave it out")
+        if what == "plate":
+            return self._plate(given, progress)
+        if what == WHOLE:
+            return self._form(given, progress)
+        return self._test(given, what, progress)
+
+    def _form(self, given: "Inputs", progress: Progress) -> "Report":
+        """Estimate what a filled form tells."""
+        from walkergen.files import output
+        from walkergen.lab.calibrate import make
+
+        walker, scene, path = given.one(self.design, self.tilt, self.legs), given.scene(self.scene), Path(self.what)
+        job = make.Job(walker, scene, self.roll_deg, self.drops, self.pictures, self.by)
+        return make.calibrate(path, job, output.results(path, self.out, "calibrate"), progress)
+
+    def _plate(self, given: "Inputs", progress: Progress) -> "Report":
+        """Make a plate to measure."""
+        from walkergen.lab.calibrate import form, plate
+        from walkergen.printing import findings as printed
+
+        walker = given.one(self.design, self.tilt, self.legs)
+        printers, findings = given.printers(self.printer), list["Finding"]()
+        order = plate.Order(walker, printers, self.max_plates, self.pictures, self.prusaslicer, self.strict)
+        folder = self.out or Path("out") / walker.name
+        report = plate.make(order, folder, progress, findings.extend)
+        warnings, kept = printed.warnings(findings), folder / plate.STEM / form.FILE
+        if kept not in report.files:
+            warnings.append(f"{kept}: somebody has written in it: left as it is")
+        return replace(report, warnings=warnings)
+
+    def _test(self, given: "Inputs", what: str, progress: Progress) -> "Report":
+        """Simulate a test, and invert what was measured."""
+        from walkergen.lab import inverse
+        from walkergen.lab.bench import make
+
+        if self.movie is not None and self.movie.suffix.lower() != ".gif":
+            told = f"--movie {str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
+            raise InputError(told, "movie")
+        walker = given.one(self.design, self.tilt, self.legs)
+        seen = inverse.measured(self.measured, self.measured_sd, self.tries, make.MOST[what])
+        test = make.Test(walker, given.scene(self.scene), seen, self.pictures)
+        folder = self.out or make.folder_of(what, walker)
+        if what == "slide":
+            return make.slid(test, folder, progress)
+        if what == "pluck":
+            decay = inverse.measured(self.decrement, self.decrement_sd, 1, make.MOST_DECREMENT, "--decrement")
+            return make.plucked(test, decay, folder, progress)
+        how = make.Drop(self.height_mm, self.roll_deg, self.drops)
+        report = make.dropped(test, how, folder, progress)
+        if self.movie is None:
+            return report
+        return replace(report, files=[_filmed(test, how, self.movie, progress).gif])
+
+
+def _filmed(test: "Test", how: "Drop", path: Path, progress: Progress) -> "Made":
+    """Film of the first of the drops from the hand, from the release to where it rises no more."""
+    from walkergen.jobs.run.movie import make
+    from walkergen.lab import drops, resting
+
+    let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
+    seconds = drops.seconds_of(how.height)
+    job = make.plan([test.design], resting.filmed(test.scene), seconds=seconds, fps=FPS, view="perspective")
+    return make.make(job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress)

@@ -1,0 +1,410 @@
+"""Requests: what a job is asked for. Its command and its function for Python are made of the fields.
+
+A field has a type, a default, limits and a `Flag`, which has the help. Its validator reads what a shell gives, a text,
+and what Python gives; a value that means nothing is told by its flag. Options that several requests share are here.
+"""
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError, field_validator
+
+from walkergen import inputs
+from walkergen.errors import InputError
+from walkergen.files import assignments, config, plain, reading, words
+from walkergen.files.progress import Progress
+
+if TYPE_CHECKING:
+    from walkergen.analysis.track_files import Units
+    from walkergen.files.report import Report
+
+PAPER, LANE, PLANE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "prusa-mk3s"
+"""Templates of the walker, the scenes and the printer that requests begin with."""
+
+STEEPEST, MOST_TILTS, MOST_COPIES, LONGEST_S = 85, 1000, 5000, 86_400.0
+"""Largest tilt (deg), most tilts and copies of a request, longest budget of time (s)."""
+
+
+FORMS = {
+    "int_type": "must be a whole number",
+    "float_type": "must be a number",
+    "finite_number": "must be a number",
+    "missing": "is missing",
+}
+"""Forms of a value in words, by pydantic's names of the mistake of another."""
+
+SIGN = re.compile(r"±|\+/?-")
+"""Sign before an error."""
+
+Measured = tuple[float, float | None] | None
+"""Number with its standard error, where it has one."""
+
+
+class Flag(NamedTuple):
+    """How people meet a field: in a shell as an option, in Python as an argument of the field's name."""
+
+    help: str
+    metavar: str = ""
+    """What stands for the value in a help; for "" none does, as of a yes."""
+    name: str = ""
+    """Flag, where it is not the field's name with dashes."""
+    takes: str = ""
+    """Type of what Python gives, where it is wider than the field's."""
+    sets: str = ""
+    """Key of a file that the field sets."""
+    templates: tuple[str, ...] = ()
+    """Kinds of templates whose names the shell completes."""
+    argument: bool = False
+    """True where the shell gives it without a flag."""
+    repeats: bool = False
+    """True where the shell may give it several times."""
+
+
+class Request(BaseModel):
+    """What a job is asked for."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    by_position: ClassVar[tuple[str, ...]] = ("design", "scene")
+    """Fields that Python may give without their names."""
+
+    _shell: bool = PrivateAttr(False)
+    """True where a command asks."""
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _plain(cls, value: Any) -> Any:
+        """Number of numpy as one of Python."""
+        return value.item() if type(value).__module__ == "numpy" and not value.shape else value
+
+    @classmethod
+    def asked(cls, values: Mapping[str, Any], shell: bool = False) -> Self:
+        """Request of these values, of a command or of Python.
+
+        Raises InputError, a line for every value that means nothing.
+        """
+        try:
+            request = cls.model_validate(values)
+        except ValidationError as error:
+            lines = {_explained(cls, mistake): str(mistake["loc"][0]) for mistake in error.errors()}
+            raise InputError("\n".join(lines), *lines.values()) from None
+        request._shell = shell
+        return request
+
+    reports: ClassVar[bool] = True
+    """False of a job that has no report: a server."""
+
+    def run(self, progress: Progress) -> "Report | None":
+        """Do the job. Raises WalkergenError."""
+        raise NotImplementedError
+
+    def folder(self, default: Path) -> Path | None:
+        """Folder to write to: a command has a default one, a function of Python writes where it is told to."""
+        return getattr(self, "out", None) or (default if self._shell else None)
+
+    def about_s(self) -> float | None:
+        """Time (s) that it takes, where that is long and known."""
+        return None
+
+    def inputs(self, more: Mapping[str, tuple[str, Any]] = MappingProxyType({})) -> inputs.Inputs:
+        """Values that fields and --set give to keys of the design, and of the scene and printer that it has.
+
+        So do flags with `more` values, by keys.
+        """
+        flags = dict(more)
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if (key := flag(type(self), name).sets) and value is not None:
+                flags[key] = spelled(type(self), name), value
+        fields = {"design", "scene", "printer"} & set(type(self).model_fields)
+        things = [thing for thing in ("design", "scene", "printer") if thing in fields]
+        return inputs.of(getattr(self, "set", {}), flags, things)
+
+    def refuse(self, why: str, *fields: str) -> None:
+        """Raise InputError for the first of some fields that is not as it is by default."""
+        for name in fields:
+            value = getattr(self, name)
+            if value != type(self).model_fields[name].get_default(call_default_factory=True):
+                shown = "" if value is True else f" {plain.line(str(value))[:60]}"
+                raise InputError(f"{spelled(type(self), name)}{shown}: {why}; leave it out", name)
+
+
+def flag(request: type[Request], name: str) -> Flag:
+    """How people meet a field."""
+    return next(item for item in request.model_fields[name].metadata if isinstance(item, Flag))
+
+
+def spelled(request: type[Request], name: str) -> str:
+    """Field as a command line names it."""
+    own = flag(request, name)
+    return own.metavar.partition(".")[0] if own.argument else own.name or "--" + name.replace("_", "-")
+
+
+def _explained(request: type[Request], mistake: Any) -> str:
+    """Line on a mistake of pydantic's: flag, value seen, what is allowed."""
+    name, kind, value = str(mistake["loc"][0]), mistake["type"], mistake["input"]
+    if kind == "value_error":
+        rule = mistake["msg"].removeprefix("Value error, ")
+    else:
+        of_field = config.allowed((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
+        rule = (FORMS | config.FORMS).get(kind) or of_field or mistake["msg"]
+    shown = plain.line(repr(value) if isinstance(value, str) else str(value))[:60]
+    unquoted = rule.replace("'", "")
+    return f"{spelled(request, name)} {shown}: {unquoted}"
+
+
+def _number(text: object) -> float:
+    value = words.value(text) if isinstance(text, str) else text
+    if value is None or isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{str(text)[:30]!r} is not a number")
+    return float(value) + 0.0
+
+
+def _tilt(text: object) -> float:
+    value = _number(text)
+    if not -STEEPEST <= value <= STEEPEST:
+        raise ValueError(f"{str(text)[:30]} must lie in -{STEEPEST}..{STEEPEST} deg")
+    return value
+
+
+def _listed(value: Any) -> list[Any]:
+    """Entries of a text with commas, of anything with several values, or of a single one."""
+    if isinstance(value, str):
+        return [word.strip() for word in value.split(",")]
+    return list(value) if isinstance(value, Iterable) else [value]
+
+
+def parse_tilts(value: Any) -> list[float] | None:
+    """Tilts in degrees of a text: 10, or 5,10,15, or FIRST:LAST:STEP with both ends; or as they are."""
+    if value is None:
+        return None
+    tilts: list[float] = []
+    for piece in _listed(value):
+        numbers = [_tilt(word) for word in (piece.split(":") if isinstance(piece, str) else [piece])]
+        if len(numbers) not in (1, 3):
+            raise ValueError("write 10, or 5,10,15, or FIRST:LAST:STEP")
+        tilts += numbers if len(numbers) == 1 else _range(*numbers)
+    unique = list(dict.fromkeys(tilts))
+    if len(unique) > MOST_TILTS:
+        raise ValueError(f"{len(unique)} tilts; at most {MOST_TILTS}")
+    return unique
+
+
+def _range(first: float, last: float, step: float) -> list[float]:
+    if step == 0 or (last - first) / step < 0:
+        raise ValueError(f"step {step:g} does not lead from first to last")
+    count = (last - first) / step
+    if count > MOST_TILTS:
+        raise ValueError(f"more than {MOST_TILTS} tilts; take a larger step")
+    # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
+    return [round(first + index * step, 9) + 0.0 for index in range(int(count + 1e-9) + 1)]
+
+
+def _kinds(value: Any) -> list[Any] | None:
+    return None if value is None else list(dict.fromkeys(_listed(value)))
+
+
+def _copies(value: Any) -> int | dict[float, int]:
+    """Copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
+    if isinstance(value, Mapping):
+        pairs = list(value.items())
+    elif isinstance(value, str) and ":" in value:
+        pairs = [(word, count) for word, _, count in (piece.partition(":") for piece in value.split(","))]
+    else:
+        return _count(value)
+    if not pairs:
+        raise ValueError("no tilt: write copies by tilt, {10: 20, 15: 40}")
+    quotas: dict[float, int] = {}
+    for word, count in pairs:
+        tilt = _tilt(word)
+        quotas[tilt] = quotas.get(tilt, 0) + _count(count)
+    return quotas
+
+
+def _count(value: Any) -> int:
+    from walkergen.files import columns
+
+    plain = value.item() if hasattr(value, "item") else value
+    count = columns.whole(plain, MOST_COPIES) if isinstance(plain, str) else plain
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COPIES:
+        raise ValueError(
+            f"{str(value)[:30]!r} must be a whole number in 1..{MOST_COPIES}; write 8, or TILT:COPIES,TILT:COPIES"
+        )
+    return count
+
+
+def parse_settings(value: Any) -> dict[str, Any]:
+    """Values by keys, of KEY=VALUE each, or as they are. Raises InputError."""
+    if isinstance(value, Mapping):
+        return dict(value)
+    settings: dict[str, Any] = {}
+    for text in value or ():
+        key, word = assignments.split(text)
+        new = assignments.value_of(word)
+        if key in settings and repr(settings[key]) != repr(new):
+            raise InputError(f"--set {key[:60]}: given twice: leave one of them out", key)
+        settings[key] = new
+    return settings
+
+
+def parse_numbers(value: Any, low: float, high: float) -> list[float]:
+    """Numbers within bounds, of a text with commas or as they are."""
+    numbers = [_number(word) for word in _listed(value)]
+    if not all(low <= number <= high for number in numbers):
+        raise ValueError(f"each must lie in {low:g}..{high:g}")
+    return numbers
+
+
+def parse_time(value: Any) -> float | None:
+    """Seconds of a text with its unit, 60s, 5min, 5m or 1h, or of a number."""
+    units = {"min": 60.0, "m": 60.0, "s": 1.0, "h": 3600.0}
+    seconds = value
+    if isinstance(value, str):
+        unit = next((unit for unit in units if value.endswith(unit)), "")
+        number = words.value(value.removesuffix(unit))
+        if not unit or number is None:
+            raise ValueError("write a time with its unit: 60s, 5min, 1h")
+        seconds = number * units[unit]
+    if seconds is not None and not 1.0 <= seconds <= LONGEST_S:
+        raise ValueError(f"must lie in 1s..{LONGEST_S / 3600:g}h")
+    return None if seconds is None else float(seconds)
+
+
+def parse_measured(entry: Any) -> Measured:
+    """Number above 0, and its standard error in the same unit where it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
+    if entry is None:
+        return None
+    value, *errors = map(words.value, SIGN.split(str(entry)))
+    error = errors[0] if errors else 0.0
+    if value is None or value <= 0 or len(errors) > 1 or error is None or not 0 <= error < value:
+        raise ValueError(
+            "must be a number above 0, as 0.05, or with its standard error, at least 0 and below the "
+            "number, as 0.05±0.001 or 0.05+-0.001"
+        )
+    return value, error if errors else None
+
+
+def _path(value: Any) -> Path | None:
+    return Path(value) if isinstance(value, (str, os.PathLike)) else value
+
+
+def parse_paths(value: Any) -> list[Path]:
+    """Paths of files, of one or of several."""
+    return [Path(path) for path in ([value] if isinstance(value, (str, os.PathLike)) else value)]
+
+
+def _writable(value: Any) -> Path | None:
+    """Path to write to. Raises ValueError for a name that could not be read again."""
+    path = _path(value)
+    if isinstance(path, Path) and not reading.named_soundly(path):
+        raise ValueError("holds control characters; give another name")
+    return path
+
+
+File = BeforeValidator(_path)
+"""Path of a file to read, as text or as it is."""
+Target = BeforeValidator(_writable)
+"""Path of a file or folder to write."""
+AsText = BeforeValidator(lambda value: str(value) if isinstance(value, (int, float)) else value)
+"""Text for which Python may give a number."""
+Words = BeforeValidator(lambda value: None if value is None else _listed(value))
+"""List for which the shell gives a text with commas."""
+
+Kind = Literal["flexible", "braced"]
+Walker = Annotated[
+    Any, Flag("Walker: a template or a TOML file.", "DESIGN", takes="Walker", templates=("walkers",), argument=True)
+]
+Filmed = Annotated[
+    Any, Flag("Walker: a template or a TOML file.", "DESIGN", "--design", takes="Walker", templates=("walkers",))
+]
+Ground = Annotated[Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground", templates=("scenes",))]
+Machine = Annotated[
+    Any, Flag("Printer: a template or a TOML file.", "PRINTER", takes="Machine", templates=("printers",))
+]
+Machines = Annotated[
+    Any, Flag("Printers: templates or TOML files.", "PRINTER", takes="Machine", templates=("printers",))
+]
+Tilt = Annotated[float | None, Flag("Tilt of the legs.", "DEG")]
+Legs = Annotated[Kind | None, Flag("Kind of legs: flexible or braced.", "KIND")]
+Tilts = Annotated[
+    list[float] | None,
+    BeforeValidator(parse_tilts),
+    Flag("Tilts, deg: 10, or 5,10,15, or FIRST:LAST:STEP.", "DEG", takes="float | Iterable[float] | str | None"),
+]
+Kinds = Annotated[
+    list[Kind] | None,
+    BeforeValidator(_kinds),
+    Flag(
+        "Kinds of legs: flexible, braced, or flexible,braced.", "KIND", "--legs", takes="Kind | Iterable[Kind] | None"
+    ),
+]
+Restitution = Annotated[
+    float | None, Flag("Coefficient of restitution, 0..1.", "NUMBER", sets="scene.contact.restitution")
+]
+Friction = Annotated[float | None, Flag("Friction coefficient, >= 0.", "NUMBER", sets="scene.contact.friction")]
+Gamma = Annotated[float | None, Flag("Peak acceleration over g.", "NUMBER", sets="scene.drive.gamma")]
+Frequency = Annotated[float | None, Flag("Frequency of the drive, Hz.", "HZ", sets="scene.drive.frequency_hz")]
+Law = Annotated[
+    str | None,
+    Flag("Law of impact: poisson, newton or stronge; the last two not in space.", "LAW", sets="scene.contact.law"),
+]
+Mode = Annotated[Literal["coulomb", "paper"], Flag("Theory: coulomb (feet may stick) or paper (eq. 15).", "MODE")]
+Model = Annotated[
+    str | None, Flag("Model: rigid, relaxed, compliant, space or auto.", "MODEL", sets="scene.legs.model")
+]
+Seconds = Annotated[float | None, Flag("Measured time of each simulated run, s.", "S", sets="scene.run.seconds")]
+Runs = Annotated[int | None, Flag("Number of simulated runs.", "N", sets="scene.run.runs")]
+Seed = Annotated[int | None, Flag("Seed of the runs' random starts.", "N", sets="scene.run.seed")]
+Step = Annotated[float | None, Flag("Time step.", "MICROSECONDS", sets="scene.run.step_us")]
+Settings = Annotated[
+    dict[str, Any],
+    BeforeValidator(parse_settings),
+    Flag(
+        "Key of a file to change: legs.length_mm=9, scene.drive.gamma=2, printer.nozzle_mm=1.",
+        "KEY=VALUE",
+        takes="Mapping[str, Any]",
+        repeats=True,
+    ),
+]
+Weights = Annotated[
+    Path | None, File, Flag("Masses from a balance: a filled weights.csv.", "FILE", takes="Name | None")
+]
+Uncertain = Annotated[bool, Flag("Draw uncertain inputs; say what to measure next.")]
+Copies = Annotated[
+    Any,
+    BeforeValidator(_copies),
+    Flag(
+        "Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
+        "COPIES",
+        takes="int | Mapping[float, int] | str",
+    ),
+]
+Caps = Annotated[
+    Literal["aruco"] | None, Flag("Caps to glue on, with markers that `track --markers` reads: aruco.", "MARKERS")
+]
+MaxParts = Annotated[int, Field(ge=1, le=5000), Flag("Largest number of parts on a plate.", "N")]
+ForPrusaSlicer = Annotated[bool, Flag("Let PrusaSlicer list and slice all copies as one object.")]
+Strict = Annotated[bool, Flag("Refuse parts that get warnings, too.")]
+MaxPlates = Annotated[int | None, Field(ge=1, le=1000), Flag("Largest number of plates to use.", "N")]
+Workers = Annotated[int | None, Flag("Number of processes; all cores by default.", "N")]
+Fps = Annotated[float | None, Flag("Frames per second of the film.", "N")]
+YDown = Annotated[bool, Flag("Let y grow downward, as image rows do.")]
+MmPerPx = Annotated[
+    Measured,
+    BeforeValidator(parse_measured),
+    Flag("Millimetres per pixel of the film, as 0.05±0.001.", "MM", takes="float | str | None"),
+]
+Pictures = Annotated[bool, Flag("Draw the figures.")]
+Out = Annotated[Path | None, Target, Flag("Folder to write to; out/NAME by default.", "FOLDER", takes="Name | None")]
+
+
+def units(fps: float | None, mm_per_px: Measured, y_down: bool, lane: bool = False) -> "Units":
+    """Units of the tracks of a film."""
+    from walkergen.analysis.track_files import Units
+
+    scale, error = mm_per_px or (None, None)
+    return Units(fps, scale, y_down, lane, error)
