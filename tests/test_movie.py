@@ -130,7 +130,7 @@ def test_a_frame_flashes_the_impacts_of_its_afterglow_and_no_others():
 def coloured(frame, colour):
     """Pixels of the main view that are close to a colour."""
     left, bottom, width, height = (int(value) for value in bounce.MAIN)
-    top = bounce.HEIGHT - bottom - height
+    top = impacts.HEIGHT - bottom - height
     view = frame[top : top + height, left : left + width].astype(int)
     wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return int((np.abs(view - wanted).max(axis=-1) < 8).sum())
@@ -169,14 +169,14 @@ def test_the_main_view_magnifies_the_bending_of_legs_and_says_so():
 def written(shot, job):
     """Words that the slow film writes."""
     canvases = []
-    make = bounce.Canvas
+    make = impacts.Canvas
 
     def kept(*size):
         canvases.append(make(*size))
         return canvases[-1]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounce, "Canvas", kept)
+        patch.setattr(impacts, "Canvas", kept)
         bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
     return [text.get_text() for text in canvases[0].figure.texts]
 
@@ -209,7 +209,7 @@ def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
     assert one.gif.read_bytes() == two.gif.read_bytes()
     assert one.frames == short.frames == 11
     with Image.open(one.gif) as image:
-        assert image.size == (bounce.WIDTH, bounce.HEIGHT)
+        assert image.size == (impacts.WIDTH, impacts.HEIGHT)
         assert image.n_frames == 11
         shown = []
         for at in range(image.n_frames):
@@ -252,7 +252,7 @@ def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
     assert made.mp4 is not None, made.without_mp4
     words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     raw = subprocess.run(words, capture_output=True, check=True).stdout
-    frames = np.frombuffer(raw, np.uint8).reshape(-1, bounce.HEIGHT, bounce.WIDTH, 3)
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, impacts.HEIGHT, impacts.WIDTH, 3)
     assert len(frames) == 11  # none stands still at the end, as in the GIF
     with Image.open(made.gif) as image:
         first = np.asarray(image.convert("RGB")).astype(int)

@@ -208,7 +208,7 @@ def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
     assert one.gif.read_bytes() == two.gif.read_bytes()
     with Image.open(one.gif) as image:
         assert image.n_frames == job.frames
-        assert image.size == (perspective.WIDTH, perspective.HEIGHT)
+        assert image.size == (impacts.WIDTH, impacts.HEIGHT)
     assert movie.file_name(job, {}).endswith("_plane-90hz_perspective.gif")
     values = {"scene.contact.friction": 0.5, "scene.feet.damping": "../x\n"}
     assert movie.file_name(job, values).endswith("_perspective_friction-0.5_damping-..-x-.gif")
@@ -231,7 +231,7 @@ def in_perspective(one, job):
 def coloured(frame, colour, view):
     """Pixels of a view that are close to a colour."""
     left, bottom, width, height = (int(value) for value in view)
-    top = perspective.HEIGHT - bottom - height
+    top = impacts.HEIGHT - bottom - height
     shown = frame[top : top + height, left : left + width].astype(int)
     wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return int((np.abs(shown - wanted).max(axis=-1) < 8).sum())
@@ -240,7 +240,7 @@ def coloured(frame, colour, view):
 @pytest.mark.parametrize("view", [perspective.MAIN, perspective.CLOSE])
 def test_corners_flash_from_their_landing_on(view):
     job, one = slow()
-    glow = perspective.AFTERGLOW_S / job.slow
+    glow = impacts.AFTERGLOW_S / job.slow
     first = one.impacts[0]
     # That landing alone, so that no other hides the end of its flash.
     one = one._replace(impacts=(first,))
@@ -255,7 +255,7 @@ def test_corners_flash_from_their_landing_on(view):
 
 def test_every_flash_is_that_of_a_landing_at_its_corner():
     job, one = slow()
-    glow = perspective.AFTERGLOW_S / job.slow
+    glow = impacts.AFTERGLOW_S / job.slow
     for at in range(0, len(one.times), 4 * movie.FINE):
         for corner in range(4):
             shown = footage.strongest(one, one.times[at], glow, corner)
@@ -404,7 +404,7 @@ def test_a_run_that_ends_at_once_is_refused():
 def test_the_bending_of_legs_is_magnified_below_the_plate():
     _, one = slow()
     assert one.poses.gaps.min() < 0.0  # some leg gives way
-    canvas = perspective.Canvas(perspective.WIDTH, perspective.HEIGHT)
+    canvas = perspective.Canvas(impacts.WIDTH, impacts.HEIGHT)
     centres = perspective._centres(one)
     close = perspective._close(canvas, one, centres)
     told = f"× {close.zoom}, bending of legs (below it) × {close.bend}; numbers: µm"

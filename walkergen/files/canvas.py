@@ -1,5 +1,6 @@
 """Canvas: a picture with moving parts; what stands still is drawn once, the rest on top of it."""
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,3 +80,15 @@ def to_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> N
     axes.set_ylim(centre[1] - half_y, centre[1] + half_y)
     axes.set_xticks([])
     axes.set_yticks([])
+
+
+def rounded_up(least: float) -> float:
+    """1, 2 or 5 times a power of ten, the least at or above a number."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
+
+
+def rounded_down(most: float) -> float:
+    """1, 2 or 5 times a power of ten, the largest at or below a number."""
+    power = 10.0 ** math.floor(math.log10(most))
+    return max(power * step for step in (1, 2, 5) if power * step <= most * (1 + 1e-9))

@@ -12,6 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
+from walkergen.files.canvas import rounded_down
 from walkergen.files.figures import COLOURS, style
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import caps, pockets
@@ -148,9 +149,7 @@ def _rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
 
 def _rule(axes: Axes, part: Part, at: Array) -> None:
     """Draw a scale bar from `at` along the bodies, as they are seen, with its length."""
-    longest = RULER * part.design.size.length
-    power = 10.0 ** math.floor(math.log10(longest))
-    length = next(step * power for step in (5.0, 2.0, 1.0) if step * power <= longest)
+    length = rounded_down(RULER * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
     axes.annotate(

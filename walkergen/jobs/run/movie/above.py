@@ -12,7 +12,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
+from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, rounded_down, to_scale
 from walkergen.jobs.run.movie.footage import pace, strongest
 from walkergen.jobs.run.movie.impacts import largest_impulse, legend, style_of
 from walkergen.jobs.run.movie.shot import Array, Shot, feet, outline, turned
@@ -75,7 +75,7 @@ def draw_above(shots: Sequence[Shot], every: int, slow: float, settings: str, pe
     words = f"from above, {pace(slow)}"
     canvas.text(WIDTH - MARGIN, height - 22, words, ha="right", weight="bold")
     clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
-    interval = _interval(max(float(shot.poses.times[-1]) for shot in shots))
+    interval = rounded_down(max(float(shot.poses.times[-1]) for shot in shots) / 6.0)  # some ten dots
     arenas, top = [], height - HEAD
     for shot, tall, window in zip(shots, heights, windows, strict=True):
         top -= TITLE + tall
@@ -116,12 +116,6 @@ def _arrow(shot: Shot, at: int) -> Array:
     ends = np.array([(front, 0.0), (front + long, 0.0)])
     place: Array = shot.track[at]
     return place + turned(ends, shot.poses.heading[at])
-
-
-def _interval(seconds: float) -> float:
-    """Round time between the dots of a trail: some ten of them."""
-    power = 10.0 ** math.floor(math.log10(seconds / 6.0))
-    return max(power * step for step in (1, 2, 5) if power * step <= seconds / 6.0 * (1 + 1e-9))
 
 
 def _arena(
@@ -200,8 +194,7 @@ def _readout(shot: Shot, at: int) -> str:
 
 def _bar(canvas: Canvas, scale: float, interval: float) -> None:
     """Draw a scale bar of a round length along the bottom, and say what the marks are."""
-    power = 10.0 ** math.floor(math.log10(200.0 / scale))
-    length = max(power * step for step in (1, 2, 5) if power * step * scale <= 200.0 * (1 + 1e-9))
+    length = rounded_down(200.0 / scale)
     axes = canvas.axes(MARGIN, 18, length * scale, 6)
     axes.set_xlim(0, 1)
     axes.set_xticks([])

@@ -8,22 +8,31 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyArrowPatch, Rectangle
+from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, Place, to_scale
-from walkergen.jobs.run.movie.footage import BACK, FRONT, Array, Footage, Impact, feet, pace, polygons, strongest
-from walkergen.jobs.run.movie.impacts import FEET, Course, largest_impulse, legend, strip, style_of
+from walkergen.files.canvas import BODY, INK, LIMB, PLATE, SMALL, Canvas, Place, rounded_up, to_scale
+from walkergen.jobs.run.movie.footage import BACK, FRONT, Array, Footage, Impact, feet, polygons, strongest
+from walkergen.jobs.run.movie.impacts import (
+    AFTERGLOW_S,
+    FEET,
+    LONGEST_STILL,
+    Course,
+    Flash,
+    flash_in,
+    largest_impulse,
+    light,
+    sheet,
+    so_far,
+    strip,
+    style_of,
+)
 
-WIDTH, HEIGHT = 800, 620
 MAIN = Place(10, 276, 780, 256)
 INSETS = Place(12, 12, 234, 196), Place(256, 12, 234, 196)
 STRIP = Place(536, 42, 250, 166)
 """Places of the views."""
-
-LONGEST_STILL = 1.5
-"""Length of a run, in body lengths, up to which the main view stands still."""
 
 ZOOMS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
@@ -32,9 +41,6 @@ BENDS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
 MOST_BENT = math.radians(13.5)
 """Largest angle by which a leg is drawn bent, rad."""
-
-AFTERGLOW_S = 0.45
-"""Time in which a flash fades, s, as the spectator sees it."""
 
 
 class View(NamedTuple):
@@ -47,9 +53,9 @@ class View(NamedTuple):
     """Marks on the plate, which move up and down with it."""
     spacing: float
     """Distance between the marks, mm."""
-    arrows: list[FancyArrowPatch]
+    flashes: list[Flash]
     labels: list[Text]
-    bursts: list[Line2D]
+    """Names of the kinds of impacts."""
     contacts: Line2D
     """Points of the feet that touch the plate."""
     longest: float
@@ -58,10 +64,7 @@ class View(NamedTuple):
 
 def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Draw:
     """Make a function that draws frame k: pose k * every of the footage, `slow` times slower."""
-    canvas = Canvas(WIDTH, HEIGHT)
-    canvas.text(12, 598, f"{footage.name} legs", fontsize=LARGE, weight="bold")
-    canvas.line(12, 579, settings)
-    readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
+    canvas, readout = sheet(footage.name, settings, slow)
     at_feet, relaxed = feet(footage), feet(footage, relaxed=True)
     cameras, bend = _cameras(footage), _bend(footage)
     main, scale = _main(canvas, footage, cameras, bend)
@@ -69,10 +72,7 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
     insets = [_inset(canvas, footage, side, scale, zoom) for side in (BACK, FRONT)]
     courses = [Course(*FEET[side], at_feet[:, side, 1]) for side in (BACK, FRONT)]
     now = strip(canvas, STRIP, footage, courses)
-    canvas.text(STRIP.left - 34, STRIP.bottom + STRIP.height + 8, "heights, µm", fontsize=SMALL)
-    legend(canvas, 20, 255)
     canvas.move(readout)
-    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
     largest, afterglow = largest_impulse(footage), AFTERGLOW_S / slow
 
     def draw(frame: int) -> Pixels:
@@ -87,18 +87,11 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
             _set(view, limbs, body, footage.plate[at], camera, foot[None])
             _flash(view, 0, shown[side], foot, camera, largest)
         now.set_xdata([1e3 * footage.times[at]] * 2)
-        over = at + every >= len(footage.times)
-        readout.set_text(_readout(footage, at) + (f"   {footage.ended}" if over else ""))
+        over = f"   {footage.ended}" if at + every >= len(footage.times) else ""
+        readout.set_text(so_far(footage.times[at], footage.phase[at], footage.places[at, 0]) + over)
         return canvas.pixels()
 
     return draw
-
-
-def _readout(footage: Footage, at: int) -> str:
-    time, distance = footage.times[at], footage.places[at, 0]
-    speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
-    phase = np.degrees(footage.phase[at]) % 360.0
-    return f"{1e3 * time:6.1f} ms   phase {phase:3.0f}°   run {distance:6.2f} mm   so far {speed}"
 
 
 def _cameras(footage: Footage) -> Array:
@@ -134,7 +127,7 @@ def _main(canvas: Canvas, footage: Footage, cameras: Array, bend: int) -> tuple[
     axes, height = canvas.axes(*MAIN), MAIN.height / scale
     to_scale(axes, (0.5 * (left + right), 1.04 * top - 0.5 * height), scale)
     axes.set_axis_off()
-    spacing = _nice(12.0 / scale)
+    spacing = rounded_up(12.0 / scale)
     bending = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
     words = f"{bending}all else to scale" if bending else "to scale"
     canvas.text(788, 530, f"{words}; marks {spacing:g} mm", fontsize=SMALL, ha="right")
@@ -170,16 +163,10 @@ def _inset(canvas: Canvas, footage: Footage, side: int, scale: float, zoom: int)
     room = height / (zoom * scale)
     # The lowest point of the plate lies a third up: arrows below it, the leg above.
     to_scale(axes, (0.0, heights.min() + (0.5 - 0.33) * room), zoom * scale)
-    spacing = _nice(20.0 / (zoom * scale))
+    spacing = rounded_up(20.0 / (zoom * scale))
     words = f"{name} × {zoom}, marks {spacing:g} mm"
     canvas.text(left, bottom + height + 8, words, fontsize=SMALL)
     return _view(canvas, axes, spacing, 0.28 * room, feet_shown=1)
-
-
-def _nice(least: float) -> float:
-    """Round up to 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
 
 def _view(canvas: Canvas, axes: Axes, spacing: float, longest: float, feet_shown: int) -> View:
@@ -191,15 +178,12 @@ def _view(canvas: Canvas, axes: Axes, spacing: float, longest: float, feet_shown
     for artist in (plate, ruler, shapes):
         axes.add_artist(artist)
     (contacts,) = axes.plot([], [], "o", color=INK, markersize=3.5)
-    arrows, labels, bursts = [], [], []
-    for _ in range(feet_shown):
-        bursts += axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
-        arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
-        axes.add_patch(arrow)
-        arrows.append(arrow)
-        labels.append(axes.text(0, 0, "", weight="bold", va="center", family="DejaVu Serif"))
+    flashes = [flash_in(axes) for _ in range(feet_shown)]
+    bold = {"weight": "bold", "va": "center", "family": "DejaVu Serif"}
+    labels = [axes.text(0, 0, "", fontdict=bold) for _ in range(feet_shown)]
+    bursts, arrows = [flash.burst for flash in flashes], [flash.arrow for flash in flashes]
     canvas.move(plate, ruler, *bursts, shapes, contacts, *arrows, *labels)
-    return View(axes, shapes, plate, ruler, spacing, arrows, labels, bursts, contacts, longest)
+    return View(axes, shapes, plate, ruler, spacing, flashes, labels, contacts, longest)
 
 
 def _set(
@@ -232,20 +216,16 @@ def _flash(
     view: View, place: int, shown: tuple[Impact, float] | None, foot: Array, camera: float, largest: float
 ) -> None:
     """Draw the impulse on a foot: an arrow that ends at it, the name of its kind, and a burst."""
-    arrow, label, burst = view.arrows[place], view.labels[place], view.bursts[place]
-    for artist in (arrow, label, burst):
+    flash, label = view.flashes[place], view.labels[place]
+    for artist in (*flash, label):
         artist.set_visible(shown is not None)
     if shown is None:
         return
     hit, left = shown
-    style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
     foot = foot - (camera, 0.0)
     tail = foot - view.longest * hit.impulse / largest
-    arrow.set_positions(tuple(tail), tuple(foot))
-    arrow.set(color=style.colour, alpha=left, linewidth=0.5 + 3.0 * size)
-    arrow.set_mutation_scale(4.0 + 12.0 * size)
+    light(flash, hit, left, largest, tail, foot)
+    style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
     aside = 12.0 * float(np.ptp(view.axes.get_xlim())) / view.axes.bbox.width
     label.set_position((max(tail[0], foot[0]) + aside, 0.5 * (tail[1] + foot[1])))
     label.set(text=style.name, color=style.colour, alpha=left, fontsize=7.0 + 6.0 * size)
-    burst.set_data([foot[0]], [foot[1]])
-    burst.set(color=style.colour, markersize=42.0 * math.sqrt(size) * left**3)

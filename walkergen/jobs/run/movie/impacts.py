@@ -1,17 +1,29 @@
-"""Impacts in a movie: a colour, a sign and a name for each kind, and their course in time."""
+"""Impacts in slow motion: a colour, a sign and a name for each kind, flashes, their course in time."""
 
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
 
-from walkergen.files.canvas import INK, PLATE, SMALL, Canvas, Place
-from walkergen.jobs.run.movie.footage import Array, Struck
+from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, Place
+from walkergen.jobs.run.movie.footage import Array, Impact, Struck, pace
 from walkergen.theory.impact import Kind
 
 Dashes = str | tuple[float, tuple[float, ...]]
 """Style of a line, as matplotlib has it."""
+
+
+WIDTH, HEIGHT = 800, 620
+"""Size of a picture of slow motion, pixels."""
+
+AFTERGLOW_S = 0.45
+"""Time in which a flash fades, s, as the spectator sees it."""
+
+LONGEST_STILL = 1.5
+"""Length of a run, in body lengths, up to which the view stands still."""
 
 
 class Style(NamedTuple):
@@ -82,11 +94,12 @@ class Course(NamedTuple):
 
 
 def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> Line2D:
-    """Draw heights of plate and feet in time, with impacts; returns the line that marks now.
+    """Draw heights (µm) of plate and feet in time, with impacts; returns the line that marks now.
 
     `feet`: in the order of their numbers in the impacts.
     """
     axes = canvas.axes(*place)
+    canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL)
     times, heights = 1e3 * footage.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * footage.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
@@ -132,6 +145,49 @@ def _mark(axes: Axes, footage: Struck, feet: list[Course]) -> None:
             markersize=2.0 + 4.0 * size,
             zorder=3,
         )
+
+
+class Flash(NamedTuple):
+    """Signs of an impact at a foot."""
+
+    arrow: FancyArrowPatch
+    """Impulse, which ends at the foot."""
+    burst: Line2D
+
+
+def flash_in(axes: Axes) -> Flash:
+    """Add the signs of an impact to a view."""
+    arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
+    axes.add_patch(arrow)
+    (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
+    return Flash(arrow, burst)
+
+
+def light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, foot: Array) -> None:
+    """Show an impact in the colour of its kind, of whose glow so much is `left` (1 down to 0)."""
+    colour, size = style_of(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
+    flash.arrow.set_positions(tuple(tail), tuple(foot))
+    flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
+    flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
+    flash.burst.set_data(*foot[:, None])
+    flash.burst.set(color=colour, markersize=40.0 * np.sqrt(size) * left**3)
+
+
+def sheet(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
+    """Empty picture of slow motion with its head and its legend of impacts; its line of numbers."""
+    canvas = Canvas(WIDTH, HEIGHT)
+    canvas.text(12, 598, f"{name} legs", fontsize=LARGE, weight="bold")
+    canvas.line(12, 579, settings)
+    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
+    legend(canvas, 20, 253)
+    return canvas, canvas.text(12, 547, "", family="DejaVu Sans Mono")
+
+
+def so_far(time: float, phase: float, distance: float) -> str:
+    """Line of numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
+    speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
+    turn = np.degrees(phase) % 360.0
+    return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
 
 
 def largest_impulse(footage: Struck) -> float:

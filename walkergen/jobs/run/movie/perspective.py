@@ -8,28 +8,32 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.image import FigureImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
-from walkergen.files.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
+from walkergen.files.canvas import BODY, INK, PLATE, SMALL, Canvas, Place, rounded_up
 from walkergen.jobs.run.movie import raster
-from walkergen.jobs.run.movie.footage import Impact, pace, strongest
-from walkergen.jobs.run.movie.impacts import Course, colour_of, largest_impulse, legend, strip, style_of
+from walkergen.jobs.run.movie.footage import Impact, strongest
+from walkergen.jobs.run.movie.impacts import (
+    AFTERGLOW_S,
+    LONGEST_STILL,
+    Course,
+    Flash,
+    colour_of,
+    flash_in,
+    largest_impulse,
+    light,
+    sheet,
+    so_far,
+    strip,
+)
 from walkergen.jobs.run.movie.raster import Camera
 from walkergen.jobs.run.movie.shot import Array, Shot
 
-WIDTH, HEIGHT = 800, 620
 MAIN = Place(10, 272, 780, 262)
 CLOSE = Place(12, 12, 484, 214)
 STRIP = Place(544, 42, 242, 166)
 """Places of the views."""
-
-LONGEST_STILL = 1.5
-"""Length of a run, in body lengths, up to which the view stands still."""
-
-AFTERGLOW_S = 0.45
-"""Time in which a flash fades, s, as the spectator sees it."""
 
 ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
@@ -45,15 +49,6 @@ MOST_LABELS = 8
 GROUND, LINES = "#e4e4e1", "#c9c9c5"
 
 
-class Flash(NamedTuple):
-    """Signs of a landing at one corner."""
-
-    arrow: FancyArrowPatch
-    burst: Line2D
-    dot: Line2D
-    """Shown while the corner presses on the plate."""
-
-
 class View(NamedTuple):
     """View of the plate in perspective."""
 
@@ -64,6 +59,8 @@ class View(NamedTuple):
     ground: PolyCollection
     lines: LineCollection
     flashes: list[Flash]
+    dots: list[Line2D]
+    """Shown while corners press on the plate."""
     longest: float
     """Length of the largest impulse's arrow, mm."""
 
@@ -82,10 +79,7 @@ class Close(NamedTuple):
 
 def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw:
     """Make a function that draws frame k: pose k * every of the shot, `slow` times slower."""
-    canvas = Canvas(WIDTH, HEIGHT)
-    canvas.text(12, 598, f"{shot.name} legs", fontsize=LARGE, weight="bold")
-    canvas.line(12, 579, settings)
-    readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
+    canvas, readout = sheet(shot.name, settings, slow)
     centres, model = _centres(shot), raster.model_of(shot.mesh)
     main = _main(canvas, shot, centres)
     picture = FigureImage(canvas.figure)
@@ -95,10 +89,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
     _on_top(canvas, main)
     close = _close(canvas, shot, centres)
     now = strip(canvas, STRIP, shot, _courses(shot))
-    canvas.text(STRIP.left - 34, STRIP.bottom + STRIP.height + 8, "heights, µm", fontsize=SMALL)
-    legend(canvas, 20, 252)
     canvas.move(readout)
-    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
     afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
 
     def draw(frame: int) -> Pixels:
@@ -112,21 +103,13 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
         _set(main, shot, at, centres[at], corners, glows)
         _set_close(close, shot, at, centres[at], corners, glows)
         now.set_xdata([1e3 * shot.times[at]] * 2)
-        over = at + every >= len(shot.times)
-        readout.set_text(_readout(shot, at) + (f"   {shot.ended}" if over else ""))
+        over = f"   {shot.ended}" if at + every >= len(shot.times) else ""
+        heading = f"   heading {np.degrees(shot.poses.heading[at]):+.1f}°"
+        moment = float(shot.times[at]), float(shot.poses.phase[at]), float(shot.advance[at])
+        readout.set_text(so_far(*moment) + heading + over)
         return canvas.pixels()
 
     return draw
-
-
-def _readout(shot: Shot, at: int) -> str:
-    time, distance = float(shot.times[at]), float(shot.advance[at])
-    speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
-    phase, heading = (np.degrees(angle[at]) for angle in (shot.poses.phase, shot.poses.heading))
-    return (
-        f"{1e3 * time:6.1f} ms   phase {phase % 360.0:3.0f}°   ran {distance:6.2f} mm   "
-        f"so far {speed}   heading {heading:+.1f}°"
-    )
 
 
 def _centres(shot: Shot) -> Array:
@@ -147,16 +130,10 @@ def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
     x, z = (left - 1.2 * margin, right + 1.2 * margin), (near - margin, far + margin)
     points = np.array([(a, b, c) for a in x for c in z for b in (0.0,)])
     fitted = np.vstack([points, covered, [(right, top + 0.1, far)]])
-    spacing = _nice(0.05 * float(shot.size[0]))
+    spacing = rounded_up(0.05 * float(shot.size[0]))
     canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL, ha="right")
     count = len(poses.names)
     return _view(canvas, MAIN, fitted, (x, z), 0.16 * float(shot.size[0]), count)
-
-
-def _nice(least: float) -> float:
-    """Round up to 1, 2 or 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(least))
-    return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
 
 def _view(
@@ -179,18 +156,14 @@ def _view(
     lines = LineCollection([], colors=LINES, linewidths=0.7)
     for artist in (ground, lines):
         axes.add_artist(artist)
-    flashes = []
-    for _ in range(corners):
-        arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
-        axes.add_patch(arrow)
-        (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
-        (dot,) = axes.plot([], [], "o", color=INK, markersize=4.5)
-        flashes.append(Flash(arrow, burst, dot))
-    return View(axes, camera, area, ground, lines, flashes, longest)
+    flashes = [flash_in(axes) for _ in range(corners)]
+    dots = [axes.plot([], [], "o", color=INK, markersize=4.5)[0] for _ in range(corners)]
+    return View(axes, camera, area, ground, lines, flashes, dots, longest)
 
 
 def _on_top(canvas: Canvas, view: View) -> None:
-    canvas.move(*(part for flash in view.flashes for part in (flash.burst, flash.dot, flash.arrow)))
+    for flash, dot in zip(view.flashes, view.dots, strict=True):
+        canvas.move(flash.burst, dot, flash.arrow)
 
 
 def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
@@ -253,31 +226,21 @@ def _set(
     seen = view.camera.project(corners)[:, :2]
     heading, largest = shot.poses.heading[at], largest_impulse(shot)
     for k, flash in enumerate(view.flashes):
-        flash.dot.set_data(*seen[k][:, None])
-        flash.dot.set_visible(bool(shot.poses.closed[at, k]))
-        for artist in (flash.arrow, flash.burst):
+        view.dots[k].set_data(*seen[k][:, None])
+        view.dots[k].set_visible(bool(shot.poses.closed[at, k]))
+        for artist in flash:
             artist.set_visible(glows[k] is not None)
         if (glow := glows[k]) is not None:
             hit, left = glow
             along, up = hit.impulse / largest * view.longest
             push = np.array([along * math.cos(heading), up, -along * math.sin(heading)])
             tail = view.camera.project(corners[k] - push)[:2]
-            _light(flash, hit, left, largest, tail, seen[k])
-
-
-def _light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, tip: Array) -> None:
-    """Draw a landing: an arrow that ends at the corner, and a burst, in the colour of its kind."""
-    colour, size = style_of(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
-    flash.arrow.set_positions(tuple(tail), tuple(tip))
-    flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
-    flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
-    flash.burst.set_data(*tip[:, None])
-    flash.burst.set(color=colour, markersize=38.0 * math.sqrt(size) * left**3)
+            light(flash, hit, left, largest, tail, seen[k])
 
 
 def _lines(view: View, shot: Shot, centre: Array) -> list[Array]:
     """Lines of the plate, at rest in it, as the view shows them."""
-    spacing = _nice(0.05 * float(shot.size[0]))
+    spacing = rounded_up(0.05 * float(shot.size[0]))
     (left, right), (near, far) = view.area
     ends = []
     for low, high, axis in ((left, right, 0), (near, far, 2)):
