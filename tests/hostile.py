@@ -411,7 +411,7 @@ READERS: Mapping[str, tuple[str, ...]] = {
     "o.csv": ("plate", "--orders", "{}", "--out", "out"),
     "c.csv": ("calibrate", "{}", "--out", "out"),
     "film.mp4": ("track", "{}", "--mm-per-px", "1"),
-    **{f"b.{end}": ("weigh", "{}") for end in ("stl", "obj", "ply", "off", "3mf", "glb")},
+    **{f"b.{end}": ("check", "{}") for end in ("stl", "obj", "ply", "off", "3mf", "glb")},
     **{f"d.{end}": ("predict", "--set", 'body={{outline="{}"}}') for end in ("svg", "dxf")},
     "e.stl": ("predict", "--set", 'body={{mesh="{}"}}'),
 }
@@ -599,7 +599,6 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
     "check": ((), {}),
     "track": (("film.mp4",), {"film.mp4": b"no film"}),
-    "weigh": (("b.stl",), {}),
     "templates": ((), {}),
     "export": (("--out", "out"), {}),
     "plate": (("--tilt", "10", "--out", "out"), {}),
@@ -612,9 +611,6 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
     "reproduce": (("--tilt", "99", "--out", "out"), {}),
     "explain": (("--model", "rigid"), {}),
-    "bench drop": (("--measured", "0.5", "--measured-sd", "0.1", "--drops", "2"), {}),
-    "bench slide": (("--measured", "14", "--measured-sd", "1"), {}),
-    "bench pluck": (("--measured", "400", "--measured-sd", "5"), {}),
 }
 """Commands that end soon whatever flag is added, with what they need."""
 
@@ -749,9 +745,9 @@ def bodies(rng: random.Random) -> Try:
         for one in faces:  # all of it inside out
             one[12:36] = one[24:36] + one[12:24]
     stl = b"binary".ljust(80) + struct.pack("<I", len(faces)) + b"".join(map(bytes, faces))
-    name = rng.choice(("family", "plate", "check", "weigh", "export", "predict"))
-    if name == "weigh":
-        return Try("body weigh", ("weigh", "b.stl"), {"b.stl": stl})
+    name = rng.choice(("family", "plate", "check", "mesh", "export", "predict"))
+    if name == "mesh":
+        return Try("body check", ("check", "b.stl"), {"b.stl": stl})
     out = () if name in ("check", "predict") else ("--out", "out")
     quick = ("--no-pictures",) if name in ("family", "plate") else ()
     repair = rng.choice(("false", "true", "true"))

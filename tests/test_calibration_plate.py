@@ -69,7 +69,7 @@ def test_meshes_are_closed_and_as_large_as_drawn():
 
 
 def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
-    words = ("plate", "--calibration", "--printer", "prusa-mk3s,ender3", "--no-pictures")
+    words = ("calibrate", "plate", "--printer", "prusa-mk3s,ender3", "--no-pictures")
     result = run(*words, "--out", "a")
     assert result.exit_code == 0, result.output
     folder = tmp_path / "a" / "calibration"
@@ -103,7 +103,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
 
 
 def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
-    words = ("plate", "--calibration", "--out", "a", "--no-pictures", "--quiet")
+    words = ("calibrate", "plate", "--out", "a", "--no-pictures", "--quiet")
     assert run(*words).exit_code == 0
     path = tmp_path / "a" / "calibration" / form.FILE
     text = path.read_text().replace("strip_1,thickness_mm,,", "strip_1,thickness_mm,0.41,", 1)
@@ -112,7 +112,7 @@ def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     assert path.read_text() == text
     manifest = json.loads((path.parent / "calibration_prusa-mk3s.json").read_text())
     assert manifest["design"]["legs"]["tilt_deg"] == 15.0
-    told = run("plate", "--calibration", "--out", "a", "--no-pictures").stderr
+    told = run("calibrate", "plate", "--out", "a", "--no-pictures").stderr
     assert "somebody has written in it: left as it is" in told
 
 
@@ -127,16 +127,14 @@ def test_ordinary_weights_are_near_what_they_say():
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--copies", "3"), "leave --copies out"),
-        (("--how-many",), "leave --how-many out"),
-        (("--tilt", "5,10"), "give one tilt"),
+        (("--drops", "3"), "leave it out"),
         (("--set", "printer.bed_width_mm=60"), "does not fit"),
         (("--set", "printer.layer_height_mm=0.5"), "layers are thick"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, words, told):
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(command_line, ["plate", "--calibration", *words])
+    result = CliRunner().invoke(command_line, ["calibrate", "plate", *words])
     assert result.exit_code != 0
     assert told in str(result.exception)
     assert list(tmp_path.iterdir()) == []

@@ -236,7 +236,6 @@ def test_a_cap_that_the_body_does_not_hold_is_refused():
     [
         (("--caps", "april"), "--caps 'april': must be aruco"),
         (("--caps", "aruco", "--copies", "60"), "has numbers up to 49"),
-        (("--caps", "aruco", "--calibration"), "leave --caps out"),
     ],
 )
 def test_orders_of_caps_that_cannot_be_are_refused(run, tmp_path, words, message):

@@ -55,7 +55,7 @@ SHORT = ("--seconds", "2", "--runs", "2", "--no-pictures")
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (("--model", "flat"), "`walkergen card koumakis2016` writes one"),
+        (("--model", "flat"), "`walkergen crowd koumakis2016 --card` writes one"),
         (("bar.json", "--model", "space"), "is a card"),
         (("--count", "bar.json:3,rotator:3"), "bar.json: is a card"),
         (("bar.json", "--model", "cube"), "must be one of space, flat"),

@@ -397,7 +397,7 @@ LONG = {
     "export": ("export", "--tilt", "5,10", "--format", "stl,3mf,dxf,svg"),
     "family": ("family", "--tilt", "10", "--legs", "braced", "--page"),
     "plate": ("plate", "--tilt", "10", "--copies", "3"),
-    "calibration": ("plate", "--calibration", "--no-pictures"),
+    "calibration": ("calibrate", "plate", "--no-pictures"),
     "sweep": ("sweep", "--set", "legs.tilt_deg=2:20:1", "--workers", "1"),
     "movie": ("movie", "--tilt", "10", "--legs", "braced", "--seconds", "0.01", "--slow", "40"),
     "trajectory": ("simulate", "--tilt", "10", "--legs", "braced", "--seconds", "0.5"),
@@ -406,7 +406,7 @@ LONG = {
     "design": ("design", "--speed", "40", "--model", "prediction"),
     "fit": ("fit", "SPEEDS"),
     "calibrate": ("calibrate", "FORM"),
-    "bench": ("bench", "slide", "--measured", "14", "--measured-sd", "1"),
+    "bench": ("calibrate", "slide", "--measured", "14", "--measured-sd", "1"),
     "accuracy": ("accuracy", "--only", "models", "--budget", "1s"),
     "reproduce": ("reproduce", "--tilt", "5,10,20", "--gamma", "1.8,2.4", "--seconds", "0.2", "--runs", "8"),
 }
