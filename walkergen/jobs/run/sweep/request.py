@@ -33,7 +33,7 @@ class SweepRequest(request.Request):
     design: Annotated[
         Any,
         Flag(
-            "Walker: a template or a TOML file.", "DESIGN", takes="Walker | None", templates=("walkers",), argument=True
+            "Walker: a template, a TOML file, a drawing or a mesh.", "DESIGN", takes="Walker | None", templates=("walkers",), argument=True
         ),
     ] = None
     set: Annotated[
