@@ -648,7 +648,7 @@ NEAR: Mapping[type, Sequence[str]] = {
 DEEP: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "design": (("--speed", "40", "--model", "prediction", "--no-pictures", "--out", "out"), {}),
     "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
-    **{name: COMMANDS[name] for name in ("bench drop", "bench slide", "bench pluck", "calibrate")},
+    "calibrate": COMMANDS["calibrate"],
 }
 """Commands of long work, where options that are allowed lead on."""
 

@@ -234,7 +234,7 @@ def test_a_cap_that_the_body_does_not_hold_is_refused():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--caps", "april"), "--caps 'april': must be aruco"),
+        (("--caps", "april"), "--caps 'april': must be one of aruco"),
         (("--caps", "aruco", "--copies", "60"), "has numbers up to 49"),
     ],
 )

@@ -64,7 +64,7 @@ SHORT = ("--seconds", "2", "--runs", "2", "--no-pictures")
         (("bar.json", "--step", "5"), "--step 5"),
         (("bar.json", "--set", "legs.length_mm=9"), "legs.length_mm"),
         (("nobody.json",), "nobody.json"),
-        (("--write-only",), "--model flat"),
+        (("--write-only",), "--write-only: needs the card"),
         (("bar.json", "--movie", "dish.avi"), ".mp4, .gif, .png"),
         (("bar.json", "--count", "100000", "--seconds", "1000"), "samples"),
     ],

@@ -97,7 +97,7 @@ def job_of(names, counts, **keys):
         (("--arena", "hexagon:3"), "must be one of disc:120"),
         (("--count", "2", "--seconds", "1e6"), "samples"),
         (("--count", "2", "--seconds", "0.1"), "--rate-hz 25 of 0.1 s"),
-        (("--count", "2", "--rate-hz", "nan"), "'--rate-hz'"),
+        (("--count", "2", "--rate-hz", "nan"), "--rate-hz nan: must be a number"),
         (("--count", "2", "--movie", "dish.mpeg"), ".mp4, .gif, .png"),
         (("--count", "2", "--set", 'body.text="i"', "--set", "body.length_mm=3"), "length_mm"),
         (("--count", "2", "--set", "printer.nozzle_mm=1"), "takes no printer"),
@@ -135,8 +135,8 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
 
 def test_counts_are_numbers_or_designs_with_theirs():
     assert members.parse(" 30 ") == 30
-    assert members.parse("polar-disc:20, my/rotator.toml:10") == [("polar-disc", 20), ("my/rotator.toml", 10)]
-    assert members.parse("C:\\walkers\\mine.toml:3,b:2")[0] == ("C:\\walkers\\mine.toml", 3)
+    assert members.parse("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
+    assert members.parse("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
 
 
 def test_a_packing_says_how_many_and_the_report_how_dense():

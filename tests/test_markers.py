@@ -184,7 +184,7 @@ def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     path, ways = plain
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
     assert made.warnings == []
-    read = track_files.read(tmp_path / "t" / "tracks.csv", track_files.Units())
+    read = track_files.read(tmp_path / "t" / "track" / "tracks.csv", track_files.Units())
     assert [track.particle for track in read.tracks] == [0, 1, 2]
     for number, track in enumerate(read.tracks):
         true = np.array([ways(frame / 60.0)[number] for frame in range(24)])
@@ -352,7 +352,7 @@ def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
         (("--markers", "april"), "--markers 'april': must be one of aruco"),
         (("--markers", "aruco", "--length", "28"), "--markers aruco tells it: leave --length out"),
         (("--marker-mm", "7.2", "--length", "28"), "--markers is not given: leave --marker-mm out"),
-        (("--markers", "aruco", "--marker-mm", "-1"), "--marker-mm -1"),
+        (("--markers", "aruco", "--marker-mm", "-1"), "--marker-mm '-1'"),
         (("--markers", "aruco", "--region", "0,0,10,10"), "10 x 10 pixels: a marker needs 12"),
     ],
 )

@@ -119,6 +119,6 @@ def test_a_filmed_block_with_a_cap_tells_its_friction(tmp_path):
     shot = films.Shot(camera, films.Light(exposures=3), fps=120.0)
     path = films.film(tmp_path / "slide.mp4", ways, 45, shot)
     wg.track(path, markers="aruco", marker_mm="7.2+-0.05", fps=120.0, out=tmp_path / "t")
-    found = filmed.friction(tmp_path / "t" / "tracks.csv", ANGLE, 0.1)
+    found = filmed.friction(tmp_path / "t" / "track" / "tracks.csv", ANGLE, 0.1)
     assert found.value == pytest.approx(hidden, abs=0.002)
     assert 0.001 < found.se < 0.004

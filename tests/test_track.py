@@ -330,7 +330,7 @@ def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
     [
         ((), "give either --mm-per-px"),
         (("--mm-per-px", "1", "--length", "28"), "give either --mm-per-px"),
-        (("--length", "inf"), "--length inf: must be"),
+        (("--length", "inf"), "--length 'inf': must be"),
         (("--threshold", "300", "--length", "28"), "--threshold 300: must be"),
         (("--walkers", "green", "--length", "28"), "must be one of dark, light"),
         (("--frames", "20:10", "--length", "28"), "--frames 20:10: counts from 0"),
@@ -370,7 +370,7 @@ def test_too_large_a_film_says_what_to_do(monkeypatch, two):
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     monkeypatch.setattr(film_figures, "WIDE", 3.0)  # drawn in less time
     found = wg.track(two, length=28.0, heading="mark", out=tmp_path / "here")
-    assert found.picture == tmp_path / "here" / "check.png"
+    assert found.picture == tmp_path / "here" / "track" / "check.png"
     table = found.table
     assert table.keys == report.COLUMNS
     assert len(table.to_dataframe()) == 60
@@ -386,4 +386,4 @@ def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
         assert picture.size[0] == 3 * figures.DPI
     assert again.mm_per_px == pytest.approx(0.5, abs=again.mm_per_px_se)
     for name in ("tracks.csv", "check.png", "manifest.json"):  # the same film, the same bytes
-        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "here" / name).read_bytes()
+        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "here" / "track" / name).read_bytes()
