@@ -316,10 +316,20 @@ Words = BeforeValidator(lambda value: None if value is None else _listed(value))
 
 Kind = Literal["flexible", "braced"]
 Walker = Annotated[
-    Any, Flag("Walker: a template, a TOML file, a drawing or a mesh.", "DESIGN", takes="Walker", templates=("walkers",), argument=True)
+    Any,
+    Flag(
+        "Walker: a template, TOML file, drawing or mesh.",
+        "DESIGN",
+        takes="Walker",
+        templates=("walkers",),
+        argument=True,
+    ),
 ]
 Filmed = Annotated[
-    Any, Flag("Walker: a template, a TOML file, a drawing or a mesh.", "DESIGN", "--design", takes="Walker", templates=("walkers",))
+    Any,
+    Flag(
+        "Walker: a template, TOML file, drawing or mesh.", "DESIGN", "--design", takes="Walker", templates=("walkers",)
+    ),
 ]
 Ground = Annotated[Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground", templates=("scenes",))]
 Machine = Annotated[

@@ -24,7 +24,7 @@ class PlateRequest(request.Request):
     design: Annotated[
         Any,
         Flag(
-            f"Walker: a template, a TOML file, a drawing or a mesh; {request.PAPER} without --orders.",
+            f"Walker: a template, TOML file, drawing or mesh; {request.PAPER} without --orders.",
             "DESIGN",
             takes="Walker | None",
             templates=("walkers",),

@@ -33,7 +33,11 @@ class SweepRequest(request.Request):
     design: Annotated[
         Any,
         Flag(
-            "Walker: a template, a TOML file, a drawing or a mesh.", "DESIGN", takes="Walker | None", templates=("walkers",), argument=True
+            "Walker: a template, TOML file, drawing or mesh.",
+            "DESIGN",
+            takes="Walker | None",
+            templates=("walkers",),
+            argument=True,
         ),
     ] = None
     set: Annotated[
