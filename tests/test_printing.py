@@ -89,7 +89,8 @@ def test_stl_has_the_standard_length_and_is_never_taken_for_text(header: str) ->
 
 def test_stl_gives_its_corners_back() -> None:
     mesh = prism(shift=(0.1, 0.2, 0.3))
-    found = stl.unpack(export.stl_bytes(mesh, "an L"), "l.stl")
+    found, note = stl.unpack(export.stl_bytes(mesh, "an L"), "l.stl")
+    assert note == ""
     assert (found == mesh.vertices[mesh.triangles].astype("f4")).all()
 
 

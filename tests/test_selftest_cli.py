@@ -20,6 +20,12 @@ def call(*words):
     return CliRunner().invoke(command_line, ["selftest", *words], catch_exceptions=True)
 
 
+@pytest.fixture(autouse=True)
+def _wide_terminal(monkeypatch):
+    """Room for a case's name on one line of the table."""
+    monkeypatch.setenv("COLUMNS", "200")
+
+
 def only(monkeypatch, check):
     monkeypatch.setattr(catalogue, "CASES", (Case("made up", "6.0", LAW, check),))
 
