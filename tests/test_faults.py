@@ -368,7 +368,7 @@ def test_surroundings_do_not_matter(tmp_path, surroundings):
     assert (tmp_path / "speed.pdf").read_bytes()[:5] == b"%PDF-"
 
 
-def test_ctrl_c_while_a_library_loads_is_no_failure_of_it(monkeypatch):
+def test_ctrl_c_while_a_library_loads_is_no_failure_of_it():
     """Python tells a Ctrl-C in the start of a module in C as an ImportError caused by it."""
     from walkergen import cli
 
@@ -378,8 +378,7 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it(monkeypatch):
         except KeyboardInterrupt as cause:
             raise ImportError("initialization failed") from cause
 
-    monkeypatch.setattr(cli, "command_line", stopped)
-    code, _, told = forked(cli.main)
+    code, _, told = forked(lambda: cli.main(stopped))
     assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
 
 

@@ -140,5 +140,5 @@ def test_fit_learns_from_films_as_from_the_numbers_they_give(folder, tmp_path):
     )
     assert films.bands.rows == typed.bands.rows
     assert "five.csv: speeds of 3 walkers, a row each" in films.notes
-    measured = (tmp_path / "speeds" / "speeds.csv").read_text().splitlines()
+    measured = (tmp_path / "speeds" / "fit" / "speeds.csv").read_text().splitlines()
     assert len(measured) == 1 + 7

@@ -175,7 +175,7 @@ def test_a_simulation_says_how_far_it_is():
     seen = []
     words = {**SHORT, "seconds": 0.05, "runs": 1}
     one = wg.simulate(PAPER, LANE, **words, progress=lambda *step: seen.append(step))
-    assert seen[-1] == ("runs", 1, 1)
+    assert seen[-1] == ("runs", 100, 100)  # percent
     assert np.isnan(one.speed.se)
     assert str(one.speed).endswith("mm/s, standard error unknown")
 

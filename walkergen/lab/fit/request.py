@@ -72,7 +72,7 @@ class FitRequest(request.Request):
         from walkergen.lab.fit.job import Job
 
         if self.model == "theory":
-            self.refuse("the theory has none; leave out --model theory, or", "predict", "prior", "seed")
+            self.refuse("--model theory has none", "predict", "prior", "seed")
         else:
             self.refuse(f"a mode of the theory; --model {self.model} has none", "mode")
         simulated = {"scene.legs.model": ("--model", self.model)} if self.model in ("compliant", "space") else {}
