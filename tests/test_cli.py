@@ -239,8 +239,18 @@ def test_an_interrupted_family_keeps_what_is_whole(run, monkeypatch, tmp_path):
 
 def test_unknown_options_exit_with_2(run):
     assert run("predict", "--speed", "3").exit_code == 2
-    assert run("plate", "--max-parts", "0").exit_code == 2
     assert run("plate", "--max-plates", "ten").exit_code == 2
+
+
+def test_numbers_beyond_their_limits_exit_with_2_and_write_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["walkergen", "plate", "--max-parts", "0"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--max-parts 0" in line
+    assert not list(tmp_path.iterdir())
 
 
 def python(*words):

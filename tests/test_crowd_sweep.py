@@ -5,6 +5,7 @@ Random walks stand for the simulator; one slow test runs it, beside the command 
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 from scipy import stats
@@ -19,6 +20,7 @@ from walkergen.crowd.space import run as crowds
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.jobs.run.sweep import ask, make
+from walkergen.points import axes
 from walkergen.points.store import Store
 
 PACKINGS = "scene.crowd.packing=0.1,0.2"
@@ -47,9 +49,9 @@ def store(tmp_path):
 
 
 def request_of(*texts, keep=None, design="polar-disc", model=None, error=None):
-    space, constants = ask.space_of(texts, None, 1)
+    space, constants = ask.space_of([axes.parse(text) for text in texts], None, 1)
     names = design, None, None
-    asked = ask.of(names, None, space, constants, model, error, keep, "--set")
+    asked = ask.of(names, Path(), space, constants, model, error, keep, "--set")
     return asked.request(), asked.title()
 
 
