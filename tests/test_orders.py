@@ -356,9 +356,13 @@ def test_a_name_cannot_lead_out_of_the_folder(run, lists, tmp_path):
 def test_a_list_stands_alone_on_the_command_line(run, lists, words, what):
     path = lists / "orders.csv"
     path.write_text(HEADER + "koumakis2016,10,,1\n")
+    before = files_below(lists)
     error = run("plate", *words, "--orders", str(path)).exception
     assert isinstance(error, InputError)
-    assert str(error).endswith(f"leave {what} out")
+    assert str(error).startswith(f"{what} ")
+    assert "--orders" in str(error)
+    assert str(error).endswith("names it; leave it out")
+    assert files_below(lists) == before
 
 
 def test_a_list_from_a_spreadsheet_has_a_byte_order_mark_and_its_own_line_ends(lists):

@@ -151,10 +151,9 @@ def _explained(request: type[Request], mistake: Any) -> str:
         rule = mistake["msg"].removeprefix("Value error, ")
     else:
         of_field = config.allowed((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
-        rule = (FORMS | config.FORMS).get(kind) or of_field or mistake["msg"]
+        rule = ((FORMS | config.FORMS).get(kind) or of_field or mistake["msg"]).replace("'", "")
     shown = plain.line(repr(value) if isinstance(value, str) else str(value))[:60]
-    unquoted = rule.replace("'", "")
-    return f"{spelled(request, name)} {shown}: {unquoted}"
+    return f"{spelled(request, name)} {shown}: {rule}"
 
 
 def _number(text: object) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from walkergen import inputs, request
+from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.request import Flag
 
@@ -61,7 +62,10 @@ class PlateRequest(request.Request):
 
         given = self.inputs()
         if self.orders is not None:
-            self.refuse(f"--orders {str(self.orders)[:80]!r} names it", "design", "tilt", "legs", "copies")
+            why = f"--orders {str(self.orders)[:80]!r} names it"
+            self.refuse(why, "design", "tilt", "legs", "copies")
+            if "copies" in self.model_fields_set:  # 1, as by default, may not be what the list says
+                raise InputError(f"--copies {self.copies}: {why}; leave it out", "copies")
             given.refuse(given.of("design"), "--orders names designs; leave it out")
             members, counts = order_list.read(self.orders)
             name = output.named_after(self.orders)
