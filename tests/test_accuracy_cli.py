@@ -39,7 +39,7 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_study_of_models_and_steps(run, tmp_path):
     words = ("--scene", "short.toml", "--tilt", "10")
-    result = run("accuracy", *words, "--only", "models,steps", "--budget", "3s", "--json")
+    result = run("accuracy", *words, "--only", "models,steps", "--budget", "12s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
     assert set(found["ladders"]) == {"models", "steps-short", "steps-long", "observables", "frames"}

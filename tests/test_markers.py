@@ -131,14 +131,14 @@ def reaching(time):
 @pytest.mark.programs
 @pytest.mark.parametrize("name", CASES)
 def test_bad_films_are_read_within_their_errors(tmp_path, name):
-    shot, hand, read, scale, place, heading = CASES[name]
+    shot, hand, share, scale, place, heading = CASES[name]
     ways = films.circles()
     drawn = {"hand": reaching} if hand else {}
     found, told = read(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
     error = found.mm_per_px_se / found.mm_per_px
     off = films.errors(found, ways)
     print(name, off, told.found.plane.tilt_deg, error)
-    assert off.read >= read
+    assert off.read >= share
     assert off.wrong == 0
     assert abs(off.scale) < scale
     assert abs(off.scale) < 2.0 * error
