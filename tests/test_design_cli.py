@@ -37,7 +37,7 @@ def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     assert "yes" in told.output
     folder = tmp_path / "out" / "design-speed40"
     design, scene = str(folder / "design-1.toml"), str(folder / "scene-1.toml")
-    row = json.loads(CliRunner().invoke(command_line, ["predict", design, "--scene", scene, "--json"]).output)["rows"][
+    row = json.loads(CliRunner().invoke(command_line, ["predict", design, "--scene", scene, "--json"]).stdout)["rows"][
         0
     ]
     assert row["speed_mm_s"] == pytest.approx(40.0, abs=2.0)
@@ -51,7 +51,7 @@ def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
 
 def test_json_holds_every_number_and_quiet_says_nothing(run):
     told = run("--fastest", *QUICK, "--json", "--no-pictures", "--out", "fast")
-    found = json.loads(told.output)
+    found = json.loads(told.stdout)
     assert found["wish"] == "fastest"
     assert found["met"] == 3
     assert [row["design"] for row in found["rows"]] == [f"design-{n}.toml" for n in (1, 2, 3)]
@@ -85,7 +85,7 @@ def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
         "--json",
         "--no-pictures",
     )
-    found = json.loads(told.output)
+    found = json.loads(told.stdout)
     assert found["met"] >= 1
     assert 1.2 <= found["rows"][0]["scene.drive.gamma"] <= 3.0
     scene = Path("out/design-speed40/scene-1.toml").read_text(encoding="utf-8")
@@ -103,7 +103,7 @@ def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
         (("--speed", "40", "--vary", "legs.tilt=2:40"), "did you mean legs.tilt_deg"),
         (("--speed", "40", "--vary", "name=1:2"), "no property"),
         (("--speed", "40", "--set", "legs.tilt=2"), "did you mean legs.tilt_deg"),
-        (("--speed", "40", "--set", "legs.tilt_deg=2", "--set", "legs.tilt_deg=3"), "sets it too"),
+        (("--speed", "40", "--set", "legs.tilt_deg=2", "--set", "legs.tilt_deg=3"), "--set legs.tilt_deg: given twice"),
         (("--speed", "40", "--set", "legs.tilt_deg=2", "--vary", "legs.tilt_deg=3:9"), "varies it"),
         (("--speed", "40", "--from", "nowhere"), "no such template"),
         (("--speed", "40", "--workers", "0"), "--workers 0"),
