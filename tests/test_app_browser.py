@@ -138,9 +138,13 @@ def test_a_polygon_grows_by_its_points(page):
     made_again(page, *page.take("stl"))
 
 
-def test_a_drawing_that_is_dropped_is_the_body(page):
-    drawing = page.folder / "square.svg"
-    drawing.write_text(SQUARE)
+DISC = '<svg xmlns="http://www.w3.org/2000/svg" width="28mm" height="28mm"><circle cx="53" cy="53" r="52"/></svg>'
+
+
+@pytest.mark.parametrize("drawn", [SQUARE, DISC])
+def test_a_drawing_that_is_dropped_is_the_body(page, drawn):
+    drawing = page.folder / "drawn.svg"
+    drawing.write_text(drawn)
     page.drop(drawing)
     page.settle()
     assert page.refusals() == []

@@ -230,7 +230,10 @@ export async function takeFile(file) {
   if (answer.refused) return refuse(answer.refused);
   const flat = answer.key === 'body.outline';
   const body = flat ? { outline: answer.file, thickness_mm: 3 } : { mesh: answer.file };
-  change({ ...current(), values: { ...without(current().values, 'body'), body } }, 'shape');
+  const values = { ...without(current().values, 'body'), body };
+  // two equal legs place themselves under it; those of a list stand where they are put
+  if (document.querySelector('.row[data-key="legs.tilt_deg"]')) values['legs.place'] = 'auto';
+  change({ ...current(), values }, 'shape');
 }
 
 export { make };
