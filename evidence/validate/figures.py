@@ -67,7 +67,7 @@ def deviations(claims: Sequence[Claim]) -> Figure:
     for word, look in LOOKS.items():
         number = sum(claim.word == word for claim in claims)
         axes.plot([], [], look.marker, color=look.colour, markersize=4, label=f"{number} {word}")
-    figures.name(axes, "gap over the margin and half of the bounds of 95 %: beyond 1 it disagrees")
+    figures.name(axes, "gap over what is allowed: beyond 1 it disagrees")
     figures.legend_below(figure, 4)
     return figure
 
