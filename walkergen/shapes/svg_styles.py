@@ -51,11 +51,8 @@ def as_attributes(root: ET.Element, source: str) -> None:
         matches = sorted(matcher.match(node), key=lambda match: match[:2])
         wanted = [pair for *_, pairs in matches for pair in pairs]
         wanted += _declared(tinycss2.parse_declaration_list(element.attrib.get("style", ""), True, True), source)
-        said: dict[str, str] = {}
-        for key, value, important in sorted(wanted, key=lambda pair: pair[2]):
-            said[key] = value
-            del important
-        element.attrib.update(said)
+        # what is important comes last, and so holds
+        element.attrib.update({key: value for key, value, _ in sorted(wanted, key=lambda each: each[2])})
 
 
 def _add(matcher: Any, rules: Sequence[Any], source: str) -> None:
