@@ -25,7 +25,8 @@ NAMES = list(COMMANDS)
 PAPERS = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
-CALLS = ["load", *(name for name in COMMANDS if name in walkergen.__all__)]
+FIRST = ["load", "predict", "simulate", "family"]
+CALLS = [*FIRST, *(name for name in COMMANDS if name in walkergen.__all__ and name not in FIRST)]
 """What people call after `import walkergen as wg`."""
 
 ROOMS = {
