@@ -9,10 +9,7 @@ from walkergen.files import words
 from walkergen.lab.fit.least_squares import RANGES
 from walkergen.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
 from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
-
-MODELS = ("prediction", "theory", "compliant", "space")
 
 OF_MODEL = {
     "restitution": (LEAST_LABEL, 1.0),
@@ -32,7 +29,7 @@ class Job(NamedTuple):
     design: Design
     scene: Scene
     model: Any = "prediction"
-    """One of MODELS."""
+    """Model, as its request has checked it with prior and mode."""
     fix: Sequence[str] = ()
     """Parameters to hold, NAME=VALUE."""
     prior: Any = None
@@ -76,25 +73,12 @@ class Job(NamedTuple):
         return ", ".join([*parts, *([f"given {held}"] if held else [])])
 
 
-def checked(job: Job) -> Job:
-    """Job with its prior and with the scene of its model. Raises InputError for what does not go together."""
-    model, prior, mode = job.model, job.prior, job.mode
-    if model not in MODELS:
-        raise InputError(f"--model {str(model)[:30]!r}: must be one of {', '.join(MODELS)}")
-    if mode not in MODES:
-        raise InputError(f"--mode {str(mode)[:30]!r}: must be one of {', '.join(MODES)}")
-    if model == "theory":
-        if (prior, job.ahead) != (None, None):
-            name = "--predict" if prior is None else "--prior"
-            raise InputError(f"{name}: the theory has none; leave out --model theory")
+def completed(job: Job) -> Job:
+    """Job with the prior and with the scene of its model, which a fit of the theory has none of."""
+    if job.model == "theory":
         return job
-    if mode != "coulomb":
-        raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
-    scene = job.scene if model == "prediction" else job.scene.variant(**{"legs.model": model})
-    prior = PRIORS[0] if prior is None else prior
-    if prior not in PRIORS:
-        raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {', '.join(PRIORS)}")
-    return job._replace(scene=scene, prior=prior)
+    scene = job.scene if job.model == "prediction" else job.scene.variant(**{"legs.model": job.model})
+    return job._replace(scene=scene, prior=PRIORS[0] if job.prior is None else job.prior)
 
 
 def _ranges(model: str) -> Mapping[str, tuple[float, float]]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from walkergen.files.progress import Progress
 from walkergen.lab.fit import learn, report, theory
-from walkergen.lab.fit.job import Job, checked
+from walkergen.lab.fit.job import Job, completed
 from walkergen.lab.fit.report import FitReport
 from walkergen.lab.report import written
 
@@ -16,7 +16,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> FitReport:
     given) and a manifest. See `learn.learn` and `theory.fit`. Raises InputError, before anything is
     written, for unusable input and for choices that do not go together.
     """
-    job = checked(job)
+    job = completed(job)
     choices = {"file": path.name, "fixed": job.held}
     if job.model == "theory":
         fitted, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
