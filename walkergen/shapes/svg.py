@@ -144,7 +144,7 @@ def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
 
 def _scale(root: ET.Element, source: str) -> tuple[float, float]:
     """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
-    from walkergen.shapes.svg_elements import view_box
+    from walkergen.shapes.svg_elements import fitted, view_box
 
     page = _length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))
     if page[0] is None or page[1] is None:
@@ -157,14 +157,11 @@ def _scale(root: ET.Element, source: str) -> tuple[float, float]:
         )
     if "viewBox" not in root.attrib:
         return 25.4 / 96.0, 25.4 / 96.0  # CSS: 96 units to the inch
-    _, _, width, height = view_box(root.attrib["viewBox"], source)
-    x, y = page[0] / width, page[1] / height
-    if not (x > 0.0 and y > 0.0):
+    box = view_box(root.attrib["viewBox"], source)
+    if not (page[0] / box[2] > 0.0 and page[1] / box[3] > 0.0):
         raise InputError(f"{source}: a page of {page[0]:g} x {page[1]:g} mm; its width and height must be > 0")
-    fit = root.attrib.get("preserveAspectRatio", "")
-    if "none" in fit:
-        return x, y
-    return (max(x, y),) * 2 if "slice" in fit else (min(x, y),) * 2
+    matrix = fitted(box, page[0], page[1], root.attrib.get("preserveAspectRatio", ""))
+    return float(matrix[0, 0]), float(matrix[1, 1])
 
 
 def _length(text: str) -> float | None:
