@@ -79,8 +79,7 @@ def job_of(names, counts, **keys):
     ("words", "named"),
     [
         (("--count", "0"), "--count '0'"),
-        (("--count", "1"), "2 to 100000 walkers; `walkergen simulate`"),
-        (("--count", "10000000"), "--count '10000000': must be a whole number in 2..100000"),
+        (("--count", "10000000"), "--count '10000000': must be a whole number in 1..100000"),
         (("--count", "-3"), "--count '-3'"),
         (("--count", "1e3"), "--count '1e3'"),
         (("--count", "rotator:x"), "DESIGN:N"),
@@ -137,6 +136,17 @@ def test_counts_are_numbers_or_designs_with_theirs():
     assert members.parse(" 30 ") == 30
     assert members.parse("polar-disc:20, my/rotator.toml:10") == {"polar-disc": 20, "my/rotator.toml": 10}
     assert members.parse("C:\\walkers\\mine.toml:3,b:2")["C:\\walkers\\mine.toml"] == 3
+
+
+def test_one_walker_in_a_dish_is_a_crowd_of_one(run, walking):
+    result = run("--count", "1", "--arena", "disc:120", *SHORT, "--json")
+    assert result.exit_code == 0, result.output
+    numbers = json.loads(result.stdout)["numbers"]
+    assert numbers["polar_order"]["value"] == numbers["polar_order"]["by_chance"] == 1.0
+    assert numbers["speed_mm_s"]["value"] > 0.0
+    assert numbers["wall_density"]["value"] > 0.0
+    assert numbers["local_polar_order"]["refused"] == "too few walkers"
+    assert "of 1 walker in disc:120" in run("--count", "1", "--arena", "disc:120", *SHORT).stdout
 
 
 def test_a_packing_says_how_many_and_the_report_how_dense():

@@ -10,7 +10,7 @@ from walkergen.scene import Scene
 DEFAULT = 10
 """Walkers of a crowd unless something says how many."""
 
-FEWEST, MOST = 2, 100_000
+MOST = 100_000
 
 RUNS, RATE_HZ = 4, 25.0
 """Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
@@ -19,7 +19,7 @@ RUNS, RATE_HZ = 4, 25.0
 def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     """Number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
-    Raises ValueError, InputError for less than a crowd.
+    Raises ValueError, InputError for none or too many.
     """
     whole = columns.whole(value, MOST) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
@@ -36,7 +36,7 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
             raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MOST}")
     if not pairs:
         raise ValueError(
-            f"must be a whole number in {FEWEST}..{MOST}, or designs with their numbers, as in polar-disc:20,rotator:10"
+            f"must be a whole number in 1..{MOST}, or designs with their numbers, as in polar-disc:20,rotator:10"
         )
     counts = dict(pairs)
     if len(counts) < len(pairs):
@@ -46,10 +46,9 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
 
 
 def check(count: int, told: str) -> int:
-    """Return a number of walkers. Raises InputError for less than a crowd, or too many."""
-    if not FEWEST <= count <= MOST:
-        alone = "; `walkergen simulate` is about one" if count == 1 else ""
-        raise InputError(f"{told}: a crowd has {FEWEST} to {MOST} walkers{alone}")
+    """Return a number of walkers. Raises InputError for none or too many."""
+    if not 1 <= count <= MOST:
+        raise InputError(f"{told}: a crowd has 1 to {MOST} walkers")
     return count
 
 

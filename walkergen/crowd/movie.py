@@ -276,7 +276,8 @@ def _foot(canvas: Canvas, film: CrowdFilm, scale: float, colour: Colour, fps: in
     pace = ""
     if fps is not None and len(film.times) > 1:
         pace = f", {fps * film.interval:.3g} of real speed"
-    words = f"{film.x.shape[1]} walkers, {film.dish.words}{pace}"
+    walkers = film.x.shape[1]
+    words = f"{walkers} walker{'s' * (walkers != 1)}, {film.dish.words}{pace}"
     canvas.text(0.5 * WIDTH, 12, words, fontsize=SMALL, ha="center")
     if colour == "heading" and film.headed:
         wheel = canvas.axes(WIDTH - MARGIN - 32, 4, 32, 32)

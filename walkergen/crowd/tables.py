@@ -36,7 +36,7 @@ def tables(statistics: CrowdStatistics) -> list[Table]:
     numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
     rows = [_row(statistics, number) for number in numbers.values()]
     shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
-    title = f"Crowd of {statistics.walkers} walkers in {statistics.dish.words}"
+    title = f"Crowd of {_walkers(statistics)}"
     course = [(numbers[name].column, *_known(point)) for name in series for point in zip(*series[name], strict=True)]
     runs = [(run, *_known(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
     return [
@@ -65,9 +65,13 @@ def line(statistics: CrowdStatistics) -> str:
     """What was measured, in a sentence."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
-        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of "
-        f"{statistics.walkers} walkers in {statistics.dish.words}."
+        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of {_walkers(statistics)}."
     )
+
+
+def _walkers(statistics: CrowdStatistics) -> str:
+    """How many run where."""
+    return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
 
 
 def in_words(name: str) -> str:

@@ -140,8 +140,6 @@ def _check(films: Sequence[CrowdFilm]) -> None:
             raise InputError(f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart")
         if len(film.times) < FEWEST_FRAMES:
             raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {FEWEST_FRAMES} at least")
-        if len(film.kinds) < 2:
-            raise InputError("a crowd of 1 walker: needs 2 at least; leave --dish out")
 
 
 def _words(film: CrowdFilm) -> str:

@@ -34,11 +34,11 @@ def circulation(film: CrowdFilm) -> Array:
 
 
 def by_chance(walkers: float) -> float:
-    """Mean modulus of the mean of N random unit vectors: sqrt(pi / (4 N)), for N above some ten.
+    """Mean modulus of the mean of N random unit vectors: 1 of one, sqrt(pi / (4 N)) for N above some ten.
 
     Their sum is then normal in two directions, with variance N / 2 in each.
     """
-    return 0.5 * math.sqrt(math.pi / walkers)
+    return 1.0 if walkers <= 1.0 else 0.5 * math.sqrt(math.pi / walkers)
 
 
 def circulation_by_chance(walkers: float) -> float:
