@@ -459,7 +459,7 @@ REFUSED = {
             ({"frame": [0, 1], "x": [0.0, 1.0]}, "^tracks: no column 'y'"),
             ({"frame": [0, 1], "x": [0.0]}, "^tracks: columns must be of one length, seen frame 2, x"),
             (7, "^tracks: int seen: must be the path of a CSV file"),
-            ({"a": [1]}, "^tracks: neither trackpy's columns"),
+            ({"a": [1]}, "^tracks: no column 'x'; rename the one"),
         ],
     ),
     "fit": (

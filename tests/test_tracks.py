@@ -83,7 +83,17 @@ def test_bad_rows_are_counted_named_and_left_out(tmp_path):
         ("t_s,x_mm\n0,1\n1,2\n", Units(y_down=True), "--y-down"),
         ("t_s,x_mm\n0,1\n1,2\n2.4,2\n3,3\n4,3\n", Units(), "line 4 lies off the regular times"),
         ("a,b\n1,2\n", FILM, "columns seen: a, b"),
-        ("frame,particle,x\n0,0,1\n", FILM, "no column 'y'"),
+        ("frame,particle,x\n0,0,1\n", FILM, "no column 'y'; rename the one that holds it to y_mm"),
+        ("when,x,y\n0,0,1\n", FILM, "no column 'time'; rename the one that holds it to t_s, or frame"),
+        ("frame,particle,x,y\n0,0,1,1\n", Units(), "give --fps and --mm-per-px"),
+        ("frame,x,y\n0,0,1\n1,1,1\n", FILM._replace(unit="mm,cm"), "--unit mm,cm: must be a unit of places"),
+        ("frame,x_mm,y_mm\n0,0,1\n1,1,1\n", FILM, "--mm-per-px 0.5"),
+        ("time,x,y\n0,0,1\n1,1,1\n", Units(unit="mm"), "whole numbers without a unit; give --unit s"),
+        ("time,x,y\n0,0,1\n0.1,1,1\n", Units(), "x has no unit; give --unit mm"),
+        ("frame,x,y,theta\n0,0,1,359\n1,1,1,2\n", FILM, "reaches 359, more than a turn in radians; give --unit deg"),
+        ("frame,x,y\n0,200,000,300,000\n1,197,606,299,826\n", FILM, ":2: 5 cells, the header has 3: separate cells"),
+        ("frame;x;y\n0;200,000;300,000\n", FILM, ":2: a comma seen in '0;200,000;300,000'"),
+        ("frame,x\n0,0,1\n1,1,1\n", FILM._replace(lane=True), "are the first ones names of rows, as R's?"),
         ("frame,x,y,theta,theta_deg\n0,0,1,1,1\n", FILM, "both theta"),
         ("frame,x,y\n0,0,1\n0,0,2\n", FILM, "link the positions first"),
         ("frame,particle,x,y\n0,0,a,1\n1,0,b,1\n", FILM, "2 bad rows left out: line 2"),
@@ -102,37 +112,70 @@ def test_unusable_files_are_refused_in_one_line(tmp_path, text, units, hint):
 POGO = "time,x,y,theta,particle\n"
 
 
-def test_pogotracks_file_has_its_own_units(tmp_path):
-    # Rows of its results/tracking.csv: s, cm, degrees; then a frame that it skipped.
+def test_a_table_with_times_is_read_in_the_units_that_are_given(tmp_path):
+    # Rows of Pogotrack's results/tracking.csv: s, cm, degrees; then a frame that it skipped.
     text = POGO + (
         "0.0,76.87377589939182,70.8736212761571,60.96184860035945,0\n"
         "0.04452359750667854,76.87377589939182,70.8736212761571,61.18282319543838,0\n"
         "0.08904719501335707,,,,\n"
         "0.13357079252003562,77.07890939078445,71.13003814039789,59.32456958652914,0\n"
     )
-    found = read(tmp_path, text, Units())
+    with pytest.raises(InputError, match="Pogotrack's files are in cm and degrees: --unit cm,deg"):
+        read(tmp_path, text, Units())
+    found = read(tmp_path, text, Units(unit="cm,deg"))
     (one,) = found.tracks
     assert found.interval == pytest.approx(1 / 22.46)  # its default frame rate
-    assert found.note == "1 bad row left out: line 4: x is '', not a number"
+    for told in ("1 bad row left out: line 4: x is '', not a number", "places are in cm", "time is taken as seconds"):
+        assert told in found.note
     np.testing.assert_allclose(one.position[0], [768.7377589939182, 708.736212761571])
     np.testing.assert_allclose(np.degrees(one.heading[[0, 3]]), [60.96184860, 59.32456959])
     assert np.isnan(one.position[2]).all()
 
 
-def test_pogotracks_file_as_a_lane_turned_over_and_with_ids(tmp_path):
-    text = POGO + "0,1,2,30,0\n0.1,2,4,30,0\n"
-    (down,) = read(tmp_path, text, Units(y_down=True)).tracks
-    np.testing.assert_allclose(down.position, [[10, -20], [20, -40]])
-    np.testing.assert_allclose(np.degrees(down.heading), -30)
-    lane = read(tmp_path, text, Units(lane=True))
+def test_a_table_with_times_as_a_lane_turned_over_and_with_ids(tmp_path):
+    text, units = POGO + "0,1,2,30,0\n0.1,2,4,30,0\n", Units(unit="cm,deg")
+    down = read(tmp_path, text, units._replace(y_down=True))
+    np.testing.assert_allclose(down.tracks[0].position, [[10, -20], [20, -40]])
+    np.testing.assert_allclose(np.degrees(down.tracks[0].heading), -30)
+    assert "y counts rows downward, by --y-down: turned over" in down.note
+    lane = read(tmp_path, text, units._replace(lane=True))
     assert lane.lane
     assert lane.tracks[0].heading is None
     numbered = "time,x,y,id\n0,1,2,5\n0,1,3,7\n0.1,2,4,5\n"
-    assert [one.particle for one in read(tmp_path, numbered, Units()).tracks] == [5, 7]
-    with pytest.raises(InputError, match=r"--fps 100: .* has its own time and x; leave it out"):
+    assert [one.particle for one in read(tmp_path, numbered, Units(unit="cm")).tracks] == [5, 7]
+    with pytest.raises(InputError, match=r"--fps 100: .* has its own time; leave it out"):
         read(tmp_path, text)
     with pytest.raises(InputError, match="link the positions first"):
-        read(tmp_path, "time,x,y\n0,1,2\n0,1,3\n0.1,2,4\n", Units())
+        read(tmp_path, "time,x,y\n0,1,2\n0,1,3\n0.1,2,4\n", Units(unit="mm"))
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [
+        ("time (s),x (mm),y (mm)", 1.0),
+        ("t_s,X [cm],Y [cm]", 10.0),
+        ("time_s,x_m,y_m", 1000.0),
+        ("t (s),x (pixels),y (pixels)", 0.5),
+    ],
+)
+def test_units_stand_in_headers(tmp_path, header, factor):
+    units = Units(mm_per_px=0.5) if "pixels" in header else Units()
+    found = read(tmp_path, f"{header}\n0,1,2\n0.5,2,4\n", units)
+    assert found.interval == 0.5
+    np.testing.assert_allclose(found.tracks[0].position, np.array([[1, 2], [2, 4]]) * factor)
+
+
+@pytest.mark.parametrize("text", ['"frame","x","y"\n"1",0,2,4\n"2",1,4,8\n', '"frame" "x" "y"\n"1" 0 2 4\n"2" 1 4 8\n'])
+def test_rs_header_is_one_field_short(tmp_path, text):
+    np.testing.assert_allclose(read(tmp_path, text).tracks[0].position, [[1, 2], [2, 4]])
+
+
+def test_times_that_are_rounded_are_one_rate(tmp_path):
+    # idtracker.ai writes times to a millisecond: at 28 frames a second neighbours are 35 or 36 ms apart.
+    rows = "".join(f"{round(frame / 28, 3)},{frame},0\n" for frame in range(200))
+    found = read(tmp_path, "time,x,y\n" + rows, Units(unit="mm"))
+    assert found.interval == pytest.approx(1 / 28, rel=1e-4)
+    np.testing.assert_allclose(found.tracks[0].position[:, 0], np.arange(200))
 
 
 def test_a_place_without_a_heading_counts(tmp_path):

@@ -280,6 +280,7 @@ def crowd(
     tracks: Name | None = None,
     fps: float | None = None,
     mm_per_px: float | str | None = None,
+    unit: str | None = None,
     y_down: bool = False,
     set: Mapping[str, Any] = {},
     movie: Name | None = None,
@@ -370,6 +371,7 @@ def analyse(
     *,
     fps: float | None = None,
     mm_per_px: float | str | None = None,
+    unit: str | None = None,
     y_down: bool = False,
     lane: bool = False,
     lag_ms: float | None = None,
@@ -383,10 +385,11 @@ def analyse(
 ) -> AnalysisReport:
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
-    A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading theta (rad) or
-    theta_deg, counted from x toward y; or Pogotrack's, which has its own units. A simulation is a file that simulate
-    --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what track()
-    or simulate().trajectory() returned, a frame of pandas, or columns by name.
+    A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
+    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, idtracker.ai, TRex, FastTrack, MTrackJ or Tracker.
+    Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a file that
+    simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what
+    track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
     independent runs (--run), and no walker by itself.

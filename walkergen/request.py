@@ -407,13 +407,16 @@ MmPerPx = Annotated[
     BeforeValidator(parse_measured),
     Flag("Millimetres per pixel of the film, as 0.05±0.001.", "MM", takes="float | str | None"),
 ]
+Unit = Annotated[
+    str | None, Flag("Units of places, times, headings that the file does not state: mm, or cm,ms,deg.", "UNIT")
+]
 Pictures = Annotated[bool, Flag("Draw the figures.")]
 Out = Annotated[Path | None, Target, Flag("Folder to write to; out/NAME by default.", "FOLDER", takes="Name | None")]
 
 
-def units(fps: float | None, mm_per_px: Measured, y_down: bool, lane: bool = False) -> "Units":
+def units(fps: float | None, mm_per_px: Measured, y_down: bool, unit: str | None, lane: bool = False) -> "Units":
     """Units of the tracks of a film."""
     from walkergen.analysis.track_files import Units
 
     scale, error = mm_per_px or (None, None)
-    return Units(fps, scale, y_down, lane, error)
+    return Units(fps, scale, y_down, lane, error, unit or "")

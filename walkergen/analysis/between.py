@@ -187,8 +187,10 @@ def _unresolved(sums: npt.NDArray[Any], unit: float) -> str:
 
     The modulus of a mean that is all noise would be a speed above 0.
     """
+    if len(sums) < 2:
+        return "too short a track: film for longer"
     whole, count = sums.sum(axis=0)
-    left_out = (whole - sums[:, 0]).real / (count - sums[:, 1]).real if len(sums) > 1 else sums[:, 0]
+    left_out = (whole - sums[:, 0]).real / (count - sums[:, 1]).real
     product, error = (whole / count).real, statistics.jackknife_error(left_out[:, None])[0]
     if product > SIGNIFICANT * error:
         return ""

@@ -1,12 +1,9 @@
-"""Tracks of walkers from CSV files: trackpy's, Pogotrack's, or those that walkergen writes.
+"""Tracks of walkers from files: tables of places at times, in the units that they state or that are given.
 
-trackpy: frame, particle, x, y in pixels, optionally theta (rad) or theta_deg, the heading counted
-from x toward y of the file's own axes. walkergen: t_s, x_mm; with theta_rad, the heading from x
-toward y_mm, it is of a walker in space, seen from above; without it y_mm is vertical: a lane's.
-Pogotrack (https://github.com/keivan-amini/pogotrack, docstring of `VideoProcessor` and function
-`convert_datas`): time (s), x, y (cm), theta (degrees, from x toward y), particle, which may also be
-called id; rows of frames that it skipped are blank. All may have `particle` and
-`plate_speed_mm_s`, the plate's peak speed while the particle ran.
+Units stand in the names of columns (x_mm, "X (cm)", t_s, "time [ms]", theta_deg) or are given (--unit mm,deg;
+--fps, --mm-per-px); what neither tells is asked for. walkergen's own: t_s, x_mm; with theta_rad, the heading
+from x toward y_mm, it is of a walker in space, seen from above; without it y_mm is vertical: a lane's. All may
+have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
 """
 
 import math
@@ -16,59 +13,20 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis import sampling, track_columns, track_programs
+from walkergen.analysis.track_columns import ANGLES, LENGTHS, OURS, PIXEL, SCALE, TIMES, Source
+from walkergen.analysis.tracks import Tracks
 from walkergen.errors import InputError
-from walkergen.files import columns, plain
+from walkergen.files import plain, words
 from walkergen.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
-MOST_FRAMES = 50_000_000
-"""Largest number of frames of all tracks together, gaps included."""
-
 LEAST_UNIT, LARGEST_UNIT = 1e-6, 1e9
 """Limits of frames per second, and of millimetres in a pixel."""
 
-MOST_PARTICLES = 10_000
-"""Largest number of tracks: measuring as many takes about 20 s (3 rows each, two busy cores)."""
-
-MOST_TICKS = 1e15
-"""Largest number of samples from the first to the last, which numbers still tell apart."""
-
-LONGEST = 3.0
-"""Longest time between neighbouring frames, over the usual one, within which a walker is followed:
-a camera that slows down halves its rate or so; beyond, frames are missing."""
-
-REGULAR = 0.01
-"""Share of the interval by which times may lie off the regular grid."""
-
-
-class Timed(NamedTuple):
-    """Format of files that have their own times and lengths."""
-
-    time: str
-    """Column of the times, s."""
-    axes: tuple[str, str]
-    """Columns of the places."""
-    heading: str
-    particle: tuple[str, ...]
-    """Names that the column of the particles may have."""
-    length: float
-    """Unit of the places, mm."""
-    angle: float
-    """Unit of the headings, rad."""
-
-    @property
-    def own_columns(self) -> str:
-        """What the file has of its own, in words."""
-        return f"{self.time} and {self.axes[0]}"
-
-
-OURS = Timed("t_s", ("x_mm", "y_mm"), "theta_rad", ("particle",), 1.0, 1.0)
-SCALE = ("mm_per_px", "mm_per_px_se")
-"""Columns of a film's scale and its standard error, the same in all rows of a film."""
-
-POGOTRACK = Timed("time", ("x", "y"), "theta", ("particle", "id"), 10.0, math.radians(1.0))
+TURN = 2.0 * math.pi + 1e-3
+"""Heading, rad, beyond which a column without a unit may hold degrees: a turn."""
 
 
 class Units(NamedTuple):
@@ -83,132 +41,202 @@ class Units(NamedTuple):
     """True when the walkers ran along a lane in x, so that y is ignored."""
     mm_per_px_se: float | None = None
     """Standard error of `mm_per_px`; None when it is not known."""
+    unit: str = ""
+    """Units of places, times and headings that the file does not state, as "mm" or "cm,ms,deg"."""
+
+
+class _Given(NamedTuple):
+    """Units that are given; None for each that is not."""
+
+    length: str | None
+    time: str | None
+    angle: str | None
 
 
 def read(path: Path, units: Units) -> Tracks:
-    """Read the tracks of a CSV file.
+    """Read the tracks of a file.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
-    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`.
+    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`,
+    which also says what was taken for what.
     """
-    names = columns.header(path)
-    if "t_s" in names and "x_mm" in names:
-        return _trajectory(path, names, units)
-    if "frame" in names and "x" in names:
-        return _film(path, names, units)
-    if "time" in names and "x" in names:
-        return _timed(path, names, units, POGOTRACK, not units.lane)
-    header = plain.line(", ".join(name for name in names if name))
-    raise InputError(
-        f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
-        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {header}"
-    )
+    given = _given(units.unit)
+    source = track_programs.read(path, units.lane)
+    if source.program == OURS:
+        return _own(path, source, units, given)
+    clock, timed, said = _clock(path, source, units, given)
+    length, lengths = _length(path, source, units, given)
+    values = dict(source.table.values)
+    down = -1.0 if source.y_down or units.y_down else 1.0
+    values["x"] = length * values["x"]
+    if units.lane:
+        values = {name: column for name, column in values.items() if name not in ("y", "theta")}
+    else:
+        values["y"] = down * length * values["y"]
+        said += (_down(source, units),)
+        if "theta" in values:
+            angle, angles = _angle(path, source, given)
+            values["theta"] = down * angle * values["theta"]
+            said += (angles,)
+    table = source.table._replace(values=values)
+    if timed:
+        values["time"] = clock * values["time"]
+        table = table.without(np.isnan(values["time"]), "has no time")
+        tracks = sampling.timed(path, table, source.named["time"].name)
+    else:
+        values.setdefault("frame", values.get("time", np.zeros(0)))
+        tracks = sampling.framed(path, table, clock)
+    error = units.mm_per_px_se
+    share = None if error is None or units.mm_per_px is None else error / units.mm_per_px
+    program = (f"taken for a file of {source.program}",) if source.program else ()
+    lines = [tracks.note, *program, *source.said, lengths, *said]
+    return tracks._replace(scale_se=share if units.mm_per_px else 0.0, note="; ".join(line for line in lines if line))
 
 
-def _trajectory(path: Path, names: list[str], units: Units) -> Tracks:
-    """Read simulated trajectories: on the plate with a heading, else with y_mm as the height."""
-    headed = OURS.heading in names
+def _given(text: str) -> _Given:
+    """Units of a text. Raises InputError for what is none, and for two of a kind."""
+    held: dict[str, str] = {}
+    for word in filter(None, (word.strip() for word in text.split(","))):
+        unit = track_columns.unit_of(word)
+        kinds = (("length", (*LENGTHS, PIXEL)), ("time", (*TIMES, "frame")), ("angle", ANGLES))
+        kind = next((kind for kind, known in kinds if unit in known), "")
+        if not kind or kind in held:
+            raise InputError(
+                f"--unit {plain.line(text)[:40]}: must be a unit of places ({', '.join((*LENGTHS, PIXEL))}), of times "
+                f"({', '.join((*TIMES, 'frame'))}), of headings ({', '.join(ANGLES)}), or one of each, as cm,deg",
+                "unit",
+            )
+        held[kind] = unit
+    return _Given(held.get("length"), held.get("time"), held.get("angle"))
+
+
+def _own(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
+    """Read what walkergen writes: on the plate with a heading, else with y_mm as the height."""
+    headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
         raise InputError(f"--y-down: {path} {y}; leave it out")
-    return _timed(path, names, units, OURS, headed and not units.lane)
+    _refuse_own_units(path, source, units, given, "t_s and x_mm")
+    tracks = sampling.timed(path, source.table, "t_s")
+    return tracks._replace(scale_se=_scale_se(path, source.table))
 
 
-def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bool) -> Tracks:
-    """Read tracks that have their own times and lengths, on a plane or along a lane."""
-    for flag, value in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
+def _refuse_own_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
+    """Raise InputError for units of a file that states its own."""
+    for flag, value in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px), ("--unit", units.unit or None)):
         if value is not None:
-            raise InputError(f"{flag} {value:g}: {path} has its own {form.own_columns}; leave it out")
-    axes = form.axes if on_plane else form.axes[:1]
-    headed = on_plane and form.heading in names
-    particle = next((name for name in form.particle if name in names), "particle")
-    extra = ("frame", *SCALE) if form is OURS else ()
-    optional = (particle, "plate_speed_mm_s", *extra, *([form.heading] if headed else []))
-    table = columns.read(path, (form.time, *axes), optional)
-    if particle in table.values:
-        table.values["particle"] = table.values[particle]
-    interval, ticks = _ticks(path, table, form)
-    between = ""
-    if {"frame", "particle"} <= set(table.values) and _off(ticks).any():
-        table, between = _at_regular_times(table, form.time, form.heading)
-        interval, ticks = _ticks(path, table, form)
-    if (off := _off(ticks)).any():
+            shown = value if isinstance(value, str) else f"{value:g}"
+            raise InputError(f"{flag} {shown}: {path} has its own {own}; leave it out")
+
+
+def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
+    """Time of a unit of the column time, s, and True; or frames per second, and False; and what is to be said."""
+    frames = "frame" in source.table.values
+    named = source.named.get("time")
+    unit = given.time or (named.unit if named else "")
+    times = source.table.values.get("time")
+    counted = times is not None and bool((times == np.rint(times))[np.isfinite(times)].all())
+    if times is None or not np.isfinite(times).any() or unit == "frame" or (frames and units.fps is not None):
+        return _rate(path, source, units), False, ()
+    assert named is not None
+    if unit:
+        return _timed(path, source, units, TIMES[unit], ())
+    if counted and frames:  # written twice where the rate is not known
+        return _rate(path, source, units), False, ()
+    if counted:
+        if units.fps is None:
+            raise InputError(
+                f"{path}: {named.name} holds whole numbers without a unit; give --unit s (or ms), or --fps "
+                "where it counts frames"
+            )
+        return _rate(path, source, units), False, (f"{named.name} is taken to count frames",)
+    return _timed(path, source, units, 1.0, (f"{named.name} is taken as seconds",))
+
+
+def _timed(
+    path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
+) -> tuple[float, bool, tuple[str, ...]]:
+    if units.fps is not None:
+        raise InputError(f"--fps {units.fps:g}: {path} has its own {source.named['time'].name}; leave it out")
+    return seconds, True, said
+
+
+def _rate(path: Path, source: Source, units: Units) -> float:
+    """Frames per second of a file that counts frames."""
+    if units.fps is None:
+        pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
+        more = " and pixels; give --fps and --mm-per-px (or --unit mm if these are mm)" if pixels else "; give --fps"
+        raise InputError(f"{path}: counts frames{more}")
+    return _within("--fps", units.fps)
+
+
+def _within(flag: str, value: float) -> float:
+    if not LEAST_UNIT <= value <= LARGEST_UNIT:
+        raise InputError(f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
+    return value
+
+
+def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
+    """Unit of places, mm, and what is to be said of it."""
+    named = source.named["x"]
+    unit = given.length or named.unit
+    by_frame = "time" not in source.table.values
+    if unit in LENGTHS:
+        if units.mm_per_px is not None:
+            raise InputError(
+                f"--mm-per-px {units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave it out"
+            )
+        told = "by --unit" if given.length else f"as {named.name} says"
+        return LENGTHS[unit], f"places are in {unit}, {told}"
+    if units.mm_per_px is not None:
+        return _within("--mm-per-px", units.mm_per_px), ""
+    if unit == PIXEL or (by_frame and not unit):
         raise InputError(
-            f"{path}: {form.time} on line {table.lines[off][0]} lies off the regular times of the "
-            f"other rows, {interval:g} s apart; sample at a fixed rate"
+            f"{path}: counts pixels; give --mm-per-px, the millimetres per pixel (or --unit mm if x and y are in mm)"
         )
-    steps = np.rint(ticks)
-    flip = np.array([1.0, -1.0 if units.y_down else 1.0])[: len(axes)]
-    position = form.length * flip * np.stack([table.values[name] for name in axes], axis=1)
-    heading = form.angle * flip[-1] * table.values[form.heading] if headed else None
-    if heading is not None and np.isnan(heading).all():
-        heading = None
-    scale_se = _scale_se(path, table) if form is OURS else None
-    tracks = _assemble(path, table, steps, position, heading, interval)
-    note = "; ".join(line for line in (between, tracks.note) if line)
-    return tracks._replace(scale_se=scale_se, note=note)
-
-
-def _at_regular_times(table: Columns, time: str, heading: str) -> tuple[Columns, str]:
-    """Rows at whole multiples of the usual time between frames, and in words what was done.
-
-    Between neighbouring frames places, and the `heading` (rad), change in proportion to time;
-    nothing is made up where a frame is missing. A place between two frames has down to half the
-    variance of its noise.
-    """
-    order = np.lexsort((table.values[time], table.values["particle"]))
-    table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
-    steps, near = _steps(table, time)
-    if not near.any():
-        return table, ""
-    usual = float(np.median(steps[near]))
-    near &= steps <= LONGEST * usual
-    at = table.values[time]
-    first, last = np.ceil(at[:-1] / usual), np.ceil(at[1:] / usual)  # the last belongs to the next
-    counts = np.where(near, last - first, 0.0).astype(np.int64)
-    rows = np.repeat(np.arange(len(counts)), counts)
-    places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-    regular_times = np.asarray(usual * (first[rows] + places), dtype=float)
-    share = (regular_times - at[rows]) / steps[rows]
-    values: dict[str, Array] = {time: regular_times}
-    for name in table.values.keys() - {time}:
-        column = table.values[name]
-        change = np.diff(column)[rows]
-        if name == heading:
-            change = (change + np.pi) % (2.0 * np.pi) - np.pi
-        # What is one number of a walker, as its own or the plate's speed, does not change with time
-        values[name] = column[rows] + np.where(change == 0.0, 0.0, share * change)
-    low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
-    note = (
-        f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame: places are taken "
-        f"between its frames, every {1e3 * usual:.3g} ms"
+    raise InputError(
+        f"{path}: {named.name} has no unit; give --unit mm (or cm, m, in), or --mm-per-px for pixels"
+        + ("; Pogotrack's files are in cm and degrees: --unit cm,deg" if "theta" in source.table.values else "")
     )
-    return Columns(values, table.lines[rows], table.bad), note
 
 
-def _steps(table: Columns, time: str) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Times from row to row, and where both are one particle's in neighbouring frames."""
-    steps = np.diff(table.values[time])
-    near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
-    return steps, near & (steps > 0)
-
-
-def _ticks(path: Path, table: Columns, form: Timed) -> tuple[float, Array]:
-    """Time between samples, s, and the times of the rows in it, from 0 on."""
-    times = table.values[form.time]
-    interval = _interval(path, times, _particles(table))
-    ticks = (times - times.min()) / interval
-    if ticks.max() > MOST_TICKS:
+def _angle(path: Path, source: Source, given: _Given) -> tuple[float, str]:
+    """Unit of headings, rad, and what is to be said of it. Raises InputError where nothing tells."""
+    named = source.named.get("theta")
+    unit = given.angle or (named.unit if named else "rad")
+    if unit:
+        return ANGLES[unit], ""
+    assert named is not None
+    largest = float(np.nanmax(np.abs(source.table.values["theta"]), initial=0.0))
+    if largest > TURN and _beyond_turns(source.table):
         raise InputError(
-            f"{path}: {form.time} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
-            f"{MOST_TICKS:g}: is a time mistyped?"
+            f"{path}: {named.name} has no unit and reaches {words.number(largest, 4)}, more than a turn in radians; "
+            "give --unit deg or --unit rad (beside that of places: --unit mm,deg), or call it theta_deg or theta_rad"
         )
-    return interval, ticks
+    if largest > TURN:
+        return 1.0, f"{named.name} is taken as radians, whole turns counted"
+    return 1.0, f"{named.name} is taken as radians"
 
 
-def _off(ticks: Array) -> npt.NDArray[np.bool_]:
-    """True for rows that lie off the regular times."""
-    return np.asarray(np.abs(ticks - np.rint(ticks)) > REGULAR)
+def _beyond_turns(table: Columns) -> bool:
+    """Whether headings are none in radians whose turns are counted: these begin within a turn, in steps of half one."""
+    particle = table.values.get("particle", np.zeros(len(table.lines)))
+    order = np.lexsort((table.values.get("frame", table.values.get("time", table.lines)), particle))
+    order = order[~np.isnan(table.values["theta"][order])]
+    theta, same = table.values["theta"][order], np.diff(particle[order]) == 0
+    first = theta[np.append(True, ~same)]
+    return bool((np.abs(first) > TURN).any() or (np.abs(np.diff(theta))[same] > 0.5 * TURN).any())
+
+
+def _down(source: Source, units: Units) -> str:
+    """Which way y was taken."""
+    if source.y_down:
+        return f"y counts rows downward, as {source.program} does: turned over"
+    if units.y_down:
+        return "y counts rows downward, by --y-down: turned over"
+    if source.program:
+        return f"y grows upward, as in {source.program}"
+    return "y is taken to grow upward: for rows of a picture give --y-down, which turns the sign of turning"
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:
@@ -223,128 +251,3 @@ def _scale_se(path: Path, table: Columns) -> float | None:
         raise InputError(f"{path}: mm_per_px must be > 0 and mm_per_px_se >= 0, or blank")
     share = float(np.max(error / scale))
     return None if math.isnan(share) else share
-
-
-def _interval(path: Path, times: Array, particle: Array) -> float:
-    """Time between samples, s: the commonest step of a particle."""
-    order = np.lexsort((times, particle))
-    same = np.diff(particle[order]) == 0
-    steps = np.diff(times[order])[same]
-    steps = steps[steps > 0]
-    if not len(steps):
-        raise InputError(f"{path}: no particle has two different times; nothing moves")
-    low = float(np.quantile(steps, 0.5, method="lower"))  # a step, not the mean of two
-    close = steps[np.abs(steps - low) < REGULAR * low]
-    # Written times are rounded: the mean over all close steps is the best estimate.
-    return float(close.mean())
-
-
-def _film(path: Path, names: list[str], units: Units) -> Tracks:
-    fps, scale = _film_units(path, units)
-    if "theta" in names and "theta_deg" in names:
-        raise InputError(f"{path}: both theta (rad) and theta_deg; keep one")
-    angle = next((name for name in ("theta", "theta_deg") if name in names), None)
-    optional = ("particle", "plate_speed_mm_s", *([angle] if angle else []))
-    table = columns.read(path, ("frame", "x") if units.lane else ("frame", "x", "y"), optional)
-    frames = table.values["frame"]
-    table = table.without(frames != np.rint(frames), "frame is not a whole number")
-    if not len(table.lines):
-        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
-    flip = -1.0 if units.y_down else 1.0
-    axes = [table.values["x"]] if units.lane else [table.values["x"], flip * table.values["y"]]
-    heading = None
-    if angle is not None and not units.lane:
-        unit = math.radians(1.0) if angle == "theta_deg" else 1.0
-        heading = flip * unit * table.values[angle]
-        if np.isnan(heading).all():
-            heading = None
-    position = scale * np.stack(axes, axis=1)
-    frames = table.values["frame"]
-    tracks = _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
-    error = units.mm_per_px_se
-    return tracks._replace(scale_se=None if error is None else error / scale)
-
-
-def _film_units(path: Path, units: Units) -> tuple[float, float]:
-    for flag, value, what in (
-        ("--fps", units.fps, "frames per second of the film"),
-        ("--mm-per-px", units.mm_per_px, "millimetres per pixel (1 if x and y are in mm)"),
-    ):
-        if value is None:
-            raise InputError(f"{path}: counts frames and pixels; give {flag}, the {what}")
-        if not LEAST_UNIT <= value <= LARGEST_UNIT:
-            raise InputError(f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
-    assert units.fps is not None
-    assert units.mm_per_px is not None
-    return units.fps, units.mm_per_px
-
-
-def _particles(table: Columns) -> Array:
-    """Number of each row's particle; 0 for all rows when the file does not number particles."""
-    return table.values.get("particle", np.zeros(len(table.lines)))
-
-
-def _assemble(path: Path, table: Columns, steps: Array, position: Array, heading: Array | None, tick: float) -> Tracks:
-    """Sort rows into tracks, on the coarsest grid of times that holds all of their steps."""
-    particle = _particles(table)
-    plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
-    order = np.lexsort((steps, particle))
-    twice = np.zeros(len(steps), dtype=bool)
-    twice[order[1:]] = (np.diff(particle[order]) == 0) & (np.diff(steps[order]) == 0)
-    unnumbered = particle != np.rint(particle)  # NaN as well
-    if twice.any() and "particle" not in table.values:
-        raise InputError(
-            f"{path}: line {table.lines[twice][0]} repeats a frame and there is no column "
-            "particle; link the positions first (trackpy.link)"
-        )
-    bad = table.without(twice, "its particle has been seen at this time before").bad
-    bad |= table.without(unnumbered, "particle is not a whole number").bad
-    order = order[~(twice | unnumbered)[order]]
-    if not len(order):
-        raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
-    names, starts = np.unique(particle[order], return_index=True)
-    if len(names) > MOST_PARTICLES:
-        raise InputError(f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks")
-    groups = np.split(order, starts[1:])
-    stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
-    stride = max(stride, 1)
-    total = sum(int(steps[g[-1]] - steps[g[0]]) // stride + 1 for g in groups)
-    if total > MOST_FRAMES:
-        raise InputError(
-            f"{path}: the particles' first and last times are {total} steps apart in all, with "
-            f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
-        )
-    tracks = tuple(
-        _track(path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate)._replace(
-            start=int(steps[group[0]] // stride)
-        )
-        for name, group in zip(names, groups, strict=True)
-    )
-    return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))
-
-
-def _track(
-    path: Path,
-    name: int,
-    rows: npt.NDArray[np.int64],
-    places: Array,
-    position: Array,
-    heading: Array | None,
-    plate: Array,
-) -> Track:
-    at = places[rows].astype(np.int64)
-    grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)
-    grid[at] = position[rows]
-    angles = None
-    if heading is not None:
-        angles = np.full(len(grid), np.nan)
-        angles[at] = heading[rows]
-    speeds = np.unique(plate[rows][~np.isnan(plate[rows])])
-    if len(speeds) > 1:
-        raise InputError(
-            f"{path}: particle {name} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
-            "number the particle anew for each"
-        )
-    if len(speeds) and speeds[0] < 0:
-        raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")
-    return Track(name, grid, angles, float(speeds[0]) if len(speeds) else None)

@@ -85,6 +85,7 @@ class CrowdRequest(request.Request):
     ] = None
     fps: request.Fps = None
     mm_per_px: request.MmPerPx = None
+    unit: request.Unit = None
     y_down: request.YDown = False
     set: request.Settings = {}
     movie: Annotated[
@@ -101,7 +102,7 @@ class CrowdRequest(request.Request):
             crowds = "count", "packing", "model", "rate_hz", "threads", "write_only", "movie"
             self.refuse("is of a crowd, not of --card", *crowds)
             return self._card(progress)
-        self.refuse("is for --card", "tracks", "fps", "mm_per_px", "y_down")
+        self.refuse("is for --card", "tracks", "fps", "mm_per_px", "unit", "y_down")
         return self._crowd(progress)
 
     def _crowd(self, progress: Progress) -> "Report":
@@ -192,12 +193,12 @@ class CrowdRequest(request.Request):
         walker, scene = given.one(source, self.tilt, self.legs), given.scene(self.scene)
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
-            self.refuse("is for --tracks of a film", "fps", "mm_per_px", "y_down")
+            self.refuse("is for --tracks of a film", "fps", "mm_per_px", "unit", "y_down")
             result = make.of_design(scene, walker, self.arena is not None, progress)
             return make.write(result, asked, self.out or make.folder_of(walker), self.pictures)
         self.refuse("a film tells nothing of walls", "arena")
         self.refuse("tracks of a film are as long as they are", "seconds", "runs", "seed")
-        units = request.units(self.fps, self.mm_per_px, self.y_down)
+        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit)
         folder = output.results(self.tracks, self.out, "card")
         result = make.of_film(self.tracks, units, scene, walker)
         return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)

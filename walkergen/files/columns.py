@@ -9,7 +9,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -65,7 +65,23 @@ class Records(NamedTuple):
 
 def header(path: Path) -> list[str]:
     """Names in the first line of a file; raises InputError for no name and for equal names."""
-    return _names(reading.lines(path, FORMAT), str(path))
+    return top(reading.lines(path, FORMAT), str(path))[0]
+
+
+def top(lines: Iterable[str], source: str) -> tuple[list[str], list[str]]:
+    """Names in the first line of a CSV file, and cells of the first row; none where there is no row."""
+    names, stream = _names(iter(lines), source)
+    rows = (cells(line, source, at) for at, line in enumerate(stream, 2) if line.strip())
+    return names, next(rows, [])
+
+
+def texts(lines: Iterable[str], source: str, name: str) -> list[str]:
+    """Texts that a column holds, each once, in the order of the file; blank cells do not count."""
+    names, stream = _names(iter(lines), source)
+    place = names.index(name)
+    rows = (cells(line, source, at) for at, line in enumerate(stream, 2))
+    found = dict.fromkeys(row[place].strip() for row in rows if place < len(row))
+    return [text for text in found if text]
 
 
 def records(lines: Iterable[str], source: str) -> Records:
@@ -74,8 +90,7 @@ def records(lines: Iterable[str], source: str) -> Records:
     Raises InputError, which begins with `source` and the line, when a name is missing or occurs
     twice, when a row has not as many cells as the header, and when a line is not valid CSV.
     """
-    stream = iter(lines)
-    names = _names(stream, source)
+    names, stream = _names(iter(lines), source)
     rows = []
     for at, line in enumerate(stream, start=2):
         row = cells(line, source, at)
@@ -92,16 +107,18 @@ def read(
     required: Sequence[str],
     optional: Sequence[str] = (),
     words: Mapping[str, Sequence[str]] = MappingProxyType({}),
+    lines: Iterable[str] | None = None,
 ) -> Columns:
     """Columns of numbers by name; rows without finite numbers in the required ones are left out.
+
+    `lines` are those of a file that another program lays out in its own way, as a CSV file has them.
 
     Optional columns may have blank cells; those of `words` hold one of a few words, read as its
     place among them. Other columns are not looked at (trackpy's `mass` is a brightness, not a
     mass). Raises InputError when the file cannot be read, when a required column is missing, and
     when no row is usable.
     """
-    stream = reading.lines(path, FORMAT)
-    names = _names(stream, str(path))
+    names, stream = _names(iter(reading.lines(path, FORMAT) if lines is None else lines), str(path))
     missing = [name for name in required if name not in names]
     if missing:
         seen = plain.line(", ".join(name for name in names if name))
@@ -109,27 +126,34 @@ def read(
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}
     chunks: list[list[Array]] = []
-    lines: list[npt.NDArray[np.int64]] = []
+    kept: list[npt.NDArray[np.int64]] = []
     bad: dict[int, str] = {}
+    crowded: dict[int, str] = {}
     first = 2
     while chunk := list(islice(stream, CHUNK)):
         if first + len(chunk) > MOST_ROWS:
             raise InputError(f"{path}: more than {MOST_ROWS} rows; split the file")
         numbers = np.arange(first, first + len(chunk))
         values, wrong = _parse(chunk, numbers, str(path), places, len(required), words)
+        over = _crowded(chunk, first, str(path), len(names))
+        crowded |= over
+        wrong |= over
         usable = np.array([bool(line.strip()) for line in chunk])
         usable[[line - first for line in wrong]] = False
         chunks.append([column[usable] for column in values])
-        lines.append(numbers[usable])
+        kept.append(numbers[usable])
         bad |= wrong
         if len(bad) > MOST_BAD:
             raise InputError(f"{path}: more than {summary(bad)}: is it the right file?")
         first += len(chunk)
-    if not any(map(len, lines)):
+    if len(crowded) > sum(map(len, kept)):
+        line = min(crowded)
+        raise InputError(f"{path}:{line}: {crowded[line]}: {SEPARATE}")
+    if not any(map(len, kept)):
         reason = summary(bad) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
     joined = map(np.concatenate, zip(*chunks, strict=True))
-    return Columns(dict(zip(places, joined, strict=True)), np.concatenate(lines), bad)
+    return Columns(dict(zip(places, joined, strict=True)), np.concatenate(kept), bad)
 
 
 def whole(text: str, most: int) -> int | None:
@@ -147,8 +171,11 @@ def summary(bad: dict[int, str]) -> str:
     return f"{len(bad)} bad row{'s' if len(bad) > 1 else ''} left out: {named}{more}"
 
 
-def _names(stream: Iterator[str], source: str) -> list[str]:
-    """Names in the first line of a stream, which is used up; raises InputError."""
+def _names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]]:
+    """Names in the first line of a stream, and the lines after it; raises InputError.
+
+    R's write.table gives its row names no name: the first column then has "".
+    """
     names = [name.strip() for name in cells(next(stream, ""), source, 1)]
     if not any(names):
         raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
@@ -159,7 +186,28 @@ def _names(stream: Iterator[str], source: str) -> list[str]:
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise InputError(f"{source}:1: column {twice[0]!r} occurs twice; keep one")
-    return names
+    first = next(stream, None)
+    if first is None:
+        return names, stream
+    row = cells(first, source, 2)
+    if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MOST_COLUMNS:
+        # Commas within numbers would make as many cells: R quotes row names, and has decimal points
+        if not (first.lstrip().startswith('"') or any("." in cell for cell in row)):
+            told = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
+            raise InputError(f"{source}:2: {told}Give them a name in the header; else {SEPARATE}")
+        names = ["", *names]
+    return names, chain([first], stream)
+
+
+def _crowded(chunk: Sequence[str], first: int, source: str, count: int) -> dict[int, str]:
+    """Lines with more cells than the header's `count`, as commas within numbers make them, by number."""
+    over = {}
+    for at, line in enumerate(chunk, first):
+        if line.count(",") >= count:
+            row = cells(line, source, at)
+            if any(cell.strip() for cell in row[count:]):
+                over[at] = f"{len(row)} cells, the header has {count}"
+    return over
 
 
 def cells(line: str, source: str, at: int) -> list[str]:

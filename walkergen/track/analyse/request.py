@@ -22,10 +22,11 @@ NAME = "tracks"
 class AnalyseRequest(request.Request):
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
-    A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading theta (rad) or
-    theta_deg, counted from x toward y; or Pogotrack's, which has its own units. A simulation is a file that simulate
-    --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what track()
-    or simulate().trajectory() returned, a frame of pandas, or columns by name.
+    A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
+    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, idtracker.ai, TRex, FastTrack, MTrackJ or Tracker.
+    Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a file that
+    simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what
+    track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
     independent runs (--run), and no walker by itself.
@@ -36,6 +37,7 @@ class AnalyseRequest(request.Request):
     tracks: Annotated[Any, request.File, Flag("File of tracks of walkers.", "TRACKS.csv", takes="Any", argument=True)]
     fps: request.Fps = None
     mm_per_px: request.MmPerPx = None
+    unit: request.Unit = None
     y_down: request.YDown = False
     lane: Annotated[bool, Flag("Ignore y: the walkers ran in a lane along x.")] = False
     lag_ms: Annotated[
@@ -82,7 +84,7 @@ class AnalyseRequest(request.Request):
             self.refuse("is of a crowd: give --dish, or", "body", "middle", "runs")
         else:
             self.refuse("is of single walkers, not of a --dish", "lag_ms")
-        units = request.units(self.fps, self.mm_per_px, self.y_down, self.lane)
+        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.track.analyse import make

@@ -1,0 +1,111 @@
+"""Poses: tables of parts of bodies, as DeepLabCut and SLEAP write them, as places and headings of walkers."""
+
+from collections.abc import Mapping
+from itertools import chain, islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import track_columns
+from walkergen.analysis.track_columns import PIXEL, Named, Source
+from walkergen.errors import InputError
+from walkergen.files import columns, plain, reading
+from walkergen.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+SURE = 0.6
+"""Likelihood of a part from which it counts: the one that DeepLabCut draws parts from."""
+
+MIDDLES = ("centroid", "center", "centre", "middle", "body", "thorax")
+FRONTS, BACKS = ("front", "head", "nose", "snout"), ("back", "rear", "tail", "tail_base", "tailbase", "abdomen")
+"""Names of parts of a body: its middle, and the ends between which it heads."""
+
+
+PIXELS = {"frame": Named("frame", ""), "x": Named("x", PIXEL), "y": Named("y", PIXEL), "theta": Named("theta", "rad")}
+"""Columns of poses, with their units."""
+
+
+class _Part(NamedTuple):
+    """Part of a body, pixels; NaN where it is not seen."""
+
+    x: Array
+    y: Array
+
+
+def deeplabcut(path: Path) -> Source:
+    """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals."""
+    top = islice(reading.lines(path, columns.FORMAT), 4)
+    head = [columns.cells(line, str(path), at) for at, line in enumerate(top, 1)]
+    titles = ("scorer", "individuals", "bodyparts", "coords")
+    rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
+    if not {"bodyparts", "coords"} <= set(rows):
+        raise InputError(f"{path}: begins as DeepLabCut's tables do, but has no lines bodyparts and coords")
+    parts, coords = rows["bodyparts"], rows["coords"]
+    individuals = rows.get("individuals", [""] * len(parts))
+    if not len(parts) == len(coords) == len(individuals):
+        raise InputError(f"{path}: lines of its names have {len(parts)}, {len(coords)} and {len(individuals)} cells")
+    keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
+    header = "frame," + ",".join(f'"{key}"' for key in keys[1:]) + "\n"
+    below = ["\n"] * (len(rows) - 1)  # its other lines of names
+    body = islice(reading.lines(path, columns.FORMAT), len(rows), None)
+    table = columns.read(path, ["frame"], keys[1:], lines=chain([header], below, body))
+    owned: dict[str, dict[str, _Part]] = {}
+    for person, part in dict.fromkeys(zip(individuals[1:], parts[1:], strict=True)):
+        x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
+        if x is None or y is None:
+            raise InputError(f"{path}: the part {plain.line(part)[:30]} has no x and y")
+        owned.setdefault(person, {})[part] = _sure(x, y, likelihood)
+    if len(owned) > 1:
+        owned.pop("single", None)  # parts of no individual, as corners of a box
+    placed = [_of_parts(own) for own in owned.values()]
+    heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
+    walkers = [places if heads else places[:2] for places, _ in placed]
+    long = track_columns.long(table, "frame", table.values["frame"], walkers, range(len(walkers)))
+    said = (placed[0][1], *track_columns.said([person for person in owned if person]))
+    return Source(long, PIXELS, "DeepLabCut", True, said)
+
+
+def sleap(path: Path, names: list[str]) -> Source:
+    """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
+    ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
+    parts = [part for part in ends if f"{part}.y" in names]
+    labels = columns.texts(reading.lines(path, columns.FORMAT), str(path), "track") if "track" in names else []
+    wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
+    words = {"track": labels} if labels else {}
+    table = columns.read(path, ["frame_idx"], wanted, words, reading.lines(path, columns.FORMAT))
+    own = {part: _Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
+    (x, y, *theta), said = _of_parts(own)
+    values = {"frame": table.values["frame_idx"], "x": x, "y": y}
+    values |= {"particle": table.values["track"]} if labels else {}
+    values |= {"theta": theta[0]} if theta else {}
+    seen = np.isfinite(x)
+    table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
+    return Source(table, PIXELS, "SLEAP", True, (said, *track_columns.said(labels)))
+
+
+def _sure(x: Array, y: Array, likelihood: Array | None) -> _Part:
+    """Part of a body where its likelihood is large enough."""
+    if likelihood is not None:
+        unsure = likelihood < SURE
+        x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
+    return _Part(x, y)
+
+
+def _of_parts(parts: Mapping[str, _Part]) -> tuple[tuple[Array, ...], str]:
+    """Place of a body by its parts and, where names tell its ends, its heading; and in words which were taken."""
+    ends = ([part for part in parts if part.lower() in names] for names in (MIDDLES, FRONTS, BACKS))
+    middle, front, back = (found[0] if found else "" for found in ends)
+    if middle or len(parts) == 1:
+        middle = middle or next(iter(parts))
+        place, said = parts[middle], f"places are those of the part {plain.line(middle)[:30]}"
+    else:
+        place = _Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
+        said = f"places are the mean of all {len(parts)} parts, in frames in which all are seen"
+    if not (front and back):
+        return place, f"{said}; no headings, for no two parts are called head and tail"
+    ahead, behind = parts[front], parts[back]
+    theta = np.arctan2(ahead.y - behind.y, ahead.x - behind.x)
+    return (*place, theta), f"{said}, headings from {plain.line(back)[:30]} to {plain.line(front)[:30]}"

@@ -1,0 +1,222 @@
+"""Rows of tracks on regular times: as they were sampled, or taken between frames of a rate that varies."""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.errors import InputError
+from walkergen.files import columns
+from walkergen.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+MOST_FRAMES = 50_000_000
+"""Largest number of frames of all tracks together, gaps included."""
+
+MOST_PARTICLES = 10_000
+"""Largest number of tracks: measuring as many takes about 20 s (3 rows each, two busy cores)."""
+
+MOST_TICKS = 1e15
+"""Largest number of samples from the first to the last, which numbers still tell apart."""
+
+LONGEST = 3.0
+"""Longest time between neighbouring frames, over the usual one, within which a walker is followed:
+a camera that slows down halves its rate or so; beyond, frames are missing."""
+
+REGULAR = 0.01
+"""Share of the interval by which times may lie off the regular grid."""
+
+ROUNDED, EXACT = (1e-2, 1e-3, 1e-4), 1e-6
+"""Steps to which programs round times, s, and the share of one by which a time may miss it."""
+
+COARSE = 0.25
+"""Share of the interval below which rounded times still tell how many samples lie between them."""
+
+
+def timed(path: Path, table: Columns, name: str) -> Tracks:
+    """Tracks of rows with a column `time`, s, called `name` in the file.
+
+    Places x and, on a plane, y are in mm, `theta` in rad. Raises InputError for times off a regular grid.
+    """
+    interval, ticks, off = _ticks(path, table, name)
+    note = ""
+    if {"frame", "particle"} <= set(table.values) and off.any():
+        table, note = _at_regular_times(table)
+        interval, ticks, off = _ticks(path, table, name)
+    if off.any():
+        raise InputError(
+            f"{path}: {name} on line {table.lines[off][0]} lies off the regular times of the "
+            f"other rows, {interval:g} s apart; sample at a fixed rate"
+        )
+    tracks = _assemble(path, table, np.rint(ticks), interval)
+    return tracks._replace(note="; ".join(line for line in (note, tracks.note) if line))
+
+
+def framed(path: Path, table: Columns, fps: float) -> Tracks:
+    """Tracks of rows with a column `frame`, at a rate of `fps`. Raises InputError."""
+    frames = table.values["frame"]
+    table = table.without(frames != np.rint(frames), "frame is not a whole number")
+    if not len(table.lines):
+        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
+    frames = table.values["frame"]
+    return _assemble(path, table, frames - frames.min(), 1.0 / fps)
+
+
+def _at_regular_times(table: Columns) -> tuple[Columns, str]:
+    """Rows at whole multiples of the usual time between frames, and in words what was done.
+
+    Between neighbouring frames places, and headings, change in proportion to time; nothing is made
+    up where a frame is missing. A place between two frames has down to half the variance of its noise.
+    """
+    order = np.lexsort((table.values["time"], table.values["particle"]))
+    table = Columns({name: values[order] for name, values in table.values.items()}, table.lines[order], table.bad)
+    steps, near = _steps(table)
+    if not near.any():
+        return table, ""
+    usual = float(np.median(steps[near]))
+    near &= steps <= LONGEST * usual
+    at = table.values["time"]
+    first, last = np.ceil(at[:-1] / usual), np.ceil(at[1:] / usual)  # the last belongs to the next
+    counts = np.where(near, last - first, 0.0).astype(np.int64)
+    rows = np.repeat(np.arange(len(counts)), counts)
+    places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
+    regular_times = np.asarray(usual * (first[rows] + places), dtype=float)
+    share = (regular_times - at[rows]) / steps[rows]
+    values: dict[str, Array] = {"time": regular_times}
+    for name in table.values.keys() - {"time"}:
+        column = table.values[name]
+        change = np.diff(column)[rows]
+        if name == "theta":
+            change = (change + np.pi) % (2.0 * np.pi) - np.pi
+        # What is one number of a walker, as its own or the plate's speed, does not change with time
+        values[name] = column[rows] + np.where(change == 0.0, 0.0, share * change)
+    low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
+    note = (
+        f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame: places are taken "
+        f"between its frames, every {1e3 * usual:.3g} ms"
+    )
+    return Columns(values, table.lines[rows], table.bad), note
+
+
+def _steps(table: Columns) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Times from row to row, and where both are one particle's in neighbouring frames."""
+    steps = np.diff(table.values["time"])
+    near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
+    return steps, near & (steps > 0)
+
+
+def _ticks(path: Path, table: Columns, name: str) -> tuple[float, Array, npt.NDArray[np.bool_]]:
+    """Time between samples, s, the times of the rows in it, from 0 on, and which are off the regular times."""
+    times = table.values["time"]
+    rounding = _rounding(times)
+    interval = _interval(path, times, _particles(table), rounding)
+    ticks = (times - times.min()) / interval
+    if ticks.max() > MOST_TICKS:
+        raise InputError(
+            f"{path}: {name} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
+            f"{MOST_TICKS:g}: is a time mistyped?"
+        )
+    return interval, ticks, np.abs(ticks - np.rint(ticks)) > max(REGULAR, rounding / interval)
+
+
+def _rounding(times: Array) -> float:
+    """Step, s, to which times are written: a power of ten; 0 where they have more digits than that."""
+    for step in ROUNDED:
+        if (np.abs(times / step - np.rint(times / step)) < EXACT).all():
+            return step
+    return 0.0
+
+
+def _interval(path: Path, times: Array, particle: Array, rounding: float) -> float:
+    """Time between samples, s: the commonest step of a particle."""
+    order = np.lexsort((times, particle))
+    same = np.diff(particle[order]) == 0
+    steps = np.diff(times[order])[same]
+    steps = steps[steps > 0]
+    if not len(steps):
+        raise InputError(f"{path}: no particle has two different times; nothing moves")
+    low = float(np.quantile(steps, 0.5, method="lower"))  # a step, not the mean of two
+    if REGULAR * low < rounding < COARSE * low:  # steps of 36 and 35 ms are one rate
+        counts = np.rint(steps / low)
+        close = np.abs(steps - counts * low) <= counts * rounding
+        return float(steps[close].sum() / counts[close].sum())
+    close = np.abs(steps - low) < REGULAR * low
+    # Written times are rounded: the mean over all close steps is the best estimate.
+    return float(steps[close].mean())
+
+
+def _particles(table: Columns) -> Array:
+    """Number of each row's particle; 0 for all rows when the file does not number particles."""
+    return table.values.get("particle", np.zeros(len(table.lines)))
+
+
+def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
+    """Sort rows into tracks, on the coarsest grid of times that holds all of their steps."""
+    position = np.stack([table.values[axis] for axis in ("x", "y") if axis in table.values], axis=1)
+    heading = table.values.get("theta")
+    if heading is not None and np.isnan(heading).all():
+        heading = None
+    particle = _particles(table)
+    plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
+    order = np.lexsort((steps, particle))
+    twice = np.zeros(len(steps), dtype=bool)
+    twice[order[1:]] = (np.diff(particle[order]) == 0) & (np.diff(steps[order]) == 0)
+    unnumbered = particle != np.rint(particle)  # NaN as well
+    if twice.any() and "particle" not in table.values:
+        raise InputError(
+            f"{path}: line {table.lines[twice][0]} repeats a frame and there is no column "
+            "particle; link the positions first (trackpy.link)"
+        )
+    bad = table.without(twice, "its particle has been seen at this time before").bad
+    bad |= table.without(unnumbered, "particle is not a whole number").bad
+    order = order[~(twice | unnumbered)[order]]
+    if not len(order):
+        raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
+    names, starts = np.unique(particle[order], return_index=True)
+    if len(names) > MOST_PARTICLES:
+        raise InputError(f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks")
+    groups = np.split(order, starts[1:])
+    stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
+    stride = max(stride, 1)
+    total = sum(int(steps[g[-1]] - steps[g[0]]) // stride + 1 for g in groups)
+    if total > MOST_FRAMES:
+        raise InputError(
+            f"{path}: the particles' first and last times are {total} steps apart in all, with "
+            f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
+        )
+    tracks = tuple(
+        _track(path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate)._replace(
+            start=int(steps[group[0]] // stride)
+        )
+        for name, group in zip(names, groups, strict=True)
+    )
+    return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))
+
+
+def _track(
+    path: Path,
+    name: int,
+    rows: npt.NDArray[np.int64],
+    places: Array,
+    position: Array,
+    heading: Array | None,
+    plate: Array,
+) -> Track:
+    at = places[rows].astype(np.int64)
+    grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)
+    grid[at] = position[rows]
+    angles = None
+    if heading is not None:
+        angles = np.full(len(grid), np.nan)
+        angles[at] = heading[rows]
+    speeds = np.unique(plate[rows][~np.isnan(plate[rows])])
+    if len(speeds) > 1:
+        raise InputError(
+            f"{path}: particle {name} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
+            "number the particle anew for each"
+        )
+    if len(speeds) and speeds[0] < 0:
+        raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")
+    return Track(name, grid, angles, float(speeds[0]) if len(speeds) else None)

@@ -1,0 +1,220 @@
+"""Columns of tracks by what they hold: names that programs and people give them, and units in these names."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.files import plain
+from walkergen.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+PIXEL = "px"
+"""Unit of places in a picture, whose size --mm-per-px tells."""
+
+LENGTHS: Mapping[str, float] = MappingProxyType({"um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4})
+"""Units of places, mm."""
+
+TIMES: Mapping[str, float] = MappingProxyType({"us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0})
+"""Units of times, s."""
+
+ANGLES: Mapping[str, float] = MappingProxyType({"rad": 1.0, "deg": math.radians(1.0)})
+"""Units of headings, rad."""
+
+SPELLINGS: Mapping[str, str] = MappingProxyType(
+    {
+        "µm": "um",
+        "μm": "um",
+        "micron": "um",
+        "microns": "um",
+        "inch": "in",
+        "pixel": PIXEL,
+        "pixels": PIXEL,
+        "sec": "s",
+        "second": "s",
+        "seconds": "s",
+        "frames": "frame",
+        "degree": "deg",
+        "degrees": "deg",
+        "°": "deg",
+        "radians": "rad",
+    }
+)
+"""Other spellings of units, as programs have them."""
+
+NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "frame": ("frame", "frames", "frame_idx", "frame_number", "frame_id", "imagenumber", "slice", "slice_n"),
+        "time": ("time", "t", "seconds", "position_t"),
+        "x": (
+            "x",
+            "x_wcentroid",
+            "position_x",
+            "pos_x",
+            "x_pos",
+            "posx",
+            "x_position",
+            "xbody",
+            "centroid_x",
+            "x_coord",
+        ),
+        "y": (
+            "y",
+            "y_wcentroid",
+            "position_y",
+            "pos_y",
+            "y_pos",
+            "posy",
+            "y_position",
+            "ybody",
+            "centroid_y",
+            "y_coord",
+        ),
+        "theta": ("theta", "angle", "heading", "orientation", "tbody"),
+        "particle": ("particle", "track_id", "trackid", "individual", "tid", "track", "track_n", "id", "object_id"),
+    }
+)
+"""Names of columns by what they hold, in small letters with _ between words; the first that is there counts."""
+
+KINDS: Mapping[str, Sequence[str]] = MappingProxyType(
+    {"time": (*TIMES, "frame"), "x": (*LENGTHS, PIXEL), "y": (*LENGTHS, PIXEL), "theta": tuple(ANGLES)}
+)
+"""Units that a column of a kind may have."""
+
+
+BEFORE, BEHIND = r"(?P<axis>[xy])[ _]?(?P<label>\w+)", r"(?P<label>.+)[ _.](?P<axis>[xy])"
+"""Names of columns of one walker among several: its axis, and its label."""
+
+
+LABELLED = 6
+"""Most labels of walkers that are said beside their numbers."""
+
+OURS = "walkergen"
+"""Program whose own columns are t_s and x_mm, in its own units."""
+
+SCALE = ("mm_per_px", "mm_per_px_se")
+"""Columns of a film's scale and its standard error, the same in all rows of a film."""
+
+
+class Named(NamedTuple):
+    """Column of a file."""
+
+    name: str
+    """Its name in the file."""
+    unit: str
+    """Unit that the name states; "" where it states none."""
+
+
+class Source(NamedTuple):
+    """Rows of a file, and what it says of their units and axes."""
+
+    table: Columns
+    """Columns frame, time, x, y, theta, particle, plate_speed_mm_s and SCALE, as far as the file has them."""
+    named: Mapping[str, Named]
+    """Names of the columns in the file, and the units that they state."""
+    program: str = ""
+    """Program that wrote it; "" where nothing tells."""
+    y_down: bool = False
+    """True where that program counts y downward, as rows of a picture."""
+    said: tuple[str, ...] = ()
+    """What was taken from the file in which way, in words."""
+
+
+def of(names: Sequence[str]) -> dict[str, Named]:
+    """Columns of a file by what they hold, as far as their names tell it.
+
+    Raises InputError for two columns of headings, whose units differ.
+    """
+    held: dict[str, list[tuple[int, Named]]] = {}
+    for name in names:
+        for what, rank, unit in _meanings(name):
+            held.setdefault(what, []).append((rank, Named(name, unit)))
+    if len(held.get("theta", [])) > 1 and {"theta", "theta_deg"} <= set(names):
+        raise InputError("both theta (rad) and theta_deg; keep one")
+    # Of equal names the one that states a unit beyond pixels
+    return {
+        what: min(found, key=lambda each: (each[0], each[1].unit in ("", PIXEL)))[1] for what, found in held.items()
+    }
+
+
+def _meanings(name: str) -> list[tuple[str, int, str]]:
+    """What a column's name may hold: its kind, rank among names of that kind, and unit."""
+    text = name.strip().lower()
+    marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
+    base, unit = marked.groups() if marked else (text, "")
+    base = _plain(base)
+    if not marked and "_" in base and unit_of(base.rpartition("_")[2]):
+        base, _, unit = base.rpartition("_")
+    unit = "s" if base == "seconds" else unit_of(unit)
+    return [
+        (what, known.index(base), unit)
+        for what, known in NAMES.items()
+        if base in known and (not unit or unit in KINDS.get(what, ()))
+    ]
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", text).strip("_")
+
+
+def unit_of(text: str) -> str:
+    """Unit as it is called here; "" for what is none."""
+    unit = SPELLINGS.get(text.strip().lower(), text.strip().lower())
+    return unit if unit in (*LENGTHS, *TIMES, *ANGLES, PIXEL, "frame") else ""
+
+
+def pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Columns of x and y of each walker by its label, of files with a row for all walkers of a frame.
+
+    Such columns are called x1 and y1, X_left and Y_left, or left_x and left_y.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for name in names:
+        match = re.fullmatch(BEFORE, name, re.IGNORECASE) or re.fullmatch(BEHIND, name, re.IGNORECASE)
+        if match and not of([name]):
+            found.setdefault(match["label"], {})[match["axis"].lower()] = name
+    return {label: (axes["x"], axes["y"]) for label, axes in found.items() if len(axes) == 2}
+
+
+def missing(path: object, names: Sequence[str], what: str) -> InputError:
+    """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
+    rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
+    seen = plain.line(", ".join(name for name in names if name))
+    return InputError(
+        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (columns seen: {seen}). "
+        "Read as they are: trackpy's frame, particle, x, y; walkergen's t_s, x_mm; files of TrackMate, DeepLabCut, "
+        "SLEAP, idtracker.ai, TRex, FastTrack, MTrackJ and Tracker"
+    )
+
+
+def said(labels: Sequence[str]) -> tuple[str, ...]:
+    """Numbers that walkers with labels have from here on."""
+    if not labels:
+        return ()
+    some = ", ".join(f"{number} {plain.line(label)[:30]}" for number, label in enumerate(labels[:LABELLED]))
+    return (f"walkers are numbered: {some}{', ...' if len(labels) > LABELLED else ''}",)
+
+
+def long(
+    table: Columns, clock: str, times: Array, walkers: Sequence[tuple[Array, ...]], numbers: Sequence[float]
+) -> Columns:
+    """Rows of a walker in a frame, from rows of all walkers in a frame: x, y and, if known, theta of each.
+
+    `clock` is the kind of the times, frame or time; heads are known of all walkers or of none.
+    """
+    parts: dict[str, list[Array]] = {clock: [], "particle": [], "x": [], "y": [], "theta": []}
+    lines = []
+    for number, (x, y, *theta) in zip(numbers, walkers, strict=True):
+        seen = np.isfinite(x) & np.isfinite(y)
+        for name, column in ((clock, times), ("x", x), ("y", y), ("particle", np.full(len(x), float(number)))):
+            parts[name].append(column[seen])
+        parts["theta"] += [each[seen] for each in theta]
+        lines.append(table.lines[seen])
+    values = {name: np.concatenate(arrays) for name, arrays in parts.items() if arrays}
+    return Columns(values, np.concatenate(lines), table.bad)

@@ -1,0 +1,180 @@
+"""Rows of tracks as programs write them, brought into one form: a row for a walker in a frame.
+
+A table whose columns say what they hold is read as it is, whatever wrote it. Other layouts, from their
+documents: TrackMate (table of spots, XML of spots or of tracks), DeepLabCut (three or four lines of
+names), SLEAP's analysis table, idtracker.ai (columns x1, y1, x2, y2 and so on), MTrackJ (.mdf), Tracker
+of Open Source Physics (a line with the track's name above the table).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, islice
+from pathlib import Path
+
+from walkergen.analysis import poses, track_columns, track_markup
+from walkergen.analysis.track_columns import OURS, SCALE, Named, Source
+from walkergen.errors import InputError
+from walkergen.files import columns, plain, reading
+
+
+def read(path: Path, lane: bool) -> Source:
+    """Rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
+    first = next(reading.lines(path, columns.FORMAT), "").lstrip()
+    if first.startswith("<"):
+        return track_markup.trackmate(path)
+    if first.startswith("MTrackJ"):
+        return track_markup.mtrackj(path)
+    head = list(islice(reading.lines(path, columns.FORMAT), 2))
+    titled = len(head) == 2 and not _mark(head[0]) and bool(_mark(head[1]))
+    if first.lower().startswith("scorer,"):
+        return poses.deeplabcut(path)
+    names, _ = columns.top(_table(path, titled), str(path))
+    if "frame_idx" in names and any(name.endswith(".x") for name in names):
+        return poses.sleap(path, names)
+    return _of_columns(path, names, lane, titled)
+
+
+def _mark(line: str) -> str:
+    """Mark between the cells of a line; "" for a lone one."""
+    return next((mark for mark in ",\t; " if mark in line.strip()), "")
+
+
+def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
+    """Lines of a table as a CSV file has them, without a title above, and `more` blank below its header.
+
+    What is left out is a blank line, so that lines keep their numbers. Raises InputError for commas in the
+    cells of a table with another mark between them.
+    """
+    stream = reading.lines(path, columns.FORMAT)
+    if titled:
+        next(stream)
+    header = next(stream, "")
+    mark = _mark(header)
+    skipped = islice(stream, more) if more else ()
+    blank = ["\n"] * (titled + len(list(skipped)))
+    if mark in (",", ""):
+        yield from chain([header], blank, stream)
+        return
+    for at, line in enumerate(chain([header], blank, stream), 1):
+        if "," in line:
+            raise InputError(f"{path}:{at}: a comma seen in {plain.line(line.strip())[:40]!r}: {columns.SEPARATE}")
+        cells = line.split() if mark == " " else line.rstrip("\n").split(mark)
+        yield ",".join(cells) + "\n"
+
+
+def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Source:
+    """Rows of a table whose columns say what they hold."""
+    try:
+        named = track_columns.of(names)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    several = track_columns.pairs(names)
+    if several and "x" not in named:
+        return _of_pairs(path, named, several, titled)
+    program, y_down = _program(names, titled)
+    # A walker in a plane that is upright has a pitch, and y is its height
+    lane = lane or (program == OURS and "theta_rad" not in names)
+    for what in ("x",) if lane else ("x", "y"):
+        if what not in named:
+            raise track_columns.missing(path, names, what)
+    clock = next((what for what in ("frame", "time") if what in named), None)
+    if clock is None:
+        raise track_columns.missing(path, names, "time")
+    below = 0
+    if program == "TrackMate":
+        below, named = _units_below(path, names, named)
+    if program == OURS:
+        clock = "time"
+    if program == "Tracker" and "time" in named:
+        named |= {"time": named["time"]._replace(unit=named["time"].unit or "s")}
+    wanted = (clock, "x", *(() if lane else ("y",)))
+    unread = (*wanted, "y", "theta") if lane else wanted
+    optional = {what: each.name for what, each in named.items() if what not in unread}
+    optional |= {name: name for name in ("plate_speed_mm_s", *(SCALE if program == OURS else ()))}
+    words: dict[str, list[str]] = {}
+    label = optional.get("particle", "")
+    if labels := _labels(path, titled, below, label):
+        words = {optional.pop("particle"): labels}
+    required = {what: named[what].name for what in wanted}
+    lines = _table(path, titled, below)
+    table = columns.read(path, list(required.values()), list(optional.values()), words, lines)
+    held = required | optional | dict.fromkeys(("particle",)[: len(words)], label)
+    values = {what: table.values[name] for what, name in held.items() if name in table.values}
+    said = (*_warnings(program), *track_columns.said(labels))
+    return Source(table._replace(values=values), named, program, y_down, said)
+
+
+def _warnings(program: str) -> tuple[str, ...]:
+    if program == "TRex":
+        return ("TRex's cm are such only where its cm_per_pixel was set: else give --unit px and --mm-per-px",)
+    return ()
+
+
+def _program(names: Sequence[str], titled: bool) -> tuple[str, bool]:
+    """Program that writes such columns, and whether its y counts downward."""
+    held = set(names)
+    if {"t_s", "x_mm"} <= held and "y_mm" not in held:
+        return OURS, False
+    for program, own in (
+        (OURS, {"t_s", "x_mm", "theta_rad"}),
+        (OURS, {"t_s", "x_mm", "pitch_rad"}),
+        ("TrackMate", {"POSITION_X", "TRACK_ID"}),
+        ("TRex", {"X#wcentroid (cm)"}),
+        ("TRex", {"X (cm)", "missing"}),
+        ("FastTrack", {"xBody", "imageNumber"}),
+        ("MTrackJ", {"TID", "PID"}),
+        ("idtracker.ai", {"frame", "time", "individual", "probability"}),
+    ):
+        if own <= held:
+            return program, program != OURS
+    return ("Tracker", False) if titled else ("", False)
+
+
+def _labels(path: Path, titled: bool, below: int, name: str) -> list[str]:
+    """Labels of walkers in the column of this name, where they are no numbers."""
+    if not name:
+        return []
+    labels = columns.texts(_table(path, titled, below), str(path), name)
+    return labels if any(map(_is_word, labels)) else []
+
+
+def _is_word(label: str) -> bool:
+    try:
+        float(label)
+    except ValueError:
+        return label.lower() != "none"
+    return False
+
+
+def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple[int, dict[str, Named]]:
+    """TrackMate's lines below the header that are no rows, and its columns with the units of the last of these."""
+    lines = islice(reading.lines(path, columns.FORMAT), 1, 4)
+    rows = [columns.cells(line, str(path), at) for at, line in enumerate(lines, 2)]
+    count = next((at for at, row in enumerate(rows) if row and row[0].startswith("ID")), len(rows))
+    if not count:
+        return 0, named
+    unit_row = rows[count - 1]
+    units = {
+        what: track_columns.unit_of(unit_row[names.index(each.name)].strip("() "))
+        for what, each in named.items()
+        if names.index(each.name) < len(unit_row)
+    }
+    return count, {what: each._replace(unit=units.get(what, "")) for what, each in named.items()}
+
+
+def _of_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tuple[str, str]], titled: bool) -> Source:
+    """Rows of a table with a row a frame, in which every walker has columns of x and y."""
+    clock = next((what for what in ("frame", "time") if what in named), "")
+    wide = [name for pair in several.values() for name in pair]
+    table = columns.read(path, [named[clock].name] if clock else (), wide, lines=_table(path, titled))
+    times = table.values[named[clock].name] if clock else (table.lines - table.lines.min()).astype(float)
+    by_program = all(label.isdigit() for label in several)
+    said = track_columns.said(()) if by_program else track_columns.said(tuple(several))
+    if not clock:
+        said += ("rows are taken for frames, one after the other",)
+    walkers = [(table.values[x], table.values[y]) for x, y in several.values()]
+    numbers = [float(label) for label in several] if by_program else [float(n) for n in range(len(several))]
+    long = track_columns.long(table, clock or "frame", times, walkers, numbers)
+    unit = track_columns.PIXEL if by_program else ""
+    own = {"x": Named(wide[0], unit), "y": Named(wide[1], unit)}
+    own[clock or "frame"] = named[clock] if clock else Named("row", "")
+    return Source(long, own, "idtracker.ai" if by_program else "", by_program, said)
