@@ -189,3 +189,11 @@ def test_feet_stay_where_they_are_whatever_the_tilt(tilt, foot):
 def test_impossible_geometry_in_a_file_names_the_line(tmp_path):
     (line,) = mistakes(tmp_path, "[legs]\nfoot = 'flat'\ntilt_deg = 70.0\n")
     assert "mine.toml:3: legs.tilt_deg = 70 (flexible): a leg leaves the body" in line
+
+
+def test_legs_are_computed_once_and_anew_for_a_copy_with_others():
+    design = Design()
+    assert design.limbs is design.limbs
+    longer = design.model_copy(update={"legs": design.legs.model_copy(update={"length_mm": 9.0})})
+    assert {limb.length for limb in longer.limbs} == {9.0}
+    assert longer == Design.model_validate({"legs": {"length_mm": 9.0}})

@@ -190,3 +190,14 @@ def test_walkers_that_stand_are_one_line_and_the_mass_is_a_balances(tmp_path):
     assert "braced legs, 0 to 35 deg: 3 walkers of 0.982 to 1.03 g that stand" in text
     assert text.index("0.8928") < text.index("0.8333")  # M + 2 m before M
     assert len(report.tables[0]) == 6
+
+
+def test_no_walker_is_compared_with_another(tmp_path, monkeypatch):
+    """Of n walkers that would be n^2 comparisons of designs and meshes."""
+
+    def compared(*_):
+        raise AssertionError("two designs are compared")
+
+    job = job_of()
+    monkeypatch.setattr(Design, "__eq__", compared)
+    assert family.make(job, tmp_path, silent, unheard).members

@@ -100,7 +100,7 @@ def test_every_system_call_that_fails_is_a_line_and_a_rerun_completes(job, call,
         work()
         assert settled(out) == reference
         written(out, "manifest.json" if "manifest.json" in reference else "", FILES | {"a.csv": b"of before"})
-    assert call == "unlink" or count > 1
+    assert call in ("unlink", "fsync") or count > 1  # only a manifest waits for the disk
 
 
 @pytest.mark.parametrize(
@@ -259,7 +259,7 @@ def test_a_command_names_the_file_that_could_not_be_written(tmp_path):
     out = tmp_path / "out"
     assert forked(command(*EXPORT, out)) == (0, "", "")
     reference = tree(out)
-    for call in CALLS[:4]:
+    for call in ("open", "write", "replace"):
 
         def faulty(call=call):
             with failing(out, call, 2, broken(errno.EIO)):

@@ -29,7 +29,7 @@ def test_an_interrupted_write_keeps_the_old_file_and_leaves_no_temporary(
     path.write_bytes(b"old")
     temporaries = []
 
-    def fail(first: Path, _second: object) -> None:
+    def fail(first: Path, *_: object) -> None:
         with first.open("wb") as half:
             half.write(b"ne")
         temporaries.append(first)
@@ -76,3 +76,14 @@ def test_no_link_beside_a_file_leads_the_writing_elsewhere(tmp_path):
 def test_the_longest_name_that_a_folder_takes_can_be_written(tmp_path):
     output.write(tmp_path / ("n" * 255), b"1")
     assert [len(path.name) for path in tmp_path.iterdir()] == [255]
+
+
+def test_of_a_folder_only_the_manifest_waits_for_the_disk(tmp_path, monkeypatch):
+    waits = []
+    monkeypatch.setattr(output.os, "fsync", waits.append)
+    with output.Folder(tmp_path) as folder:
+        for name in ("one.stl", "two.stl", "three.stl"):
+            folder.write(name, b"solid")
+        assert not waits
+        folder.finish({})
+    assert len(waits) == 1

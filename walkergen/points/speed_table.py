@@ -146,8 +146,8 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
 
 def _notes(walkers: Sequence[Member]) -> list[str]:
     """Distinct notes of the walkers that the table shows, in order."""
-    standing = _standing(walkers)
-    shown = [member.row for member in walkers if member not in standing]
+    standing = {id(member) for member in _standing(walkers)}  # equality compares designs and meshes
+    shown = [member.row for member in walkers if id(member) not in standing]
     return list(dict.fromkeys(row.note for row in shown if row.note))
 
 

@@ -284,7 +284,8 @@ def section_area(mesh: Mesh, height: float) -> float:
     each triangle is cut.
     """
     corners = mesh.vertices[mesh.triangles]
-    above = corners[:, :, 2] > mesh.vertices[:, 2].min() + height
+    level = mesh.vertices[:, 2].min() + height
+    above = corners[:, :, 2] > level
     lines: list[Array] = []
     # A corner alone on its side: the line runs between the two edges that leave it.
     for alone in range(3):
@@ -292,14 +293,13 @@ def section_area(mesh: Mesh, height: float) -> float:
         for side, turn in ((True, 1), (False, -1)):
             cut = (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
             tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
-            lines.append(np.stack([_crossing(tip, left, mesh, height), _crossing(tip, right, mesh, height)], axis=1))
+            lines.append(np.stack([_crossing(tip, left, level), _crossing(tip, right, level)], axis=1))
     (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
     return 0.5 * abs(float((ax * by - ay * bx).sum()))
 
 
-def _crossing(tip: Array, other: Array, mesh: Mesh, height: float) -> Array:
-    """Points x and y, shape (n, 2), where edges cross a height above a mesh's lowest point."""
-    level = mesh.vertices[:, 2].min() + height
+def _crossing(tip: Array, other: Array, level: float) -> Array:
+    """Points x and y, shape (n, 2), where edges cross a level, mm."""
     share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
     return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
 

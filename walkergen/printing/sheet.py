@@ -12,7 +12,6 @@ from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
 from walkergen.walker.solids import Solids
 
 ON_SIDE = "on its side, no supports"
@@ -55,19 +54,17 @@ class Weight(NamedTuple):
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     """Weigh a walker by its meshes and the density of its material."""
     density, side = 1e-3 * design.material.density_g_cm3, solids.on_side(design)
-    mesh_of = dict(zip(design.limbs, built.legs, strict=True))
-
-    def weight_of(limb: Limb) -> LegWeight:
+    distinct = {id(mesh): mesh for mesh in built.legs}  # equal legs share theirs
+    grams = {key: round(mass.weigh(mesh, density).mass, 7) for key, mesh in distinct.items()}
+    leg_weights = {}
+    for limb, mesh in zip(design.limbs, built.legs, strict=True):
         tolerance = limb.section.PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
-        grams = round(mass.weigh(mesh_of[limb], density).mass, 7)
-        return LegWeight(grams, walls.leg_plastic(limb, printer, side), tolerance)
-
+        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, side), tolerance)
     whole = mass.weigh(built.walker, density).mass
-    legs = [weight_of(limb) for limb in design.limbs]
-    sliced = whole + sum(leg.mesh_g * (leg.plastic - 1.0) for leg in legs)
+    sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
     lying = solids.as_printed(design, built.walker)
     load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
-    return Weight(name, whole, walls.alike(design, weight_of), load)
+    return Weight(name, whole, walls.alike(design, leg_weights.__getitem__), load)
 
 
 class Batch(NamedTuple):

@@ -10,9 +10,10 @@ paper's object.
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from operator import not_
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, field_validator, model_validator
 
@@ -156,7 +157,7 @@ class Design(Section):
         """Extent of the body along the run, upward and across, mm."""
         return self.body.shape.size
 
-    @property
+    @cached_property
     def limbs(self) -> tuple[Limb, ...]:
         """Every leg with all its numbers, in the order of the file; of two equal: back, front.
 
@@ -185,6 +186,11 @@ class Design(Section):
         from walkergen.walker import landing
 
         return landing.landed(self.body.key, limbs)
+
+    def __copy__(self) -> Self:
+        copy = super().__copy__()
+        copy.__dict__.pop("limbs", None)  # of `model_copy`, which may change what they follow from
+        return copy
 
     @property
     def parts(self) -> dict[str, Part]:
