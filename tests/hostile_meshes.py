@@ -62,6 +62,20 @@ def tube(path, radius=0.6, sides=12):
     return Mesh(vertices, np.concatenate([*sheets, *lids]))
 
 
+def slivers(sections, radius=11.0, height=2.0):
+    """Cylinder along z of `sections` sides: lids are fans of slivers in one corner each."""
+    angles = 2.0 * np.pi * np.arange(sections) / sections
+    rim = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.zeros(sections)])
+    up = np.array([0.0, 0.0, height])
+    vertices = np.vstack([rim, rim + up, np.zeros(3), up])
+    i = np.arange(sections)
+    j = (i + 1) % sections
+    below, above = np.full(sections, 2 * sections), np.full(sections, 2 * sections + 1)
+    a, b = sections + i, sections + j
+    sides = [(j, i, below), (a, b, above), (i, j, b), (i, b, a)]
+    return Mesh(vertices, np.concatenate([np.column_stack(side) for side in sides]))
+
+
 def bow():
     """Tube that crosses itself once, as a bow does: one closed body."""
     path = [(-6, -6, 0), (6, 6, 0), (6, 9, 0), (0, 12, 0), (-6, 9, 0), (-6, 6, 0), (6, -6, 0.1)]

@@ -103,7 +103,7 @@ def test_steps_in_a_plane_agree_with_a_fifth_of_them_and_counts_have_no_limit():
 
 
 def test_own_step_follows_the_legs():
-    """Ten steps in a period of the legs' slower mode, at most 30 us."""
+    """Ten steps in a period of the legs' slower mode, at most 30 us where the plate's period is 1/90 s."""
     own = [1e6 * plan_of(design=of_legs(mm)).world.options.step for mm in (0.4, 1.0, 2.0)]
     assert own[0] == pytest.approx(30.0)
     assert own[1] == pytest.approx(26.2, rel=0.01)

@@ -99,7 +99,7 @@ RUNS = {
         "feet": {"damping": "hysteretic"},
         "run": {"seconds": 0.1},
     },
-    "friction 1e6": {"contact": {"friction": 1e6}},
+    "friction 1e3": {"contact": {"friction": 1e3}},
     "no friction": {"contact": {"friction": 0.0}},
     "corners of a tenth of a leg": {"feet": {"unevenness_um": 750.0}},
     "noise up to 5 kHz": {"plate": {"noise_ratio": 0.3, "noise_high_hz": 5_000.0}},

@@ -12,7 +12,7 @@ from walkergen.drive import Positive
 from walkergen.drive import at_rest as at_rest
 from walkergen.errors import InputError
 from walkergen.files.assignments import changed
-from walkergen.files.config import Fraction, Name, Section
+from walkergen.files.config import Fraction, Friction, Name, Section
 
 if TYPE_CHECKING:
     from walkergen.dish import Dish
@@ -47,14 +47,14 @@ PRIORS = {"paper": PAPER_CONTACT, "unknown": UNKNOWN_CONTACT}
 class Contact(Section):
     """Contact of foot and plate: restitution and friction, with their standard deviations.
 
-    Numbers that are not given are those of the prior.
+    Numbers that are not given are those of the prior; a friction that is given as 0 is exact.
     """
 
     prior: Literal["paper", "unknown"] = "paper"
     restitution: Fraction = PAPER_CONTACT.restitution
     restitution_sd: Fraction = PAPER_CONTACT.restitution_sd
-    friction: Annotated[float, Field(ge=0, le=1e6)] = PAPER_CONTACT.friction
-    friction_sd: Annotated[float, Field(ge=0, le=1e6)] = PAPER_CONTACT.friction_sd
+    friction: Friction = PAPER_CONTACT.friction
+    friction_sd: Friction = PAPER_CONTACT.friction_sd
     law: Literal["poisson", "newton", "stronge"] = "poisson"
 
     @model_validator(mode="after")
@@ -62,6 +62,8 @@ class Contact(Section):
         """Supply the prior's numbers, which remain "not given": another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
         del numbers["words"]
+        if self.friction == 0.0 and "friction" in self.model_fields_set:
+            numbers["friction_sd"] = 0.0  # a limit and no measurement: nothing scatters about it
         self.__dict__.update({k: v for k, v in numbers.items() if k not in self.model_fields_set})
         return self
 
@@ -111,7 +113,7 @@ class Arena(Section):
     """Width of a plane, mm, about the start. None: endless."""
     gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
-    wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    wall_friction: Friction = 0.25
     wall_restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
 
     @model_validator(mode="after")
@@ -135,7 +137,7 @@ class Crowd(Section):
     arena_mm: str = "disc:120"
     """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
     restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
-    friction: Annotated[float, Field(ge=0, le=1e6)] = 0.3
+    friction: Friction = 0.3
     """Restitution and friction of body on body; those of the walls are the arena's."""
     touch_ms: Annotated[float, Field(ge=0.02, le=5)] = 0.6
     """Time for which a corner and a face that keep nothing touch. Plastic has 0.1 to 0.2 ms (Hertz,

@@ -46,6 +46,7 @@ SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 200
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
+Friction = Annotated[float, Field(ge=0, le=1e3)]
 
 
 class Section(BaseModel):

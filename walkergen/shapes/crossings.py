@@ -1,11 +1,13 @@
 """Triangles of a mesh that cross each other, found exactly but for a tolerance, in n log n time.
 
 Triangles are ordered along a Morton curve; a tree of bounding boxes over that order, a binary heap,
-tells which pairs come near each other. Two triangles cross when an edge of one passes through the
-other, and each has corners farther than the tolerance on both sides of the other's plane; or when
-they lie in one plane, face the same way and overlap by more than the tolerance. Neighbours along
-an edge are not compared: where neighbours are turned alike, one can at most lie folded upon the
-other.
+tells which pairs come near each other. Slivers that meet in one corner, as the lid of a cylinder has
+them, are all near each other: they stand together in the order, and the tree knows in which directions
+they are seen from that corner, where only those that are seen alike can meet. Two triangles cross when
+an edge of one passes through the other, and each has corners farther than the tolerance on both sides
+of the other's plane; or when they lie in one plane, face the same way and overlap by more than the
+tolerance. Neighbours along an edge are not compared: where neighbours are turned alike, one can at most
+lie folded upon the other.
 """
 
 from typing import NamedTuple
@@ -20,6 +22,9 @@ Indices = npt.NDArray[np.int64]
 
 LEAF = 4
 """Triangles of a leaf of the tree."""
+
+CROWDED = 32
+"""Triangles in one corner from which on they stand together in the order."""
 
 MORTON_BITS = 16
 DEEPEST = 128
@@ -44,9 +49,35 @@ class Shapes(NamedTuple):
     normals: Array
     """Unit normals, shape (k, 3); zero for a triangle without area."""
     low: Array
-    """Least coordinates of each triangle, shape (k, 3)."""
+    """Least coordinates of each triangle, shape (k, 3), half a tolerance inside."""
     high: Array
-    """Greatest coordinates of each triangle, shape (k, 3)."""
+    """Greatest coordinates of each triangle, shape (k, 3), half a tolerance inside."""
+    apexes: Indices
+    """Crowded corner of each triangle, shape (k,); -1 without any."""
+    vertices: Array
+    """Places of the vertices, shape (n, 3)."""
+
+
+class Tree(NamedTuple):
+    """Heap of boxes: node 1 is all, the leaves follow from `leaves` on."""
+
+    leaves: int
+    low: Array
+    high: Array
+    """Bounds of what is below a node, shape (2 leaves, 6): of places, and of directions seen from its apex."""
+    apexes: Indices
+    """Crowded corner that all triangles below a node share, shape (2 leaves,); -1 without any."""
+
+
+class Scratch(NamedTuple):
+    """Work space of a search."""
+
+    stack: Indices
+    seen: Array
+    """Directions of a triangle's corners, shape (3, 3)."""
+    low: Array
+    high: Array
+    """Bounds of the directions of a triangle, shape (3,)."""
 
 
 def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
@@ -57,7 +88,8 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     """
     if len(triangles) == 0:
         return Crossings(0, (-1, -1))
-    order = np.argsort(_codes(vertices, triangles), kind="stable")
+    apexes = _crowded(triangles)
+    order = np.lexsort((_codes(vertices, triangles), apexes))
     ordered = triangles[order]
     leaves = 1
     while leaves * LEAF < len(ordered):
@@ -66,11 +98,21 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
-    shapes = Shapes(ordered, corners, normals, corners.min(axis=1), corners.max(axis=1))
-    low, high = _tree(shapes.low, shapes.high, leaves)
-    count, one, other = _pairs(shapes, low, high, leaves, np.empty(DEEPEST, np.int64), tolerance)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
+    shapes = Shapes(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
+    scratch = Scratch(np.empty(DEEPEST, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
+    count, one, other = _pairs(shapes, Tree(leaves, *_tree(shapes, leaves, scratch)), scratch, tolerance)
     found = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
     return Crossings(int(count), found)
+
+
+def _crowded(triangles: Indices) -> Indices:
+    """Corner of each triangle in which most triangles meet, where it is crowded, else -1; shape (k,)."""
+    valences = np.bincount(triangles.ravel())[triangles]
+    most = valences.argmax(axis=1)
+    rows = np.arange(len(triangles))
+    return np.where(valences[rows, most] > CROWDED, triangles[rows, most], -1)
 
 
 def _codes(vertices: Array, triangles: Indices) -> Indices:
@@ -95,36 +137,51 @@ def _interleaved(cells):
 
 
 @kernel
-def _tree(low, high, leaves):
-    """Bounding boxes' corners as heaps: node 1 is all, the leaves follow from `leaves` on."""
-    lows = np.full((2 * leaves, 3), np.inf)
-    highs = np.full((2 * leaves, 3), -np.inf)
-    for number in range(len(low)):
-        node = leaves + number // LEAF
+def _tree(shapes, leaves, scratch):
+    """Bounds and apexes of the nodes of a `Tree`."""
+    lows = np.full((2 * leaves, 6), np.inf)
+    highs = np.full((2 * leaves, 6), -np.inf)
+    apexes = np.full(2 * leaves, -2)  # -2: empty
+    for number in range(len(shapes.low)):
+        node, apex = leaves + number // LEAF, shapes.apexes[number]
+        apexes[node] = apex if apexes[node] == -2 or apexes[node] == apex else -1
+        if apex >= 0:
+            _seen(shapes, number, apex, scratch)
         for axis in range(3):
-            lows[node, axis] = min(lows[node, axis], low[number, axis])
-            highs[node, axis] = max(highs[node, axis], high[number, axis])
+            lows[node, axis] = min(lows[node, axis], shapes.low[number, axis])
+            highs[node, axis] = max(highs[node, axis], shapes.high[number, axis])
+            if apex >= 0:
+                lows[node, 3 + axis] = min(lows[node, 3 + axis], scratch.low[axis])
+                highs[node, 3 + axis] = max(highs[node, 3 + axis], scratch.high[axis])
     for node in range(leaves - 1, 0, -1):
-        for axis in range(3):
+        left, right = apexes[2 * node], apexes[2 * node + 1]
+        apexes[node] = left if right == -2 or right == left else -1
+        for axis in range(6):
             lows[node, axis] = min(lows[2 * node, axis], lows[2 * node + 1, axis])
             highs[node, axis] = max(highs[2 * node, axis], highs[2 * node + 1, axis])
-    return lows, highs
+    return lows, highs, apexes
 
 
 @lean
-def _pairs(shapes, lows, highs, leaves, stack, tolerance):
+def _pairs(shapes, tree, scratch, tolerance):
     """Number of crossing pairs, and the first of them in the order of the tree."""
-    total = len(shapes.triangles)
+    total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
     for first in range(total):
-        own = leaves + first // LEAF
+        own, apex = leaves + first // LEAF, -1
         stack[0] = 1
         height = 1
         while height > 0:
             height -= 1
             node = stack[height]
-            if _apart(shapes.low, shapes.high, first, lows, highs, node):
+            if _apart(shapes.low, shapes.high, first, tree.low, tree.high, node):
                 continue
+            if tree.apexes[node] >= 0:
+                if tree.apexes[node] != apex:
+                    apex = tree.apexes[node]
+                    _seen(shapes, first, apex, scratch)
+                if _seen_apart(scratch, tree, node):
+                    continue
             if node < leaves:
                 stack[height] = 2 * node
                 stack[height + 1] = 2 * node + 1
@@ -139,6 +196,47 @@ def _pairs(shapes, lows, highs, leaves, stack, tolerance):
                             one, other = first, second
                         count += 1
     return count, one, other
+
+
+@lean
+def _seen(shapes, triangle, apex, scratch):
+    """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle.
+
+    A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
+    farther from w than 1 - |w|, and |w|^2 is at least the least product of two corners' directions.
+    """
+    seen, count, whole = scratch.seen, 0, False
+    for corner in range(3):
+        if shapes.triangles[triangle, corner] == apex:
+            continue
+        square = 0.0
+        for axis in range(3):
+            seen[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
+            square += seen[count, axis] * seen[count, axis]
+        whole = whole or square == 0.0
+        for axis in range(3):
+            seen[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
+        count += 1
+    least = 1.0
+    for i in range(count):
+        for j in range(i):
+            product = seen[i, 0] * seen[j, 0] + seen[i, 1] * seen[j, 1] + seen[i, 2] * seen[j, 2]
+            least = min(least, product)
+    margin = 2.0 if whole or least <= 0.0 else 1.0 - np.sqrt(least) + 1e-14
+    for axis in range(3):
+        scratch.low[axis], scratch.high[axis] = seen[0, axis] - margin, seen[0, axis] + margin
+        for i in range(1, count):
+            scratch.low[axis] = min(scratch.low[axis], seen[i, axis] - margin)
+            scratch.high[axis] = max(scratch.high[axis], seen[i, axis] + margin)
+
+
+@lean
+def _seen_apart(scratch, tree, node):
+    """True when the directions that were set and those of a node do not meet."""
+    for axis in range(3):
+        if scratch.low[axis] > tree.high[node, 3 + axis] or scratch.high[axis] < tree.low[node, 3 + axis]:
+            return True
+    return False
 
 
 @lean

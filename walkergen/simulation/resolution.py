@@ -129,7 +129,7 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> StepError
         return StepError(0.0)
     from walkergen.simulation.compliant import lengths
 
-    own = lengths.own_step(plan.world.walker)
+    own = lengths.own_step(plan.world.walker, plan.world.drive.period)
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
         return StepError(None, COARSE.format(own=_down(1e6 * own)))

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from walkergen.files.config import Fraction, Section
+from walkergen.files.config import Fraction, Friction, Section
 
 Length = Annotated[float, Field(ge=1e-6, le=1e6)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -76,7 +76,7 @@ class Leg(Section):
     """Place of its middle across the body, mm."""
     width_mm: Length | None = None
     """Width across the run. None: as deep as the body."""
-    friction: Annotated[float, Field(ge=0, le=1e6)] | None = None
+    friction: Friction | None = None
     """Friction of its foot, of another material than the scene's contact. None: the scene's."""
     restitution: Fraction | None = None
     """Restitution of its foot. None: the scene's."""

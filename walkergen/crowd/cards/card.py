@@ -21,7 +21,7 @@ from pydantic import (
 
 from walkergen.errors import InputError
 from walkergen.files import config, reading
-from walkergen.files.config import Fraction, Name, Section
+from walkergen.files.config import Fraction, Friction, Name, Section
 from walkergen.numerics.quantity import Quantity
 
 Size = Annotated[float, Field(gt=0, le=1e9)]
@@ -118,10 +118,10 @@ class Card(Section):
     sideways_mm_s: Measured | None = None
     """Mean velocity to the left of the heading."""
     restitution: Fraction = 0.5
-    friction: Annotated[float, Field(ge=0, le=1e6)] = 0.3
+    friction: Friction = 0.3
     """Restitution and friction of body on body."""
     wall_restitution: Fraction = 0.5
-    wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    wall_friction: Friction = 0.25
     wall_alignment: Measured | None = None
     """Mean of -cos(2 angle) by a wall, of the angle from the way out to the heading: 1 along the
     wall, 0 for any direction alike, -1 head on."""

@@ -362,24 +362,43 @@ def free_acceleration(world, state, chain):
 @inlined
 def _free(legs, world, state, chain):
     g_x, g_y, walker = along(world.acting), -across(world.acting), world.walker
-    f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
+    r_x, r_y, r_t, r_b, r_f = rate_forces(world, state, chain)
     b, f, m, m_f, mu = chain.back, chain.front, legs[0].mass, legs[1].mass, walker.ratios.mass
+    torque_b = _torque(legs[0], state[ANGLE_BACK], state[RATE_BACK])
+    torque_f = _torque(legs[1], state[ANGLE_FRONT], state[RATE_FRONT])
+    total = walker.mass + (1.0 + mu) * m
+    weight = m * ((b.A_x + mu * f.A_x) * g_y - (b.A_y + mu * f.A_y) * g_x)
+    return respond(
+        chain,
+        r_x + total * g_x,
+        r_y + total * g_y,
+        r_t + weight - torque_b - torque_f,
+        r_b + m * (b.C_x * g_y - b.C_y * g_x) + torque_b,
+        r_f + m_f * (f.C_x * g_y - f.C_y * g_x) + torque_f,
+    )
+
+
+@inlined
+def rate_forces(world, state, chain):
+    """Forces, as in `respond`, that rates make: of rotation, and of effects on the body."""
+    return _rate_forces(world.walker.legs, world, state, chain)
+
+
+@inlined
+def _rate_forces(legs, world, state, chain):
+    f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
+    b, f, m, m_f, mu = chain.back, chain.front, legs[0].mass, legs[1].mass, world.walker.ratios.mass
     spin = state[SPIN]
     spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
     spin, spin_b, spin_f = spin * spin, spin_b * spin_b, spin_f * spin_f
-    torque_b = _torque(legs[0], state[ANGLE_BACK], state[RATE_BACK])
-    torque_f = _torque(legs[1], state[ANGLE_FRONT], state[RATE_FRONT])
     cross_b, cross_f = b.A_x * b.C_y - b.A_y * b.C_x, f.A_x * f.C_y - f.A_y * f.C_x
-    total = walker.mass + (1.0 + mu) * m
     A_x, A_y = b.A_x + mu * f.A_x, b.A_y + mu * f.A_y
-    weight = m * (A_x * g_y - A_y * g_x)
-    return respond(
-        chain,
-        f_x + total * g_x + m * (spin * A_x + spin_b * b.C_x + mu * (spin_f * f.C_x)),
-        f_y + total * g_y + m * (spin * A_y + spin_b * b.C_y + mu * (spin_f * f.C_y)),
-        weight + m * (spin_b * cross_b + mu * (spin_f * cross_f)) - torque_b - torque_f,
-        m * (b.C_x * g_y - b.C_y * g_x - spin * cross_b) + torque_b,
-        m_f * (f.C_x * g_y - f.C_y * g_x - spin * cross_f) + torque_f,
+    return (
+        f_x + m * (spin * A_x + spin_b * b.C_x + mu * (spin_f * f.C_x)),
+        f_y + m * (spin * A_y + spin_b * b.C_y + mu * (spin_f * f.C_y)),
+        m * (spin_b * cross_b + mu * (spin_f * cross_f)),
+        -(m * spin * cross_b),
+        -(m_f * spin * cross_f),
     )
 
 

@@ -9,7 +9,8 @@ of second order in its length, with an error that vanishes for small angles of l
 import math
 
 from walkergen.numerics.kernels import inlined, kernel
-from walkergen.simulation.compliant.chain import LOOSE, chain_of, free_acceleration, longest_leg, turned
+from walkergen.simulation.compliant.chain import LOOSE, chain_of, free_acceleration, longest_leg
+from walkergen.simulation.compliant.momentum import keep, total_mass, whole_of
 from walkergen.simulation.drive import derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import DAMPING_LOSS
@@ -37,17 +38,16 @@ def fly(world, state, t, sums):
 
 @inlined
 def _fly(legs, world, state, t, sums):
-    x_0, y_0 = state[X], state[Y]
-    a_x, a_y, f_x, f_y = _falling(world, state, _total(legs, world.walker), t)
-    x, y, v_x, v_y = _centre(legs, world.walker, state)
-    _swing(legs, world.walker, state, 0.5 * t, sums)
+    walker, x_0, y_0 = world.walker, state[X], state[Y]
+    a_x, a_y, f_x, f_y = _falling(world, state, total_mass(walker), t)
+    before = whole_of(walker, state)
+    _swing(legs, walker, state, 0.5 * t, sums)
     _kick(legs, world, state, t, sums)
-    _swing(legs, world.walker, state, 0.5 * t, sums)
-    x_1, y_1, v_x1, v_y1 = _centre(legs, world.walker, state)
-    state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * a_x)
-    state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * a_y)
-    state[V_X] += v_x - v_x1 + t * a_x
-    state[V_Y] += v_y - v_y1 + t * a_y
+    _swing(legs, walker, state, 0.5 * t, sums)
+    v_x, v_y = before.v_x + t * a_x, before.v_y + t * a_y
+    after = keep(walker, state, v_x, v_y, before.turning + t * (before.y * f_x - before.x * f_y))
+    state[X] = x_0 + before.x - after.x + 0.5 * t * (before.v_x + v_x)
+    state[Y] = y_0 + before.y - after.y + 0.5 * t * (before.v_y + v_y)
     sums[DAMPING_LOSS] -= f_x * (state[X] - x_0) + f_y * (state[Y] - y_0)
 
 
@@ -62,30 +62,6 @@ def _falling(world, state, mass, t):
     v_y += 0.5 * t * (f_y / mass - across(acting))
     f_x, f_y = body_force(acting, pitch + 0.5 * t * state[SPIN], v_x, v_y)
     return along(acting) + f_x / mass, f_y / mass - across(acting), f_x, f_y
-
-
-@inlined
-def _total(legs, walker):
-    return walker.mass + (1.0 + walker.ratios.mass) * legs[0].mass
-
-
-@inlined
-def _centre(legs, walker, state):
-    """Centre of mass of body and legs against O, and its velocity against that of O."""
-    share, mu = legs[0].mass / _total(legs, walker), walker.ratios.mass
-    cos, sin = math.cos(state[PITCH]), math.sin(state[PITCH])
-    (b_x, b_y), (f_x, f_y) = walker.anchors
-    a_x, a_y = b_x + mu * f_x, b_y + mu * f_y
-    x, y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
-    v_x, v_y = -y * state[SPIN], x * state[SPIN]
-    psi_b, psi_f = state[PITCH] + state[ANGLE_BACK], state[PITCH] + state[ANGLE_FRONT]
-    b_x, b_y = turned(legs[0].centre, math.cos(psi_b), math.sin(psi_b))
-    f_x, f_y = turned(legs[1].centre, math.cos(psi_f), math.sin(psi_f))
-    f_x, f_y = mu * f_x, mu * f_y
-    spin_b, spin_f = state[SPIN] + state[RATE_BACK], state[SPIN] + state[RATE_FRONT]
-    x, y = x + b_x + f_x, y + b_y + f_y
-    v_x, v_y = v_x - b_y * spin_b - f_y * spin_f, v_y + b_x * spin_b + f_x * spin_f
-    return share * x, share * y, share * v_x, share * v_y
 
 
 @kernel
@@ -207,8 +183,8 @@ def _clear_time(legs, world, state, chain, gaps, pull):
         + (state[RATE_BACK] ** 2 + (root * state[RATE_FRONT]) ** 2) / (legs[0].stiffness * s.mobility_1)
     )
     steady = spin + s.share_back * state[RATE_BACK] + s.share_front * state[RATE_FRONT]
-    centre_x, _, _, turning = _centre(legs, world.walker, state)
-    rise += turning - steady * centre_x  # of O, without its share of the legs' swing
+    whole = whole_of(world.walker, state)
+    rise += whole.v_y - state[V_Y] - steady * whole.x  # of O, without its share of the legs' swing
     length = longest_leg(world.walker)
     pull += steady * steady * (length + abs(back_x) + abs(front_x))
     swing_b = amplitude * (abs(b.r_x) + 0.15 * length) + state[ANGLE_BACK] * b.r_x

@@ -17,8 +17,9 @@ DAMPED = 1.6
 """Decay times of a leg's damper in which its foot, hit at restitution 1, is back: the root of
 2 (1 - exp(-x)) = x."""
 
-MOST, OWN = 1e-6 * 30.0, 0.4
-"""Own step of a walker: its most (s), and its share of the longest: ten in a period of the legs."""
+MOST, OWN = 0.0027, 0.4
+"""Own step of a walker: its most, of the plate's period (30 us at 90 Hz), and its share of the longest:
+ten in a period of the legs."""
 
 SLIVER = 0.1
 """Part of h below which a step does not end at a foot's stop, nor does a step after one: the error
@@ -63,9 +64,12 @@ def longest_step(walker: Any) -> float:
     return 0.5 * min(math.pi / rate, DAMPED / decay if decay > 0.0 else math.inf)
 
 
-def own_step(walker: Any) -> float:
-    """Step (s) of a walker unless its scene gives one: it resolves the swing of the legs."""
-    return min(MOST, OWN * longest_step(walker))
+def own_step(walker: Any, period: float) -> float:
+    """Step (s) of a walker unless its scene gives one: it resolves the swing of the legs.
+
+    `period`: of the plate, s.
+    """
+    return min(MOST * period, OWN * longest_step(walker))
 
 
 @inlined

@@ -49,4 +49,4 @@ def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, Walker, ste
     """Model, walker and options of a case."""
     legs, step_us = case.scene.legs, case.scene.run.step_us
     walker = walker_of(case.design, case.mass, damping_ratio=legs.damping_ratio, spring=legs.spring)
-    return STEPS, walker, steps.Options(own_step(walker) if step_us is None else 1e-6 * step_us)
+    return STEPS, walker, steps.Options(own_step(walker, drive.period) if step_us is None else 1e-6 * step_us)

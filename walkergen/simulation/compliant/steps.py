@@ -30,6 +30,8 @@ from walkergen.simulation.compliant.chain import (
     mobility_of,
     power_lost,
     push,
+    rate_forces,
+    respond,
 )
 from walkergen.simulation.compliant.contact import (
     PLASTIC,
@@ -45,8 +47,9 @@ from walkergen.simulation.compliant.contact import (
 )
 from walkergen.simulation.compliant.flight import clear_time, fly
 from walkergen.simulation.compliant.lengths import SLIVER, longest_contact, longest_flight, stiffening, swings_back
+from walkergen.simulation.compliant.momentum import keep, total_mass, whole_at, whole_of
 from walkergen.simulation.drive import acceleration, derivative_bound, moved_on, velocity
-from walkergen.simulation.effects.acting import across
+from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.world import (
     ANGLE_BACK,
@@ -74,11 +77,11 @@ from walkergen.simulation.world import (
     Y,
 )
 
-REACH = 1e-9
-"""Gap (mm) below which an open foot that approaches has landed."""
+REACH = 1e-10
+"""Gap, over the longer leg's length, below which an open foot that approaches has landed."""
 
-INSTANT = 1e-12
-"""Time (s) that counts as zero."""
+INSTANT = 3e-8
+"""Part of a step that counts as no time."""
 
 TOGETHER = 1e-9
 """Part of a step within which two landings count as simultaneous."""
@@ -112,6 +115,8 @@ class Work(NamedTuple):
     """Sums of the tally after a trial step."""
     rows: np.ndarray
     """Equations of two feet, work space of shape (4, 5)."""
+    pushed: np.ndarray
+    """What the last trial step in contact gave all as one: velocity (x, y) and angular momentum."""
 
 
 def coarser(world: World, factor: float) -> World:
@@ -170,8 +175,43 @@ def _zero(first, last):
     return first / (first - last)
 
 
+@inlined
+def _accelerate(world, state, t, chain, free, F):
+    """Add the changes `free` and by F to the rates, and what these change of the forces that rates make.
+
+    Those of the rates before alone are of first order. Returns the force (x, y) of effects on the body.
+    """
+    x_0, y_0 = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
+    early = rate_forces(world, state, chain)
+    accelerate(state, free)
+    accelerate(state, push(chain, F))
+    x_1, y_1 = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
+    late, half = rate_forces(world, state, chain), 0.5 * t
+    f_x, f_y, f_t = half * (late[0] - early[0]), half * (late[1] - early[1]), half * (late[2] - early[2])
+    accelerate(state, respond(chain, f_x, f_y, f_t, half * (late[3] - early[3]), half * (late[4] - early[4])))
+    return 0.5 * (x_0 + x_1), 0.5 * (y_0 + y_1)
+
+
+@inlined
+def _pushed(world, t, chain, F, f_x, f_y):
+    """Change of all as one by a step: of its velocity (x, y) and angular momentum, by weight, contacts F
+    and effects f on the body.
+    """
+    b, f, walker = chain.back, chain.front, world.walker
+    mass, mu = total_mass(walker), walker.ratios.mass
+    share = walker.legs[0].mass / mass
+    x, y = share * (b.A_x + b.C_x + mu * (f.A_x + f.C_x)), share * (b.A_y + b.C_y + mu * (f.A_y + f.C_y))
+    back = (b.A_x + b.r_x - x) * F[1] - (b.A_y + b.r_y - y) * F[0]
+    front = (f.A_x + f.r_x - x) * F[3] - (f.A_y + f.r_y - y) * F[2]
+    return (
+        (F[0] + F[2] + t * f_x) / mass + t * along(world.acting),
+        (F[1] + F[3] + t * f_y) / mass - t * across(world.acting),
+        back + front + t * (y * f_x - x * f_y),
+    )
+
+
 @kernel
-def _contact_step(world, state, t, sums, rows):
+def _contact_step(world, state, t, sums, work):
     """One step of t seconds with at least one foot closed; sets the modes.
 
     Returns the part of the step after which a sliding foot stops, 1 when none does.
@@ -195,23 +235,23 @@ def _contact_step(world, state, t, sums, rows):
     )
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     guess, W = (int(state[MODE_BACK]), int(state[MODE_FRONT])), mobility_of(chain)
-    back, front, F = solve(W, u, closed, guess, frictions(world), rows)
-    part = _stop(W, u, before, back, front, frictions(world), rows)
-    accelerate(state, free)
-    accelerate(state, push(chain, F))
+    back, front, F = solve(W, u, closed, guess, frictions(world), work.rows)
+    part = _stop(W, u, before, back, front, frictions(world), work.rows)
+    f_x, f_y = _accelerate(world, state, t, chain, free, F)
     state[MODE_BACK], state[MODE_FRONT] = back, front
     after = feet_velocities(world, state, chain)
     _drift(state, 0.5 * t)
+    work.pushed[0], work.pushed[1], work.pushed[2] = _pushed(world, t, chain, F, f_x, f_y)
 
     plate_after = velocity(world.drive, state[PHASE])
-    work = 0.5 * (F[1] + F[3]) * (plate_before + plate_after)
+    by_plate = 0.5 * (F[1] + F[3]) * (plate_before + plate_after)
     gained = 0.0
     for i in range(4):
         gained += 0.5 * F[i] * (before[i] + after[i])
     # `before` was taken over the plate's velocity at the end of the step
     gained += (F[1] + F[3]) * plate_after
-    sums[record.PLATE_WORK] += work
-    sums[record.FRICTION_LOSS] += work - gained
+    sums[record.PLATE_WORK] += by_plate
+    sums[record.FRICTION_LOSS] += by_plate - gained
     mean_b = 0.5 * (rate_b + state[RATE_BACK])
     mean_f = 0.5 * (rate_f + state[RATE_FRONT])
     v_x, v_y = 0.5 * (v_x + state[V_X]), 0.5 * (v_y + state[V_Y])
@@ -220,12 +260,12 @@ def _contact_step(world, state, t, sums, rows):
 
 
 @inlined
-def _step(world, state, t, sums, rows):
+def _step(world, state, t, sums, work):
     """One step of t seconds; returns the part of it after which a foot stops, else 1."""
     if state[MODE_BACK] == OPEN and state[MODE_FRONT] == OPEN:
         fly(world, state, t, sums)
         return 1.0
-    return _contact_step(world, state, t, sums, rows)
+    return _contact_step(world, state, t, sums, work)
 
 
 @kernel
@@ -264,7 +304,7 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
     part, located, back, front = 1.0, False, False, False
     while True:
         trial[:] = sums
-        turn = _step(world, state, part * t, trial, work.rows)
+        turn = _step(world, state, part * t, trial, work)
         if located:
             break
         chain = chain_of(world.walker, state, LOOSE)
@@ -290,12 +330,15 @@ def _surface(world, state, gap, landed, rows):
     A foot could sink a little in every bounce that is lost in a step: where it has landed and
     rebounds it is open, and `settle` leaves it where it is.
     """
-    back, front = landed[0] and gap[0] < -REACH, landed[1] and gap[1] < -REACH
+    reach = REACH * longest_leg(world.walker)
+    back, front = landed[0] and gap[0] < -reach, landed[1] and gap[1] < -reach
     if back or front:
         modes = state[MODE_BACK], state[MODE_FRONT]
         state[MODE_BACK] = FORWARD if back else modes[0]
         state[MODE_FRONT] = FORWARD if front else modes[1]
+        whole = whole_of(world.walker, state)
         settle(world, state, stiffening(world.walker.legs, world.options.step), rows)
+        keep(world.walker, state, whole.v_x, whole.v_y, whole.turning)
         state[MODE_BACK], state[MODE_FRONT] = modes
     return back or front
 
@@ -305,10 +348,10 @@ def _land(world, state, chain, gap, landed, tally, rows):
     """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
     other's impact may throw onto it; sets the modes of all of these.
     """
-    short = ABSORBED * world.options.step
+    short, reach = ABSORBED * world.options.step, REACH * longest_leg(world.walker)
     touching = (
-        landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
-        landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
+        landed[0] or state[MODE_BACK] != OPEN or gap[0] <= reach,
+        landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= reach,
     )
     d = feet_changes(chain, free_acceleration(world, state, chain))
     turning = feet_turning(state, chain)
@@ -337,13 +380,14 @@ def _sunk(world, state, gap, u):
 @kernel
 def advance(world, state, duration, tally):
     """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
-    work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)))
+    work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)), np.empty(3))
     sums, h, legs = tally.sums, world.options.step, world.walker.legs
+    instant, reach = INSTANT * h, REACH * longest_leg(world.walker)
     begin, t, stalled, back, front = sums[record.ELAPSED], 0.0, 0, False, False
     stopped = False
     while t < duration:
         sums[record.ELAPSED] = begin + t
-        if begin + t >= next_sample(tally.samples) - INSTANT:
+        if begin + t >= next_sample(tally.samples) - instant:
             take_sample(tally.samples, begin + t, state)
         if corner_height(world, state) <= 0.0:
             return TOPPLED
@@ -351,8 +395,8 @@ def advance(world, state, duration, tally):
             return FOLDED
         chain = chain_of(world.walker, state, LOOSE)
         gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
-        back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
-        front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
+        back = back or (state[MODE_BACK] == OPEN and gap[0] <= reach and u[1] <= 0.0)
+        front = front or (state[MODE_FRONT] == OPEN and gap[1] <= reach and u[3] <= 0.0)
         if back or front:
             if _surface(world, state, gap, (back, front), work.rows):
                 chain = chain_of(world.walker, state, LOOSE)
@@ -367,17 +411,20 @@ def advance(world, state, duration, tally):
         else:
             clear = clear_time(world, state, chain, gap)
             length = min(max(clear, h), longest_flight(world.walker, state, world.options, clear))
-        length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
+        length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, instant))
         stops = length > SLIVER * h and not stopped
+        whole = whole_at(world.walker, state, chain)
         passed, back, front = _step_to_landing(world, state, length, stops, gap, u, sums, work)
         stopped = passed < length and not (back or front)
         if closed:
             sums[record.CONTACT_TIME] += passed
             settle(world, state, stiffening(legs, h), work.rows)
+            v_x, v_y, turned = work.pushed
+            keep(world.walker, state, whole.v_x + v_x, whole.v_y + v_y, whole.turning + turned)
         sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
-        stalled = stalled + 1 if passed <= INSTANT else 0
+        stalled = stalled + 1 if passed <= instant else 0
         if stalled > STALLED or not math.isfinite(state[Y]):
             return FAILED
-        t = duration if duration - t - passed < 1e-15 else t + passed
+        t = duration if duration - t - passed < 1e-3 * instant else t + passed
     sums[record.ELAPSED] = begin + duration
     return OK
