@@ -1,11 +1,13 @@
 """A sweep on a cluster of dask's: a real scheduler, two workers, one of which is killed."""
 
+import contextlib
 import json
 import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -118,6 +120,24 @@ def test_what_is_no_scheduler_ends_in_time(monkeypatch):
         with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask(address):
             pass
         assert time.monotonic() - started < 5.0
+
+
+@pytest.mark.parametrize(
+    "answer", [bytes(100), b"\xff" * 5000, b"HTTP/1.1 400 Bad\r\n\r\n", b"SSH-2.0-OpenSSH_9\r\n", b"\0"]
+)
+def test_a_server_that_answers_nonsense_is_no_scheduler(monkeypatch, answer):
+    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            with contextlib.suppress(OSError), server.accept()[0] as connection:
+                connection.sendall(answer)
+                connection.recv(1)
+
+        threading.Thread(target=serve, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(InputError, match="no scheduler answers there"), worker_pool.dask(address):
+            pass
 
 
 @pytest.mark.parametrize("address", ["tls://x:1", "ucx://x:1", "tcp://x", "x", "", "tcp://x:1e9"])

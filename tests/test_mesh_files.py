@@ -118,6 +118,53 @@ def test_items_are_counted_and_must_exist(tmp_path):
         meshes.threemf.read(path.read_bytes(), "items", 20_000)
 
 
+ITSELF = '<object id="1"><components><component objectid="1"/></components></object>'
+UTF16 = MODEL.replace("UTF-8", "UTF-16")
+
+
+@pytest.mark.parametrize(
+    ("target", "model", "objects", "reason"),
+    [
+        ("3D/other.xml", MODEL, '<object id="1">{}</object>', ""),
+        ("3D/3dmodel.model", UTF16, '<object id="1">{}</object>', ""),
+        ("3D/gone.model", MODEL, "", "refers to '3d/gone.model', which it does not hold"),
+        ("3D/3dmodel.model", "<!DOCTYPE model>" + MODEL[38:], "", "document type"),
+        ("3D/3dmodel.model", MODEL.replace("millimeter", "parsec"), "", "unit 'parsec': must be one of micron"),
+        ("3D/3dmodel.model", MODEL, '<object id="1"><components/></object>', "is no mesh"),
+        ("3D/3dmodel.model", MODEL, '<object id="1">{0}</object><object id="1">{0}</object>', "two objects 1"),
+        (
+            "3D/3dmodel.model",
+            MODEL,
+            '<object id="1"><components><component objectid="1"/></components></object>',
+            "deep",
+        ),
+        ("3D/3dmodel.model", MODEL, '<object id="x">{}</object>', "not a readable 3mf mesh"),
+    ],
+)
+def test_models_of_any_archive_are_found_and_counted(tmp_path, target, model, objects, reason):
+    """All paths lead through one reading: what it does not count is not placed."""
+    path = tmp_path / "part.3mf"
+    text = model.format(objects.format(mesh_xml(BOX)), '<item objectid="1"/>')
+    with zipfile.ZipFile(path, "w") as written:
+        written.writestr("_rels/.rels", RELATIONS.replace("3D/3dmodel.model", target))
+        written.writestr(target.replace("gone", "3dmodel"), text.encode("utf-16" if model is UTF16 else "utf-8"))
+    if reason:
+        with pytest.raises(InputError, match=reason):
+            meshes.load(path, "part")
+    else:
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
+
+
+def test_glb_of_zeros_that_it_does_not_hold_is_refused(tmp_path):
+    path = tmp_path / "zeros.glb"
+    tree = b'{"accessors":[{"count":900000000,"componentType":5126,"type":"VEC3"}],"meshes":[],"nodes":[]}'
+    tree += b" " * (-len(tree) % 4)
+    sizes = [(20 + len(tree)).to_bytes(4, "little"), len(tree).to_bytes(4, "little")]
+    path.write_bytes(b"glTF" + (2).to_bytes(4, "little") + sizes[0] + sizes[1] + b"JSON" + tree)
+    with pytest.raises(InputError, match="300000000 triangles, at most"):
+        meshes.load(path, "zeros")
+
+
 BINARY, TEXT = BOX.export(file_type="stl"), trimesh.exchange.stl.export_stl_ascii(BOX).encode()
 
 
@@ -179,8 +226,8 @@ def test_glb_is_in_metres(tmp_path):
 
 def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
     monkeypatch.setattr(meshes, "MOST_TRIANGLES", 11)
-    for kind in ("stl", "obj", "ply", "off"):
-        path = tmp_path / f"box.{kind}"
+    for kind in ("stl", "stl_ascii", "obj", "ply", "off", "glb"):
+        path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
         written = BOX.export(file_type=kind)
         path.write_bytes(written if isinstance(written, bytes) else written.encode())
         monkeypatch.setattr(meshes, "_raw", lambda *_: pytest.fail("was read"))

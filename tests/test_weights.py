@@ -66,6 +66,13 @@ def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
     assert path.read_bytes() == written
 
 
+def test_a_form_that_somebody_sorted_stays(tmp_path):
+    path = weights.write_template(tmp_path, [FIVE, TEN])
+    path.write_text(ours := weights.template([TEN, FIVE]))
+    assert weights.write_template(tmp_path, [FIVE, TEN]) == path
+    assert path.read_text() == ours
+
+
 def test_an_empty_template_follows_the_print(tmp_path):
     weights.write_template(tmp_path, [FIVE])
     weights.write_template(tmp_path, [TEN])

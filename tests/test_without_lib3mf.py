@@ -1,4 +1,4 @@
-"""Where nobody makes lib3mf, as for Linux on ARM: STL takes its place, 3MF is refused in a line."""
+"""Where nobody makes lib3mf, as for Linux on ARM: STL takes its place, to write 3MF is refused in a line."""
 
 import subprocess
 import sys
@@ -67,12 +67,18 @@ def test_the_stl_holds_what_the_3mf_holds():
     assert len(ours.triangles) == sum(len(part.triangles) for part in read)
 
 
+def test_3mf_is_read_without_it(monkeypatch):
+    found = arranged([1, 1])
+    data = packing.plate_3mf(found.plates[0], found.parts, found.meshes, PRINTER, "one")
+    monkeypatch.setattr(threemf, "available", lambda: False)
+    assert len(threemf.read(data, "one")) == 2
+
+
 @pytest.mark.usefixtures("missing")
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
         lambda: wg.export(PAPER, tmp_path / "one.3mf"),
         lambda: dict(plates.files(arranged([1, 1]), "plate", False, prusaslicer=True)),
-        lambda: threemf.read(b"PK", "robot.3mf"),
     ):
         with pytest.raises(InputError, match=r"^3MF: lib3mf is not installed .* use STL") as told:
             ask()

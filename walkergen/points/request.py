@@ -4,17 +4,20 @@ import copy
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from walkergen.errors import InputError, WalkergenError
+from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import assignments
 from walkergen.points import kinds
 from walkergen.points.axes import Space
 from walkergen.points.kinds import Kind
-from walkergen.points.point import ALONE, PREDICTION, Point, refused
+from walkergen.points.point import ALONE, PREDICTION, REASON, Point, refused
 from walkergen.points.run import Asked
 from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
+
+TRIED = 1000
+"""Most points of a sweep that is refused where none of them can be right."""
 
 SCENE = "scene."
 """Beginning of the keys of a scene; all others are a design's."""
@@ -53,15 +56,26 @@ class Request(NamedTuple):
                 check_alone(key, f"--set {key}")
         for axis in self.space.axes:
             for value in axis.values:
-                if isinstance(value, (str, bool)):
-                    self._check_word(axis.key, value)
+                if isinstance(value, (str, bool, list, dict)):
+                    self._check_form(axis.key, value)
+        if self.space.points > TRIED:
+            return
+        reasons = []
+        for point in self.points():
+            if isinstance(point, Point):
+                return
+            reasons.append(point[REASON])
+        raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
 
-    def _check_word(self, key: str, value: str | bool) -> None:
-        """Refuse a word that its key never takes; numbers out of range are rows that say so."""
+    def _check_form(self, key: str, value: Any) -> None:
+        """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
         try:
             changed(self.design, self.scene, {key: value}, "--set", self.data)
+        except GeometryError:  # of parts that cannot be built: with other values of other keys they may
+            return
         except InputError as error:
-            if kinds.of_key(key) or f"{key} = {value!r}" in str(error):
+            faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
+            if kinds.of_key(key) or {"", ".", "["} & {*faults}:
                 raise
 
     def at(self, values: Mapping[str, Any]) -> Asked:

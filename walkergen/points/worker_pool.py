@@ -11,6 +11,7 @@ import signal
 import socket
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -24,6 +25,9 @@ from walkergen.points.point import digest
 MOST_WORKERS = 1024
 ANSWER_S = 10.0
 """Time in which a scheduler must answer, s."""
+
+MOST_GREETING, GREETING = 10_000, b"pickle-protocol"
+"""Longest first message of a scheduler, bytes, and a word of it."""
 
 
 class WorkerPool(NamedTuple):
@@ -99,7 +103,7 @@ def dask(address: str) -> Iterator[WorkerPool]:
     try:
         _greeted(host, port)
         client = Client(f"tcp://{host}:{port}", timeout=ANSWER_S, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+    except Exception as error:  # of what answers nonsense dask raises anything
         reason = str(error).partition("\n")[0][:200] or "no answer"
         raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {reason}") from None
     try:
@@ -122,14 +126,26 @@ def _place(address: str) -> tuple[str, int]:
 
 
 def _greeted(host: str, port: int) -> None:
-    """Raise OSError unless something at a port speaks first, as schedulers do and web servers not.
+    """Raise OSError unless what listens at a port speaks first, and greets as schedulers do.
 
-    The client of dask waits for ever for what accepts a connection and says nothing.
+    The client of dask waits for ever for what accepts a connection and says nothing, and takes the first eight
+    bytes of any other server for the length of a message.
     """
+    until = time.monotonic() + ANSWER_S
     with socket.create_connection((host.strip("[]"), port), ANSWER_S) as connection:
-        connection.settimeout(ANSWER_S)
-        if not connection.recv(1):
-            raise OSError("what listens there has hung up")
+
+        def receive(size: int) -> bytes:
+            data = b""
+            while len(data) < size:
+                connection.settimeout(max(until - time.monotonic(), 1e-3))
+                if not (more := connection.recv(size - len(data))):
+                    raise OSError("what listens there has hung up")
+                data += more
+            return data
+
+        size = int.from_bytes(receive(8), sys.byteorder)
+        if not 0 < size <= MOST_GREETING or GREETING not in receive(size):
+            raise OSError("what listens there is no scheduler of dask")
 
 
 def _digests(client: Any) -> dict[str, str]:

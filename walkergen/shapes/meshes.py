@@ -9,6 +9,7 @@ is left out. All of that is noted.
 import codecs
 import hashlib
 import io
+import json
 import re
 import zipfile
 from collections import Counter
@@ -31,6 +32,9 @@ MOST_BYTES = 2**30
 
 FARTHEST = 1e12
 """Largest coordinate, in the file's unit."""
+
+GLB_STRIP = 5
+"""Mode of faces of GLB in which every corner after the second makes a triangle."""
 
 ROUNDING = 1e-6
 """Distance over the size of a part up to which corners on open edges are one: some last bits of the
@@ -83,16 +87,39 @@ def _too_many(count: int, source: str) -> InputError:
 def _promised(data: bytes, kind: str) -> int:
     """Triangles that a file seems to hold, at a glance at its bytes; 0 where only a reader can tell."""
     if kind == "stl":
-        return data.count(b"endfacet") or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
+        text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
+        return text or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
     if kind == "obj":
-        return data.count(b"\nf ")
+        return data.count(b"\nf ") + data.count(b"\nf\t")
     if kind == "ply":
-        header = re.search(rb"element\s+face\s+(\d{1,12})", data[:10_000])
+        header = re.search(rb"element\s+face\s+(\d{1,12})", data[: data.find(b"end_header")][:100_000])
         return int(header[1]) if header else 0
     if kind == "off":
-        counts = re.match(rb"OFF\s+\d+\s+(\d{1,12})", data[:1000])
-        return int(counts[1]) if counts else 0
+        words = re.sub(rb"#[^\n]*", b"", data[:100_000]).split(maxsplit=4)[:3]
+        return int(words[2]) if len(words) == 3 and words[2].isdigit() and len(words[2]) < 13 else 0
+    if kind == "glb":
+        return _promised_by_glb(data)
     return 0
+
+
+def _promised_by_glb(data: bytes) -> int:
+    """Triangles of all nodes of a GLB, by the counts of its arrays; 0 for one that only a reader can tell.
+
+    Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
+    """
+
+    def triangles(face: dict[str, Any]) -> int:
+        count: int = counts[face["indices"] if "indices" in face else face["attributes"]["POSITION"]]
+        return count if face.get("mode") == GLB_STRIP else count // 3
+
+    try:
+        tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+        counts = [int(accessor["count"]) for accessor in tree["accessors"]]
+        meshes = [sum(map(triangles, mesh["primitives"])) for mesh in tree["meshes"]]
+        placed = sum(meshes[node["mesh"]] for node in tree["nodes"] if "mesh" in node)
+    except (LookupError, TypeError, ValueError, AttributeError, RecursionError):
+        return 0
+    return max(placed, max(counts, default=0) // 3)
 
 
 def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:

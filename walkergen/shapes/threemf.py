@@ -1,17 +1,17 @@
-"""lib3mf, where it is made for the machine, and the reading of 3MF files by it.
+"""Reading of 3MF files, and lib3mf, which writes them, where it is made for the machine.
 
-Every printed item is read as it is placed, in mm.
-
-trimesh reads 3MF too, but keeps one of several items that share object and part number.
+Every printed item is read as it is placed, in mm. All is counted while it is read, before anything is placed:
+lib3mf places components within components while it opens a file of 1 kB, for minutes, and trimesh keeps one of
+several items that share object and part number.
 """
 
 import importlib.util
 import io
 import platform
-import xml.etree.ElementTree as ET
 import zipfile
 import zlib
-from collections.abc import Iterator
+from array import array
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any, Literal, NamedTuple
 from xml.parsers import expat
@@ -21,20 +21,29 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 
-MM = (1e-3, 1.0, 10.0, 25.4, 304.8, 1000.0)
-"""Millimetres of micron, millimetre, centimetre, inch, foot and metre: lib3mf's order of units."""
+MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+"""Millimetres of the units that a model may have."""
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02 "
+"""Begins the names of the elements that are read; those of extensions are left out."""
 
 DEEPEST = 16
 """Most levels of components within components."""
 
 MOST_PARTS = 10_000
-"""Most meshes that a file may place: components within components multiply."""
+"""Most meshes that a file may place, most components and most objects: components within components multiply."""
 
 MOST_TRIANGLES = 2_000_000
 """Largest number of triangles of a file of meshes: a million took 10 s and 0.7 GB to read and check,
 on two busy cores (benchmarks/own_mesh.py)."""
 
+ELEMENTS = 8
+"""Most elements of XML for every triangle that is allowed: corners, colours, textures."""
+
 Array = npt.NDArray[np.float64]
+Attributes = dict[str, str]
+Place = tuple[str, int]
+"""Path of a model in an archive, in small letters, and the number of an object in it."""
 
 Role = Literal["model", "negative", "other"]
 
@@ -47,8 +56,24 @@ ROLES: dict[str, Role] = {
 """Roles of volumes in the words of PrusaSlicer, and of BambuStudio and OrcaSlicer; modifiers and
 supports of all kinds are others, which no printer lays down."""
 
-Volumes = dict[str, list[tuple[int, int, Role]]]
+NOTES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
+"""Files in which slicers note the roles."""
+
+Volumes = dict[int, list[tuple[int, int, Role]]]
 """Roles of triangles by the number of their object: the first and the last of each volume."""
+
+UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    OSError,
+    NotImplementedError,
+    RuntimeError,
+    ValueError,
+    expat.ExpatError,
+    KeyError,
+)
+"""What reading raises for what is no archive, no XML, lacks an attribute, or has words for numbers."""
 
 
 class Part(NamedTuple):
@@ -87,171 +112,229 @@ def library() -> Any:
 def read(data: bytes, source: str, most_triangles: int = MOST_TRIANGLES) -> list[Part]:
     """Meshes of all items, in the file's order, a part for each role that volumes of an item have.
 
-    Raises InputError, beginning with `source`, for what is no 3MF, and before it is read for a file
+    Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
     that places more than MOST_PARTS meshes or `most_triangles` triangles, counted as often as placed.
     """
-    lib3mf = library()
-    _count(data, source, most_triangles)
-    volumes = _volumes(data)
-    model = lib3mf.get_wrapper().CreateModel()  # must outlive its objects and items
+    package = _Package(most_triangles)
     try:
-        model.QueryReader("3mf").ReadFromBuffer(data)
-        unit = MM[int(model.GetUnit())]
-        items = model.GetBuildItems()
-        parts: list[Part] = []
-        number = 0
-        while items.MoveNext():
-            item = items.GetCurrent()
-            resource = item.GetObjectResource()
-            name = item.GetPartNumber() or resource.GetName() or f"item {number + 1}"
-            meshes = _meshes(resource, name, [item], unit, source, volumes)
-            parts += [part._replace(item=number) for part in meshes]
-            number += 1
-    except lib3mf.ELib3MFException as error:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            package.read(archive)
+        package.check()
+        return list(package.parts())
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    except UNREADABLE as error:
         raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
-    return parts
 
 
-class _Objects:
-    """Objects of the models in an archive, by path and number, and what the builds place."""
+class _Placed(NamedTuple):
+    """Object as an item or a component places it."""
 
-    def __init__(self) -> None:
-        self.components: dict[tuple[str, int], list[tuple[str, int]]] = {}
-        self.triangles: dict[tuple[str, int], int] = {}
-        self.items: list[tuple[str, int]] = []
-        self._counts: dict[tuple[str, int], tuple[int, int]] = {}
+    object: Place
+    name: str
+    transform: Array
+    """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
 
-    def parse(self, path: str, text: bytes) -> None:
-        """Take in a model. Raises ExpatError where it is no XML, InputError for ids that are no numbers."""
-        own = path, 0
 
-        def begin(name: str, attributes: dict[str, str]) -> None:
+class _Object(NamedTuple):
+    """Mesh, or components, of a model."""
+
+    name: str
+    printed: bool
+    corners: "array[float]"
+    triangles: "array[int]"
+    components: list[_Placed]
+
+
+class _Package:
+    """Objects of the models in an archive, what its build places, and what slicers noted of them."""
+
+    def __init__(self, most_triangles: int) -> None:
+        self.most_triangles = most_triangles
+        self.objects: dict[Place, _Object] = {}
+        self.items: list[_Placed] = []
+        self.volumes: Volumes = {}
+        self.unit = "millimeter"
+        self._elements = 0
+        self._counts: dict[Place, tuple[int, int]] = {}
+
+    def read(self, archive: zipfile.ZipFile) -> None:
+        """Take in the model that the archive names, and those that this one refers to."""
+        names = {name.lstrip("/").lower(): name for name in archive.namelist()}
+        targets = ["3d/3dmodel.model"]
+
+        def relate(tag: str, attributes: Attributes) -> None:
+            if tag.endswith("Relationship") and attributes.get("Type", "").endswith("/3dmodel"):
+                targets[0] = attributes.get("Target", "").lstrip("/").lower()
+
+        if "_rels/.rels" in names:
+            self._parse(archive, names["_rels/.rels"], relate)
+        root = targets[0]
+        for path in targets:  # grows while it is read
+            if path not in names:
+                raise InputError(f"refers to {path[:60]!r}, which it does not hold; export it anew")
+            self._parse(archive, names[path], self._model(path, path == root))
+            own = [place for place, made in self.objects.items() if place[0] == path]
+            placed = [part for place in own for part in self.objects[place].components]
+            others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
+            targets += sorted(others - {*targets})
+        for path in NOTES:
+            if path in names:
+                try:
+                    self._parse(archive, names[path], self._notes())
+                except expat.ExpatError:  # notes that cannot be read say nothing
+                    self.volumes.clear()
+
+    def _parse(self, archive: zipfile.ZipFile, name: str, begin: Callable[[str, Attributes], None]) -> None:
+        """Give the elements of a file to a function. Raises ExpatError, and InputError for too many elements."""
+        most = ELEMENTS * self.most_triangles + MOST_PARTS
+
+        def count(tag: str, attributes: Attributes) -> None:
+            self._elements += 1
+            if self._elements > most:
+                raise InputError(f"has more than {most} elements; simplify the mesh")
+            begin(tag, attributes)
+
+        def refuse(*_: object) -> None:
+            raise InputError("has a document type, which no 3MF may have; export it anew")
+
+        parser = expat.ParserCreate(namespace_separator=" ")
+        parser.StartElementHandler = count
+        parser.StartDoctypeDeclHandler = refuse
+        with archive.open(name) as stream:
+            parser.ParseFile(stream)
+
+    def _model(self, path: str, root: bool) -> Callable[[str, Attributes], None]:
+        """Function that takes in the elements of a model."""
+        vertex, triangle = CORE + "vertex", CORE + "triangle"
+        own = _object({})
+
+        def begin(tag: str, attributes: Attributes) -> None:
             nonlocal own
-            tag = name.rpartition(":")[2]
-            if tag == "triangle":
-                self.triangles[own] = self.triangles.get(own, 0) + 1
-            elif tag == "object":
-                own = path, _id(attributes.get("id", ""))
-                self.components.setdefault(own, [])
-            elif tag in ("component", "item"):
-                paths = [v for key, v in attributes.items() if key.rpartition(":")[2] == "path"]
-                place = (paths[0].lstrip("/") if paths else path, _id(attributes.get("objectid", "")))
-                (self.components.setdefault(own, []) if tag == "component" else self.items).append(place)
+            if tag == triangle:
+                own.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
+                if len(own.triangles) > 3 * self.most_triangles:
+                    raise InputError(f"holds more than {self.most_triangles} triangles; simplify the mesh")
+            elif tag == vertex:
+                own.corners.extend([float(attributes[key]) for key in "xyz"])
+            elif tag == CORE + "object":
+                own = _object(attributes)
+                place = path, int(attributes["id"])
+                if place in self.objects or len(self.objects) >= MOST_PARTS:
+                    raise InputError(
+                        f"holds two objects {place[1]}; export it anew"
+                        if place in self.objects
+                        else f"holds more than {MOST_PARTS} objects; join them into fewer"
+                    )
+                self.objects[place] = own
+            elif tag == CORE + "component":
+                own.components.append(_placed(attributes, path))
+            elif tag == CORE + "item" and root:
+                self.items.append(_placed(attributes, path))
+            elif tag == CORE + "model" and root:
+                self.unit = attributes.get("unit", "millimeter")
 
-        parser = expat.ParserCreate()
-        parser.StartElementHandler = begin
-        parser.Parse(text, True)
+        return begin
 
-    def count(self, place: tuple[str, int], depth: int = 0) -> tuple[int, int]:
+    def _notes(self) -> Callable[[str, Attributes], None]:
+        """Function that takes in the elements of a slicer's notes."""
+        number = 0
+
+        def begin(tag: str, attributes: Attributes) -> None:
+            nonlocal number
+            volumes = self.volumes.setdefault(number, [])
+            if tag == "object":
+                number = int(attributes.get("id", 0))
+            elif tag == "volume":
+                volumes.append((int(attributes.get("firstid", 0)), int(attributes.get("lastid", -1)), "model"))
+            elif tag == "metadata" and attributes.get("key") == "volume_type" and volumes:
+                volumes[-1] = (*volumes[-1][:2], ROLES.get(attributes.get("value", ""), "other"))
+            elif tag == "part":
+                role = ROLES.get(attributes.get("subtype", "normal_part"), "other")
+                self.volumes[int(attributes.get("id", 0))] = [(0, -1, role)]
+
+        return begin
+
+    def check(self) -> None:
+        """Raise InputError for a package that places too much, or what it does not hold."""
+        if self.unit not in MM:
+            raise InputError(f"has the unit {self.unit[:20]!r}: must be one of {', '.join(MM)}")
+        counts = [self._count(item.object, 0) for item in self.items]
+        if sum(parts for parts, _ in counts) > MOST_PARTS:
+            raise InputError(f"places more than {MOST_PARTS} meshes; join them into fewer")
+        if (triangles := sum(triangles for _, triangles in counts)) > self.most_triangles:
+            raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
+
+    def _count(self, place: Place, depth: int) -> tuple[int, int]:
         """Number of meshes and of triangles of an object. Raises InputError for one too deep, or none."""
         if depth > DEEPEST:
             raise InputError(f"components lie more than {DEEPEST} deep; join them")
-        if place not in self.components:
+        if place not in self.objects:
             raise InputError(f"places an object {place[1]} that it does not hold; export it anew")
         if place not in self._counts:
-            inner = [self.count(part, depth + 1) for part in self.components[place]]
+            own = self.objects[place]
+            inner = [self._count(part.object, depth + 1) for part in own.components]
+            if not (inner or len(own.triangles)):
+                raise InputError(f"object {place[1]} {own.name[:40]!r} is no mesh; give triangles")
             parts = sum(parts for parts, _ in inner) or 1
-            self._counts[place] = parts, sum(count for _, count in inner) + self.triangles.get(place, 0)
+            self._counts[place] = parts, sum(count for _, count in inner) + len(own.triangles) // 3
         return self._counts[place]
 
+    def parts(self) -> Iterator[Part]:
+        """Surfaces of all items, in their order, mm."""
+        for number, item in enumerate(self.items):
+            name = item.name or self.objects[item.object].name or f"item {number + 1}"
+            for whole, volumes in self._meshes(item.object, [item.transform]):
+                placed = whole._replace(name=name, item=number, vertices=MM[self.unit] * whole.vertices)
+                yield from _by_role(placed, volumes) if whole.role == "model" else [placed]
 
-def _id(text: str) -> int:
-    """Number that an id stands for, as readers of 3MF take it: " 1", "+1" and "01" are 1."""
-    try:
-        return int(text)
-    except ValueError:
-        raise InputError(f"has an id {text[:20]!r} that is no number; export it anew") from None
-
-
-def _count(data: bytes, source: str, most_triangles: int) -> None:
-    """Raise InputError for a file that places too much, which lib3mf would go through.
-
-    What is no archive, or no XML, is left to lib3mf to refuse.
-    """
-    objects = _Objects()
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            models = {name: archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")}
-        for path, text in models.items():
-            objects.parse(path, text)
-        counts = [objects.count(place) for place in objects.items]
-    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError, expat.ExpatError):
-        return
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
-    if len(counts) > MOST_PARTS or sum(parts for parts, _ in counts) > MOST_PARTS:
-        raise InputError(f"{source}: places more than {MOST_PARTS} meshes; join them into fewer")
-    if (placed := sum(triangles for _, triangles in counts)) > most_triangles:
-        raise InputError(f"{source}: places {placed} triangles, at most {most_triangles}; simplify the mesh")
+    def _meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
+        """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
+        own = self.objects[place]
+        for part in own.components:
+            yield from self._meshes(part.object, [*chain, part.transform])
+        if not len(own.triangles):
+            return
+        vertices = np.array(own.corners).reshape(-1, 3)
+        triangles = np.array(own.triangles, np.int64).reshape(-1, 3)
+        for transform in reversed(chain):
+            vertices = vertices @ transform[:3] + transform[3]
+            if np.linalg.det(transform[:3]) < 0.0:  # a mirror image is turned inside out
+                triangles = triangles[:, ::-1]
+        yield Part("", vertices, triangles, "model" if own.printed else "other"), self.volumes.get(place[1], [])
 
 
-def _volumes(data: bytes) -> Volumes:
-    """Roles that slicers noted in the archive, by the number of the object that has the triangles.
-
-    A slicer's notes that cannot be read say nothing: every triangle then is of the model.
-    """
-    volumes: Volumes = {}
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        for name in ("Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"):
-            if name not in archive.namelist():
-                continue
-            try:
-                root = ET.fromstring(archive.read(name))
-            except ET.ParseError:
-                continue
-            for element in root.iter("object"):
-                for volume in element.iter("volume"):
-                    kinds = [each.get("value", "") for each in volume if each.get("key") == "volume_type"]
-                    first, last = _id(volume.get("firstid", "0")), _id(volume.get("lastid", "-1"))
-                    role = ROLES.get(kinds[0], "other") if kinds else "model"
-                    volumes.setdefault(str(_id(element.get("id", "0"))), []).append((first, last, role))
-                for part in element.iter("part"):
-                    role = ROLES.get(part.get("subtype", "normal_part"), "other")
-                    volumes[str(_id(part.get("id", "0")))] = [(0, -1, role)]
-    return volumes
+def _object(attributes: Attributes) -> _Object:
+    printed = attributes.get("type", "model") == "model"
+    return _Object(attributes.get("name", ""), printed, array("d"), array("q"), [])
 
 
-def _meshes(resource: Any, name: str, chain: list[Any], unit: float, source: str, volumes: Volumes) -> list[Part]:
-    """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
-    if resource.IsMeshObject():
-        # lib3mf gives lists of C structures, which join as the bytes that they are
-        vertices = np.frombuffer(b"".join(resource.GetVertices()), "<f4").reshape(-1, 3)
-        triangles = np.frombuffer(b"".join(resource.GetTriangleIndices()), "<u4").reshape(-1, 3)
-        whole = _placed(name, vertices.astype(np.float64), triangles.astype(np.int64), chain, unit)
-        if resource.GetType() != library().ObjectType.Model:
-            return [whole._replace(role="other")]
-        return list(_by_role(whole, volumes.get(str(resource.GetModelResourceID()), [])))
-    if not resource.IsComponentsObject() or len(chain) > DEEPEST:
-        raise InputError(f"{source}: {name[:40]!r} is no mesh; give triangles")
-    parts = []
-    for number in range(resource.GetComponentCount()):
-        part = resource.GetComponent(number)
-        parts += _meshes(part.GetObjectResource(), name, [*chain, part], unit, source, volumes)
-    return parts
+def _placed(attributes: Attributes, path: str) -> _Placed:
+    """What an item or a component places: of the model itself, or of another that it names the path of."""
+    paths = [value for name, value in attributes.items() if name.endswith(" path")]
+    place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
+    numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
+    return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3))
 
 
 def _by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
-    """Part of each role that triangles have; those that no volume names are of the model."""
-    roles = np.full(len(whole.triangles), "model", dtype="<U8")
-    for first, last, role in volumes:
-        roles[first : last + 1 if last >= 0 else None] = role
+    """Part of each role that triangles have; those that no volume names are of the model.
+
+    Raises InputError for volumes that share triangles.
+    """
+    spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
+    count = len(whole.triangles)
+    if sum(len(range(count)[span]) for span, _ in spans) > count:
+        raise InputError(f"{whole.name[:40]!r}: its volumes share triangles; export it anew")
+    roles = np.full(count, "model", dtype="<U8")
+    for span, role in spans:
+        roles[span] = role
     if (roles == "model").all():
         yield whole
         return
-    for first, last, role in volumes:
-        own = whole.triangles[first : last + 1 if last >= 0 else None]
-        if role == "negative" and len(own):
-            yield whole._replace(triangles=own, role=role)
+    for span, role in spans:
+        if role == "negative" and len(whole.triangles[span]):
+            yield whole._replace(triangles=whole.triangles[span], role=role)
     for role in ("model", "other"):
         if (roles == role).any():
             yield whole._replace(triangles=whole.triangles[roles == role], role=role)
-
-
-def _placed(name: str, vertices: Array, triangles: npt.NDArray[np.int64], chain: list[Any], unit: float) -> Part:
-    for step in reversed(chain):
-        moved = step.GetObjectTransform() if hasattr(step, "GetObjectTransform") else (step.GetTransform())
-        matrix = np.array([list(row) for row in moved.Fields], np.float64)
-        vertices = vertices @ matrix[:3] + matrix[3]
-        if np.linalg.det(matrix[:3]) < 0.0:  # a mirror image is turned inside out
-            triangles = triangles[:, ::-1]
-    return Part(name, unit * vertices, triangles)

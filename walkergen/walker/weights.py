@@ -84,12 +84,20 @@ def filled(path: Path) -> bool:
 
     Raises InputError.
     """
+    parts = _blank(path)
+    return parts is None or not all(names.is_part(part) or part in CARRIED for part in parts)
+
+
+def _blank(path: Path) -> list[str] | None:
+    """Parts of a form as `template` writes it; none where there is no file, None of a file that says more.
+
+    Raises InputError.
+    """
     if not os.path.lexists(path):
-        return False
+        return []
     data = reading.content(path, MOST_BYTES)
     parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
-    ours = all(names.is_part(part) or part in CARRIED for part in parts)
-    return data != template(parts).encode() or not ours
+    return parts if data == template(parts).encode() else None
 
 
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
@@ -293,10 +301,12 @@ def _mean(values: Sequence[float]) -> Mean:
 def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> Path | None:
     """Write the form folder/NAME, and return its path, unless somebody changed it: then None.
 
-    Raises InputError and OutputError.
+    A form of the same parts in another order stays as it is: somebody may have sorted it. Raises InputError and
+    OutputError.
     """
-    path = folder / name
+    path, rows = folder / name, list(parts)
     if filled(path):
         return None
-    output.write(path, template(parts).encode())
+    if sorted(_blank(path) or ()) != sorted(rows):
+        output.write(path, template(rows).encode())
     return path
