@@ -382,6 +382,22 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it():
     assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
 
 
+def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():
+    """Python alone prints such a one, with a trace, and goes on."""
+    from walkergen import cli
+
+    class Dying:
+        def __del__(self):
+            signal.raise_signal(signal.SIGINT)
+
+    def stopped():
+        Dying()
+        time.sleep(20)
+
+    code, _, told = forked(lambda: cli.main(stopped))
+    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
+
+
 def test_a_folder_that_is_gone_is_a_line(tmp_path):
     def work():
         os.chdir(tmp_path)

@@ -89,6 +89,7 @@ def main(commands: typer.Typer = command_line) -> None:
     unusable, or has no answer; 130: interrupted.
     """
     heard = streams.prepare()
+    streams.hear_everywhere()
     plain.guard()
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"

@@ -5,10 +5,12 @@ place. What has no letters in a stream's encoding is replaced. Standard error, w
 is told, takes whatever comes: what it could not tell is known at the end.
 """
 
+import _thread
 import atexit
 import io
 import os
 import sys
+import threading
 from typing import Any, NoReturn
 
 
@@ -62,6 +64,23 @@ def prepare() -> _Heard:
 def _text(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io.TextIOWrapper:
     buffered = io.BufferedWriter(raw)
     return io.TextIOWrapper(buffered, encoding, errors, line_buffering=lines or raw.isatty())
+
+
+def hear_everywhere() -> None:
+    """Let Ctrl-C end the command wherever it comes.
+
+    Python prints and forgets one that comes while an object is taken apart, or while a library calls back: the
+    command would go on and end well.
+    """
+    before = sys.unraisablehook
+
+    def again(lost: Any) -> None:
+        if isinstance(lost.exc_value, KeyboardInterrupt):
+            threading.Timer(1e-3, _thread.interrupt_main).start()  # in here it would be lost anew
+        else:
+            before(lost)
+
+    sys.unraisablehook = again
 
 
 def give_up() -> None:

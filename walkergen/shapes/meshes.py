@@ -119,7 +119,7 @@ def _promised_by_glb(data: bytes) -> int:
         placed = sum(meshes[node["mesh"]] for node in tree["nodes"] if "mesh" in node)
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError):
         return 0
-    return max(placed, max(counts, default=0) // 3)
+    return max(int(placed), max(counts, default=0) // 3)
 
 
 def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
