@@ -75,7 +75,7 @@ class Pair:
 
     def lost(self):
         """Energy that their contacts took, g mm^2/s^2."""
-        return self.crowd.book[bodies.LOST] + self.crowd.book[bodies.RUBBED]
+        return self.crowd.book[bodies.RUBBED] - self.crowd.book[bodies.WORK]
 
 
 def level(state, heading):

@@ -132,7 +132,8 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
     assert 55.0 < card.speed_mm_s.value < 66.0
     # As ten ensembles of 16 x 10 s of other seeds had them
     for key, expected in (
-        ("velocity_relaxation_s", 0.065),
+        ("velocity_relaxation_s", 0.084),
+        ("sideways_relaxation_s", 0.030),  # of 96 walkers on a slope, all ways: 0.0300 +- 0.0008
         ("turning_relaxation_s", 0.044),
         ("translational_diffusion_mm2_s", 2.85),
         ("rotational_diffusion_rad2_s", 0.0154),
@@ -167,6 +168,26 @@ def test_filmed_walkers_have_a_card(run, tmp_path):
     ):
         known = getattr(card, key)
         assert abs(known.value - truth) < 3.5 * known.se, (key, known)
+
+
+@pytest.mark.parametrize("aside", [0.03, 0.08])
+def test_a_push_tells_how_soon_it_is_forgotten_across_the_heading(aside):
+    """Walkers that turn at random, pushed toward +x: m dv/dt = -(m / aside) v + push, across the heading."""
+    rng, step, force = np.random.default_rng(3), 2e-3, 170.0
+    heading = np.cumsum(rng.normal(scale=0.5 * math.sqrt(step), size=(12, 4000)), axis=1)
+    noise = rng.normal(scale=7.0 * math.sqrt(2.0 * step / aside), size=heading.shape)
+    left, place, places = np.zeros(12), np.zeros((12, 2)), []
+    for n in range(4000):
+        sine, cosine = np.sin(heading[:, n]), np.cos(heading[:, n])
+        left += (-force * sine - left / aside) * step + noise[:, n]
+        place = place + step * np.column_stack((60.0 * cosine - left * sine, 60.0 * sine + left * cosine))
+        places.append(np.column_stack((place, heading[:, n])))
+    own = of_places(np.array(places)[500::5].transpose(1, 0, 2), 5 * step, lane=False)
+    known = measured.sideways(own, force)
+    assert known.se < 0.25 * aside
+    assert abs(known.value - aside) < 3.0 * known.se
+    straight = of_places(np.zeros((12, 50, 3)) + rng.normal(scale=1e-3, size=(12, 50, 3)), 0.01, lane=False)
+    assert measured.sideways(straight, force).value is None
 
 
 def test_frames_within_a_period_are_thinned_to_one(tmp_path):
@@ -257,7 +278,8 @@ def test_pymunk_gives_the_walker_of_the_card(tmp_path):
             rows.append([(*body.position, body.angle) for body in bodies])
     own = of_places(np.array(rows)[20:].transpose(1, 0, 2), every * step, lane=False)
     moved = motion.analyse(own).estimates
-    velocity, diffusion = relaxation.velocity(own, exact=True)
+    both, diffusion = relaxation.velocity(own, exact=True)
+    velocity = relaxation.along(own, True, both, diffusion)
     turning = relaxation.turning(own, True, moved["rotational_diffusion"])
     for estimate, known in (
         (moved["speed"], CARD.speed_mm_s),
@@ -269,6 +291,19 @@ def test_pymunk_gives_the_walker_of_the_card(tmp_path):
     ):
         assert abs(estimate.value - known.value) < 3.5 * estimate.se + 0.01 * known.value, (estimate, known)
     assert moved["speed"].se < 0.02 * CARD.speed_mm_s.value
+
+
+def test_pymunk_forgets_what_goes_aside_within_its_own_time(tmp_path):
+    sideways = cards.measured("sideways_relaxation_s", 0.03)
+    script, draws = scripts(tmp_path, CARD.model_copy(update={"sideways_relaxation_s": sideways})), random.Random(5)
+    space = pymunk.Space()
+    bodies = [script["walker"](space, (200.0 * n, 0.0), 0.3 * n, draws) for n in range(24)]
+    for body in bodies:
+        body.velocity = pymunk.Vec2d(0.0, 200.0).rotated(body.angle)
+    for _ in range(30):
+        space.step(1e-3)
+    left = np.mean([body.velocity.rotated(-body.angle).y for body in bodies])
+    assert left == pytest.approx(200.0 / math.e, abs=8.0)
 
 
 def test_pymunk_collides_with_the_card_s_restitution(tmp_path):

@@ -9,9 +9,9 @@ from flat_cards import BOX, DISC, silent, with_lammps
 from typer.testing import CliRunner
 
 from evidence.__main__ import commands
-from evidence.crowd_checks import checks, make, meetings, setting
+from evidence.crowd_checks import checks, crowds, make, meetings, report, setting
 from evidence.crowd_checks.meetings import MEETINGS
-from evidence.crowd_checks.report import Row
+from evidence.crowd_checks.report import Checked, Row
 from evidence.crowd_checks.setting import RATE_HZ
 from walkergen.crowd.flat import engine
 from walkergen.errors import InputError
@@ -64,7 +64,7 @@ def test_two_that_miss_each_other_are_no_meeting():
 
 def test_pairs_of_a_run_are_out_of_each_others_reach():
     one = silent()
-    places = checks.pair_places(setting.QUICK, one, 0)
+    places = checks.pair_places(setting.QUICK, one, MEETINGS[1], 0)
     middles = places.reshape(-1, 2, 3)[:, :, :2].mean(axis=1)
     apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
     assert apart[~np.eye(len(middles), dtype=bool)].min() > 100.0
@@ -84,6 +84,47 @@ def test_a_verdict_is_by_the_bounds_of_the_difference_and_noise_makes_none_agree
     # The plane's input is the number of space: its own error alone parts them
     assert row("single", (10.0, 3.0), (10.1, 0.25)).verdict == Verdict.AGREE
     assert row("binary", (10.0, 3.0), (10.1, 0.25)).verdict == Verdict.UNDECIDED
+
+
+def of(key, *numbers):
+    return Quantity(key, "", *numbers)
+
+
+def test_the_report_says_of_its_own_rows_where_cards_hold_and_why(tmp_path):
+    rubbed = {"head on": {"along": of("along", 0.1, 0.01), "up": of("up", 0.2, 0.01)}}
+    rows = [
+        Row("collective", "packing 0.1", of("speed", 40.0, 0.3), of("speed", 41.0, 0.3)),
+        Row("collective", "packing 0.3", of("speed", 20.0, 0.3), of("speed", 30.0, 0.3)),
+        Row("collective", "packing 0.3", of("g_up_to_1_lengths", 1.0, 0.3), of("g_up_to_1_lengths", 1.1, 0.3)),
+    ]
+    still, slowing = Quantity("gained", "mm_s", 0.1, 0.2, 7.0), Quantity("gained", "mm_s", -5.0, 0.5, 7.0)
+    gained = {"packing 0.1": (still, still), "packing 0.3": (still, slowing)}
+    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, gained), tmp_path, []).lines
+    assert "packing 0.1: cards hold" in lines
+    assert "packing 0.3: cards off in speed; undecided in g up to 1 lengths" in lines
+    assert any(line.startswith("friction of 0.3 gives 0.1 ") and "and 0.2 up or down" in line for line in lines)
+    assert [line.endswith("not yet stationary") for line in lines if "the second half" in line] == [False, True]
+
+
+def test_the_plane_has_the_friction_that_pairs_in_space_measured():
+    rubbed = {name: {"along": of("along", share, 0.01)} for name, share in (("head on", 0.1), ("glancing", 0.3))}
+    assert checks.rubbing(silent(), rubbed).friction == pytest.approx(0.2)
+
+
+def test_crowds_that_slow_down_are_told_from_those_that_go_on():
+    """Bodies side by side, 8 mm apart, which halve their speed: their g and what they lose."""
+    times = np.arange(21) / 10.0
+    way = 20.0 * np.minimum(times, 1.0) + 10.0 * np.maximum(times - 1.0, 0.0)
+    size = setting.QUICK._replace(crowd_discard_seconds=0.0)
+    films = []
+    for shift in (0.0, 0.1):
+        poses = np.zeros((21, 12, 3))
+        poses[:, :, 0], poses[:, :, 1] = way[:, None] * (1.0 + shift), 8.2 * np.arange(12)
+        films.append(crowds.film(size, silent(), crowds.Run(times, poses)))
+    crowd = crowds.of_films(films, 28.0)
+    assert crowd.gained.value == pytest.approx(-10.0 * 1.05)
+    assert crowd.numbers["polar_order"].value == 1.0
+    assert crowd.numbers["g_up_to_0.5_lengths"].value > 1.0
 
 
 def test_without_lammps_nothing_is_simulated(monkeypatch):

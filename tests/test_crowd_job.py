@@ -18,7 +18,7 @@ from walkergen.crowd import in_space as crowd_space
 from walkergen.crowd import make, members
 from walkergen.crowd.space import placing
 from walkergen.crowd.space import run as crowds
-from walkergen.crowd.space.result import CrowdRun
+from walkergen.crowd.space.result import CrowdRun, Impulses
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.progress import silent
@@ -47,6 +47,7 @@ def walk(plan, number, rate_hz, stopped=lambda: False, progress=lambda seconds: 
         1e-4,
         1e-3,
         {"normal": 1.0, "friction": 2.0},
+        Impulses(3.0, 0.5, 0.3),
         0.0,
     )
 

@@ -80,7 +80,7 @@ def test_motion_is_the_same_without_the_compiler(tmp_path, monkeypatch, model, l
 
 def test_walkers_collide_by_closed_forms_without_the_compiler():
     """The collisions of test_crowd.py, whose compiled kernels are tested where time is."""
-    chosen = "head_on or corner or glancing or rough"
+    chosen = "head_on or corner or glancing or rough or askew"
     words = ["-q", "-n0", "-m", "slow", "-k", chosen, "tests/test_crowd.py"]
     tested = subprocess.run(
         [sys.executable, "-m", "pytest", *words],
@@ -92,4 +92,4 @@ def test_walkers_collide_by_closed_forms_without_the_compiler():
         timeout=300,  # 7 s measured
     )
     assert tested.returncode == 0, tested.stdout
-    assert "7 passed" in tested.stdout
+    assert "9 passed" in tested.stdout

@@ -1,13 +1,13 @@
 """Three checks of crowds in a plane, in the order of Weber and others (arXiv 1304.4760).
 
-Single: a card comes back from walkers alone; binary: pairs that meet; collective: a crowd. Of each
-the same places, films and analysis in space and in a plane.
+Single: a card comes back from walkers alone; binary: pairs that meet; collective: crowds. Of each
+the same places, films and analysis in space and in a plane, all from rest.
 """
 
 from pathlib import Path
 
-from evidence.crowd_checks import checks, meetings, report, setting
-from evidence.crowd_checks.report import Row, rows_of
+from evidence.crowd_checks import checks, crowds, meetings, report, setting
+from evidence.crowd_checks.report import Checked, rows_of
 from evidence.crowd_checks.setting import Size
 from walkergen.crowd.flat import engine
 from walkergen.files.output import Folder
@@ -31,35 +31,40 @@ def make(size: Size, command: str, folder: Path, progress: Progress) -> Report:
     return result
 
 
-def run(size: Size, progress: Progress) -> list[Row]:
-    """Rows of all three checks."""
+def run(size: Size, progress: Progress) -> Checked:
+    """Rows of all three checks, and what they say of friction and of the stationary state."""
     design = setting.walker()
     mass = solids.mass_of(design)
     progress("alone in space", 0, STEPS)
-    card, alone = checks.alone_in_space(size, design, mass)
-    progress("alone in the plane", 1, STEPS)
+    assumed, alone = checks.alone_in_space(size, design, mass)
+    progress("pairs in space", 1, STEPS)
+    met, rubbed = checks.pairs_in_space(size, design, mass, assumed)
+    card = checks.rubbing(assumed, rubbed)
+    progress("alone in the plane", 2, STEPS)
     rows = [*rows_of("single", alone, checks.alone_in_plane(size, card))]
-    progress("pairs in space", 2, STEPS)
-    met = checks.pairs_in_space(size, design, mass, card)
     progress("pairs in the plane", 3, STEPS)
     rows += rows_of("binary", met, checks.pairs_in_plane(size, card))
-    progress("a crowd in space", 4, STEPS)
-    crowd = checks.crowd_in_space(size, design, mass, card)
-    progress("a crowd in the plane", 5, STEPS)
-    rows += rows_of("collective", crowd, checks.crowd_in_plane(size, card))
+    progress("crowds in space", 4, STEPS)
+    space = crowds.in_space(size, design, mass, card)
+    progress("crowds in the plane", 5, STEPS)
+    plane = crowds.in_plane(size, card)
+    numbers = [{case: one.numbers for case, one in of.items()} for of in (space, plane)]
+    rows += rows_of("collective", *numbers)
+    gained = {case: (one.gained, plane[case].gained) for case, one in space.items()}
     progress("done", STEPS, STEPS)
-    return rows
+    return Checked(rows, assumed.friction, card.friction, rubbed, gained)
 
 
 def notes(size: Size, command: str) -> list[str]:
     """How the rows were made, a sentence each."""
     met = size.pair_runs * size.pairs
+    packings = ", ".join(f"{packing:g}" for packing in setting.PACKINGS)
     return [
         f"made by `{command}`: {setting.WALKER} in {setting.PLATE}, seed {size.seed}",
         f"alone: {size.alone_runs} runs of {size.alone_seconds:g} s in space, {checks.SIDE**2} in the plane",
         f"pairs: up to {met} of each meeting in space, {checks.MORE_PAIRS * met} in the plane; each "
         f"walks {meetings.NEAREST:g} to {meetings.FARTHEST:g} mm until they meet",
-        f"crowd: {setting.COUNT} in {setting.DISH}, {size.crowd_runs} runs in space, "
-        f"{checks.MORE_CROWDS * size.crowd_runs} in the plane, {size.crowd_seconds:g} s each after "
-        f"{size.crowd_discard_seconds:g} s",
+        f"crowds: packings {packings} of {setting.DISH}, {size.crowd_runs} runs in space, "
+        f"{crowds.MORE_RUNS * size.crowd_runs} in the plane, {size.crowd_seconds:g} s each after "
+        f"{size.crowd_discard_seconds:g} s from rest",
     ]

@@ -1,7 +1,7 @@
 """Report of the checks of crowds in a plane: a row a quantity of space and of the plane, with their verdict."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +33,17 @@ LEGEND = (
 )
 
 
+SEEN = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
+"""Numbers of a crowd by which cards hold at a packing, or do not; with them g."""
+
+RUBBED = (
+    Column("meeting", lambda row: str(row[0])),
+    Column("in the plane", lambda row: _stated(row[1]["along"])),
+    Column("up or down", lambda row: _stated(row[1]["up"])),
+)
+"""Columns of the impulses of friction."""
+
+
 class Row(NamedTuple):
     """A quantity in space and in the plane."""
 
@@ -58,6 +69,20 @@ class Row(NamedTuple):
         return self.plane.beside(self.expected, MARGIN, ALLOWED.get(self.space.unit, 0.0))
 
 
+class Checked(NamedTuple):
+    """All that the checks say."""
+
+    rows: Sequence[Row]
+    assumed: float
+    """Friction of body on body in space."""
+    friction: float
+    """Friction of the card in the plane: what the pairs in space had along their faces."""
+    rubbed: Cases
+    """Impulses of friction over that along the normal, in the plane (along) and up or down (up), by meeting."""
+    gained: Mapping[str, tuple[Quantity, Quantity]]
+    """Speed of the second half of a crowd's record less that of the first, in space and in the plane."""
+
+
 def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
     """Rows of a check: of each quantity that both know with its error."""
     for case, numbers in space.items():
@@ -67,8 +92,9 @@ def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
                 yield Row(check, case, own, rival)
 
 
-def of(rows: Sequence[Row], folder: Path, notes: Sequence[str]) -> Report:
-    """Report of rows that lie in a folder; `notes` say how they were made."""
+def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
+    """Report that lies in a folder; `notes` say how it was made."""
+    rows = checked.rows
     cells = [_cells(row) for row in rows]
     columns = (
         report.text("check", "check"),
@@ -82,9 +108,15 @@ def of(rows: Sequence[Row], folder: Path, notes: Sequence[str]) -> Report:
     return Report(
         name=NAME,
         title="Walkers in a plane against walkers in space",
-        tables=[Table(NAME, cells, KEYS), Table("rows", rows, (), columns, notes=(LEGEND,))],
+        tables=[
+            Table(NAME, cells, KEYS),
+            Table("rows", rows, (), columns, notes=(LEGEND,)),
+            Table(
+                "friction", list(checked.rubbed.items()), (), RUBBED, "Friction of meetings in space, over the normal"
+            ),
+        ],
         facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
-        lines=[*_counted(rows), *notes],
+        lines=[*_counted(rows), _rubbing(checked), *_stationary(checked), *_region(rows), *notes],
         folder=folder,
     )
 
@@ -106,6 +138,38 @@ def _counted(rows: Sequence[Row]) -> Iterator[str]:
         for row in own:
             if row.verdict == Verdict.DISAGREE:
                 yield f"{row.case}, {_name(row)}: {_stated(row.plane)} in the plane, {_stated(row.space)} in space"
+
+
+def _rubbing(checked: Checked) -> str:
+    """What friction does in space that a plane has not."""
+    up = sum(one["up"].number for one in checked.rubbed.values()) / len(checked.rubbed)
+    return (
+        f"friction of {checked.assumed:g} gives {checked.friction:.2g} of the normal impulse along the faces in the "
+        f"plane, which is the card's friction, and {up:.2g} up or down them: bodies hop out of step"
+    )
+
+
+def _stationary(checked: Checked) -> Iterator[str]:
+    """Whether crowds were stationary while they were watched."""
+    for case, pair in checked.gained.items():
+        still = all(gained.beside(gained._replace(value=0.0, se=0.0)) != Verdict.DISAGREE for gained in pair)
+        space, plane = map(_stated, pair)
+        yield (
+            f"{case}: the second half of the record is faster than the first by {space} mm/s in space, {plane} in the "
+            f"plane: {'stationary within the errors' if still else 'not yet stationary'}"
+        )
+
+
+def _region(rows: Sequence[Row]) -> Iterator[str]:
+    """At which packings cards have the crowd that space has: by its speed, orders and g."""
+    own = [row for row in rows if row.check == "collective" and row.space.key.startswith((*SEEN, "g_"))]
+    for case in dict.fromkeys(row.case for row in own):
+        verdicts = {row: row.verdict for row in own if row.case == case}
+        off = [_name(row) for row, verdict in verdicts.items() if verdict == Verdict.DISAGREE]
+        open_ = [_name(row) for row, verdict in verdicts.items() if verdict == Verdict.UNDECIDED]
+        words = [f"off in {', '.join(off)}"] if off else []
+        words += [f"undecided in {', '.join(open_)}"] if open_ else []
+        yield f"{case}: cards {'; '.join(words) or 'hold'}"
 
 
 def _name(row: Row) -> str:

@@ -11,6 +11,7 @@ from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.flat import doors
 from walkergen.crowd.space import run as crowds
+from walkergen.crowd.space.result import Impulses
 from walkergen.dish import Dish
 from walkergen.scene import Scene
 from walkergen.simulation import batch
@@ -28,6 +29,8 @@ class Run(NamedTuple):
     """s, shape (F,)."""
     poses: Array
     """x, y (mm) and heading (rad), shape (F, N, 3)."""
+    impulses: Impulses | None = None
+    """Of all contacts, in space."""
 
 
 def in_space(
@@ -43,13 +46,13 @@ def in_space(
     def one(number: int, stopped: Stopped, tell: Tell) -> Run:
         run = crowds.simulate(plan._replace(places=places[number]), number, rate_hz, stopped)
         poses = walker_motion.moved(run.poses[:, :, :3].reshape(-1, 3), shift)
-        return Run(run.times, poses.reshape(len(run.times), count, 3))
+        return Run(run.times, poses.reshape(len(run.times), count, 3), run.impulses)
 
     return batch.every(one, len(places))
 
 
 def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
-    """Runs in a plane, one from each of `places` (N, 3), at the mean speed of the card."""
+    """Runs in a plane, one from each of `places` (N, 3) at rest."""
 
     def one(number: int, stopped: Stopped, tell: Tell) -> Run:
         def ending(what: str, frames: int, total: int) -> None:

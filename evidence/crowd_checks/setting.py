@@ -8,8 +8,9 @@ from walkergen.walker.design import Design
 
 WALKER, PLATE = "koumakis2016", "plane-90hz"
 
-COUNT, DISH = 60, "disc:240"
-"""Walkers of the collective check, and their dish: a packing of 0.3."""
+PACKINGS, DISH = (0.1, 0.3, 0.5), "periodic:212"
+"""Packings of the collective check, 20, 60 and 100 walkers, and their dish. It has no walls: within ten seconds
+of a dish that has nearly everybody stands nose to wall, and there is no speed to compare."""
 
 RATE_HZ = 90.0
 """Frames a second of pairs: one in a period of the plate, so that the bouncing is not seen."""
@@ -25,17 +26,17 @@ class Size(NamedTuple):
     """Runs of a walker alone in space, whose card is the plane's input."""
     alone_seconds: float
     pair_runs: int
-    """Runs in space, each with `pairs` of every meeting; four times as many in the plane."""
+    """Runs of every meeting in space, each of `pairs`; four times as many in the plane."""
     pairs: int
     crowd_runs: int
-    """Runs of the crowd in space; twice as many in the plane."""
+    """Runs of each crowd in space; twice as many in the plane."""
     crowd_seconds: float
     crowd_discard_seconds: float
     seed: int
 
 
-WHOLE = Size(16, 10.0, 8, 8, 4, 6.0, 3.0, 1)
-QUICK = Size(16, 4.0, 4, 5, 4, 1.5, 1.0, 1)
+WHOLE = Size(16, 10.0, 8, 8, 4, 8.0, 8.0, 1)
+QUICK = Size(16, 4.0, 4, 5, 3, 3.0, 3.0, 1)
 
 
 def walker() -> Design:

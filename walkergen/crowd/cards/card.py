@@ -102,7 +102,9 @@ class Card(Section):
     speed_mm_s: Measured
     """Mean speed along the heading, of a walker alone."""
     velocity_relaxation_s: Measured
-    """Time in which the velocity forgets a push: mass over friction coefficient."""
+    """Time in which the velocity along the heading forgets a push: mass over friction coefficient."""
+    sideways_relaxation_s: Measured | None = None
+    """The same of the velocity across the heading; None where it is that along it."""
     turning_rad_s: Measured
     """Mean turning rate."""
     turning_sd_rad_s: Measured | None = None
@@ -156,9 +158,10 @@ class Card(Section):
 
         Of active Brownian particles with inertia, whose turning forgets at once.
         """
-        lost = self.rotational_diffusion_rad2_s.number * self.velocity_relaxation_s.number
-        turned = self.turning_rad_s.number * self.velocity_relaxation_s.number
-        return self.speed_mm_s.number * ((1.0 + lost) ** 2 + turned**2) / (1.0 + lost)
+        along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
+        across = along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number
+        turned = self.turning_rad_s.number**2 * along * across
+        return self.speed_mm_s.number * (1.0 + rotation * along + turned / (1.0 + rotation * across))
 
     @model_validator(mode="after")
     def _possible(self) -> "Card":
@@ -166,6 +169,7 @@ class Card(Section):
             "velocity_relaxation_s",
             "rotational_diffusion_rad2_s",
             "translational_diffusion_mm2_s",
+            "sideways_relaxation_s",
             "turning_relaxation_s",
             "turning_sd_rad_s",
         ):

@@ -34,12 +34,13 @@ def all_of(card: Card) -> dict[str, bytes]:
 
 def numbers_of(card: Card) -> dict[str, float]:
     """Numbers of a flat model, by the names of the scripts; what was not measured is 0."""
-    late, sd = card.turning_relaxation_s, card.turning_sd_rad_s
+    late, sd, aside = card.turning_relaxation_s, card.turning_sd_rad_s, card.sideways_relaxation_s
     return {
         "MASS": card.mass_g,
         "INERTIA": card.inertia_g_mm2,
         "PROPULSION": card.propulsion_mm_s,
         "RELAXATION": card.velocity_relaxation_s.number,
+        "SIDEWAYS_RELAXATION": (card.velocity_relaxation_s if aside is None else aside).number,
         "DIFFUSION": card.translational_diffusion_mm2_s.number,
         "TURNING": card.turning_rad_s.number,
         "TURNING_SD": 0.0 if sd is None else sd.number,

@@ -87,6 +87,7 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
     }
     other = {
         "turning_sd_rad_s": found["turning_scatter"],
+        "sideways_relaxation_s": motion.sideways,
         "turning_relaxation_s": motion.turning.time,
         "delay_s": motion.delay.mean,
         "sideways_mm_s": found["sideways_speed"],

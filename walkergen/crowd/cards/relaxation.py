@@ -96,6 +96,16 @@ def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
     return relaxed, diffusion
 
 
+def along(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
+    """Relaxation of the velocity along the heading that a walker had, once that of both axes is known."""
+    rests, ahead = [], []
+    for track in tracks.tracks:
+        rest, middle, _ = _beside_its_heading(track, both.time.value or 0.0, tracks.interval)
+        rests.append(rest)
+        ahead.append((rest * np.conj(middle)).real * middle)
+    return fluctuations(VELOCITY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
+
+
 def turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
     """Relaxation of the rate of turning (rad/s) with this diffusion of the heading, rad^2/s."""
     rates = []
@@ -114,14 +124,10 @@ def leaning(tracks: Tracks, relaxed: float) -> Quantity:
     """
     rows = []
     for track in tracks.tracks:
-        skip = math.ceil(SETTLED * relaxed / tracks.interval)
-        rest = _unexplained(track, _followed(track, relaxed / tracks.interval), skip, tracks.interval)
-        heading = np.exp(1j * _headings(track))
-        turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
+        rest, middle, turned = _beside_its_heading(track, relaxed, tracks.interval)
         if not len(rest) or np.isnan(turned).all():
             continue
-        rate = (turned - np.nanmean(turned)) / tracks.interval
-        left = (rest * np.conj(heading[skip:-1] * np.exp(0.5j * turned))).imag
+        rate, left = (turned - np.nanmean(turned)) / tracks.interval, (rest * np.conj(middle)).imag
         rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
     sums = np.array(rows, dtype=float).reshape(-1, 2)
     if len(sums) < FEWEST_SAMPLES or not (sums[:, 1] > 0).any():
@@ -133,13 +139,21 @@ def leaning(tracks: Tracks, relaxed: float) -> Quantity:
 
 
 def fluctuations(
-    key: str, rest: Sequence[Complex], interval: float, exact: bool, diffusion: Quantity, axes: int = 2
+    key: str,
+    rest: Sequence[Complex],
+    interval: float,
+    exact: bool,
+    diffusion: Quantity,
+    axes: int = 2,
+    parts: Sequence[Complex] | None = None,
 ) -> Relaxation:
     """Relaxation, called `key`, of series about their means, each over `interval` s, of one axis or two.
 
-    Where a place has noise, neighbours share it: their correlation starts at the second lag.
+    Where a place has noise, neighbours share it: their correlation starts at the second lag. With `parts` of the
+    series, what is left of them later.
     """
     pieces = _samples(rest)
+    earlier = pieces if parts is None else _samples(parts)
     length = max((len(piece) for piece in pieces), default=0)
     longest = length // 4
     lags = np.arange(min(longest, MOST_LAGS) + 1, dtype=np.int64)
@@ -150,7 +164,7 @@ def fluctuations(
             f"{FEWEST_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
         )
         return _unknown(key, diffusion.refused or few)
-    sums = [lagged.products(piece, lags) for piece in pieces]
+    sums = [lagged.crossed(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
     # Each track's own mean was taken off: what that removed of every product.
     seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
     removed = 2.0 * diffusion.value / seconds
@@ -276,6 +290,15 @@ def _unexplained(track: Track, followed: Complex, skip: int, interval: float) ->
         return np.zeros(0, complex)
     share = np.vdot(unit[known], moved[known]) / np.vdot(unit[known], unit[known]).real
     return np.asarray(np.where(known, moved - share * unit, np.nan))
+
+
+def _beside_its_heading(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
+    """Of each interval the velocity that the heading does not explain, mm/s, its mean heading, and its turn, rad."""
+    skip = math.ceil(SETTLED * relaxed / interval)
+    rest = _unexplained(track, _followed(track, relaxed / interval), skip, interval)
+    heading = np.exp(1j * _headings(track))
+    turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
+    return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)], turned
 
 
 def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:

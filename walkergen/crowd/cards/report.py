@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 NUMBERS = {
     "speed_mm_s": ("speed along the heading", "mm/s"),
     "sideways_mm_s": ("velocity to its left", "mm/s"),
-    "velocity_relaxation_s": ("velocity relaxes within", "s"),
+    "velocity_relaxation_s": ("velocity along the heading relaxes within", "s"),
+    "sideways_relaxation_s": ("velocity across it relaxes within", "s"),
     "delay_s": ("velocity lags by", "s"),
     "translational_diffusion_mm2_s": ("translational diffusion D_T", "mm²/s"),
     "turning_rad_s": ("mean turning rate", "rad/s"),
@@ -112,6 +113,7 @@ def _reasons(measured: Measured) -> dict[str, str]:
         "delay_s": measured.delay.mean.refused,
         "turning_sd_rad_s": found["turning_scatter"].refused,
         "sideways_mm_s": found["sideways_speed"].refused,
+        "sideways_relaxation_s": measured.sideways.refused,
         "turning_relaxation_s": measured.turning.time.refused,
     }
     for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
@@ -145,8 +147,8 @@ def _of_motion(measured: Measured) -> Iterator[str]:
     """Method of speeds and their errors, and what a delay was found with."""
     yield measured.motion.method
     yield (
-        f"velocities fluctuate by {words.number(measured.velocity.deviation)} mm/s along each axis; the relaxation is "
-        "that of their correlation, once what the heading explains is taken off"
+        f"velocities fluctuate by {words.number(measured.velocity.deviation)} mm/s along the heading; the relaxation "
+        "is that of their correlation, once what the heading explains is taken off"
     )
     if measured.delay.mean.value is not None:
         yield f"the delay is from the delay function up to {words.number(measured.delay.until)} s"

@@ -1,5 +1,6 @@
 """Numbers of a card, from simulated runs of a walker alone or from tracks of films."""
 
+import math
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,9 +16,10 @@ from walkergen.crowd.cards.relaxation import Relaxation
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
+from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
-from walkergen.scene import Scene
+from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import ensemble, trajectory
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.experiments import Walker
@@ -29,6 +31,9 @@ from walkergen.walker.mass import Array, MassProperties
 PLANE = "plane-90hz"
 """Scene of a card by default: a walker alone has to have room to turn."""
 
+SLOPE_DEG = 1.0
+"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
+
 RESOLVED = 0.75
 """Part of a drive's period from which on frames are taken as they are: more of them in a period
 would show the bouncing."""
@@ -39,6 +44,9 @@ class Measured(NamedTuple):
 
     motion: Motion
     velocity: Relaxation
+    """Of the velocity along the heading."""
+    sideways: Quantity
+    """Time in which a push across it is forgotten, s; refused of films, in which nobody pushes."""
     translation: Quantity
     """Translational diffusion of each axis, mm^2/s."""
     turning: Relaxation
@@ -54,7 +62,7 @@ class Measured(NamedTuple):
 
 
 def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
-    """Measure runs of a walker alone, each another print where the scene says so.
+    """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
 
     Raises InputError for a scene in which it cannot turn, and where too few runs end well.
     """
@@ -68,6 +76,19 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
             "a card needs the model in space, in which a walker turns: leave out --model, "
             "legs.model and effects.roll_and_yaw"
         )
+    own, ended = _runs(scene, design, mass, progress)
+    note = (
+        f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
+        f"({words.number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+    )
+    sloping, _ = _runs(scene.variant(**{"plate.slope_deg": SLOPE_DEG}), design, mass, progress)
+    return of_tracks(own, True, (note,))._replace(
+        sideways=sideways(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG)))
+    )
+
+
+def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
+    """Tracks of the centre of mass, of runs that ended well, and how all ended."""
     experiment = Walker(scene, design, mass)
     interval = 1.0 / experiment.shaken.frequency
     trajectory.check(scene, interval, scene.run.runs)
@@ -78,14 +99,30 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
     ended = ensemble.listed(results.summary.outcomes)
     if not good:
         raise InputError(f"no run ended well ({ended}): another scene, or other feet")
-    places = [trajectory.sampled(result)[:, 1:4] for result in good]
     shift = centre(mass)
-    own = tracks.of_places([moved(rows, shift) for rows in places], interval, lane=False)
-    note = (
-        f"{len(good)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({words.number(1e3 * interval)} ms), so that the bouncing itself is not seen: {ended}"
-    )
-    return of_tracks(own, True, (note,))
+    places = [moved(trajectory.sampled(result)[:, 1:4], shift) for result in good]
+    return tracks.of_places(places, interval, lane=False), ended
+
+
+def sideways(sloping: Tracks, force: float) -> Quantity:
+    """Time (s) in which a velocity across the heading forgets a push: what a push of `force` (mm/s^2) toward +x
+    makes of it, whichever way a walker heads. Fluctuations tell another time: pushes that turn it move it too.
+    """
+    rows = []
+    for track in sloping.tracks:
+        assert track.heading is not None
+        turned = np.diff(track.heading)
+        heading = track.heading[:-1] + 0.5 * turned
+        way = np.diff(track.position, axis=0) / sloping.interval
+        left, push = way[:, 1] * np.cos(heading) - way[:, 0] * np.sin(heading), -force * np.sin(heading)
+        rows.append([float(push @ left), float(push @ push), float(push.sum()), float(left.sum()), len(left)])
+    sums = np.array(rows)
+    whole = sums.sum(axis=0)
+    times = np.array([(a - c * d / n) / (b - c * c / n) for a, b, c, d, n in (whole, *(whole - sums))])
+    se = float(statistics.jackknife_error(times[1:, None])[0])
+    if not times[0] > 3.0 * se:
+        return Quantity("sideways_relaxation", "s", None, refused="headings turn too little: longer runs")
+    return Quantity("sideways_relaxation", "s", float(times[0]), se, len(rows) - 1.0)
 
 
 def filmed(path: Path, units: Units, scene: Scene) -> Measured:
@@ -115,14 +152,16 @@ def filmed(path: Path, units: Units, scene: Scene) -> Measured:
 def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
     """Measure tracks with headings; `exact` says that places have no noise."""
     moved = motion.analyse(own)
-    velocity, translation = relaxation.velocity(own, exact)
+    both, translation = relaxation.velocity(own, exact)
+    velocity = relaxation.along(own, exact, both, translation)
     rotation = moved.estimates["rotational_diffusion"]
     turning = relaxation.turning(own, exact, rotation)
-    leaning = relaxation.leaning(own, velocity.time.value or 0.0)
+    leaning = relaxation.leaning(own, both.time.value or 0.0)
     reasons = () if exact else (*doubts.of(own), *moved.doubts)
     return Measured(
         moved,
         velocity,
+        Quantity("sideways_relaxation", "s", None, refused="nobody pushes it aside"),
         translation,
         turning,
         delay.measure(own),

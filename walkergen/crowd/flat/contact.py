@@ -103,7 +103,7 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
         for one, card in zip(light, cards, strict=True)
     ]
     touch = math.pi * math.sqrt(lightest / stiffness)
-    memory = min(min(motion.relaxation, motion.turning_relaxation) for motion in motions)
+    memory = min(min(motion.relaxation, motion.sideways_relaxation, motion.turning_relaxation) for motion in motions)
     return Contacts(pairs, walls, min(touch / STEPS_IN_TOUCH, memory / STEPS_IN_MEMORY))
 
 

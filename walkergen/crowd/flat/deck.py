@@ -130,9 +130,10 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
         f"fix body all rigid/small molecule infile {BODIES}",
         *_walls(crowd, parts),
         "fix push points propel/self dipole 1.0",
-        *_noise(crowd, parts),
-        "fix plane all enforce2d",
         "compute heading core property/atom quatw quatk",
+        *_noise(crowd, parts),
+        *_sideways(parts),
+        "fix plane all enforce2d",
         f"dump track core custom {stride} {DUMP} id xu yu c_heading[1] c_heading[2]",
         "dump_modify track sort id format float %.10g",
         f"timestep {_n(step)}",
@@ -186,6 +187,24 @@ def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
     return lines
 
 
+def _sideways(parts: Mechanics) -> list[str]:
+    """What drag across the heading has more than drag along it, of each kind where they differ."""
+    lines = [
+        'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
+        'variable sine atom "2.0*c_heading[1]*c_heading[2]"',
+        'variable left atom "vy*v_cosine - vx*v_sine"',
+    ]
+    for k, one in enumerate(parts.motions):
+        more = one.mass / one.sideways_relaxation - one.mass / one.relaxation
+        if more:
+            lines += [
+                f'variable sidex{k + 1} atom "{_n(more)}*v_left*v_sine"',
+                f'variable sidey{k + 1} atom "{_n(-more)}*v_left*v_cosine"',
+                f"fix side{k + 1} core{k + 1} addforce v_sidex{k + 1} v_sidey{k + 1} 0.0",
+            ]
+    return lines if len(lines) > 3 else []
+
+
 def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
     """Half the box along x and y, mm."""
     room = 0.0 if crowd.dish.period else MARGIN + 2.0 * max(one.reach for one in parts.discs)
@@ -237,16 +256,12 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _bodies(crowd: Crowd, parts: Mechanics) -> str:
-    """Mass, centre, inertia, velocity and angular momentum of each body, as it starts."""
+    """Mass, centre and inertia of each body, which starts at rest as walkers in space do."""
     rows = [str(len(crowd.places))]
-    for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
+    for number, (k, (x, y, _)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one = parts.motions[k]
         inertia = _n(one.inertia)
-        vx, vy = one.speed * math.cos(angle), one.speed * math.sin(angle)
-        rows.append(
-            f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 "
-            f"{_n(vx)} {_n(vy)} 0 0 0 {_n(one.inertia * crowd.turning[number - 1])} 0 0 0"
-        )
+        rows.append(f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 0 0 0 0 0 0 0 0 0")
     return "\n".join(rows) + "\n"
 
 

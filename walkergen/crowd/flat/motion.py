@@ -1,8 +1,9 @@
 """Motion of a walker alone: forces and noise by which its card's numbers come back.
 
 m dv/dt = -(m/tau)(v - V e(theta)) + noise, I dw/dt = -(I/tau_r)(w - w0) + noise: the underdamped
-Langevin model of Scholz et al., Nature Communications 9, 5156 (2018); noise spreads by D_T, D_R.
-The velocity's direction lags behind the heading by about tau: a card's own delay is not used.
+Langevin model of Scholz et al., Nature Communications 9, 5156 (2018), but that a velocity across the
+heading is forgotten within a time of its own; noise spreads by D_T, the mean of both axes, and D_R.
+The velocity's direction lags behind the heading by about that time: a card's own delay is not used.
 """
 
 import math
@@ -25,14 +26,14 @@ class Motion(NamedTuple):
     """Torque, g mm^2/s^2."""
     relaxation: float
     """tau, s."""
+    sideways_relaxation: float
+    """tau of the velocity across the heading, s."""
     turning_relaxation: float
     """tau_r, s."""
     heat: float
-    """Energy k T of the noise on the velocity, D_T m/tau, g mm^2/s^2."""
+    """Energy k T of the noise on the velocity, which has one size along and across, g mm^2/s^2."""
     spin_heat: float
     """Energy k T of the noise on the turning rate, D_R I/tau_r, g mm^2/s^2."""
-    speed: float
-    """Mean speed along the heading, mm/s."""
     turning: float
     """w0, rad/s."""
 
@@ -46,20 +47,23 @@ class Motion(NamedTuple):
 def of(card: Card) -> Motion:
     """Forces and noise of a card. Raises InputError where a relaxation time is zero."""
     tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
-    own = card.turning_relaxation_s
+    own, across = card.turning_relaxation_s, card.sideways_relaxation_s
     tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.number)
+    tau_s = tau if across is None else _time(card, "sideways_relaxation_s", across.number)
     spread, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
-    drive = card.speed_mm_s.number / remembered(tau, tau_r, spread, turning)
+    # Of a steady turn the share along the heading is 1/(1 + w0^2 tau tau_s)
+    drive = card.speed_mm_s.number / remembered(tau, tau_r, spread, turning * math.sqrt(tau_s / tau))
+    diffusion = card.translational_diffusion_mm2_s.number / (0.5 + 0.5 * (tau_s / tau) ** 2)
     return Motion(
         mass=card.mass_g,
         inertia=card.inertia_g_mm2,
         push=card.mass_g * drive / tau,
         turn=card.inertia_g_mm2 * turning / tau_r,
         relaxation=tau,
+        sideways_relaxation=tau_s,
         turning_relaxation=tau_r,
-        heat=card.translational_diffusion_mm2_s.number * card.mass_g / tau,
+        heat=diffusion * card.mass_g / tau,
         spin_heat=spread * card.inertia_g_mm2 / tau_r,
-        speed=card.speed_mm_s.number,
         turning=turning,
     )
 

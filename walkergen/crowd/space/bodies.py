@@ -22,10 +22,11 @@ X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, LIFTED = range(8)
 cosine and sine of the heading, displacement by a millimetre of height as it leans, largest speed
 of a point (mm/s); and the vertical velocity of the plate, and walls, at that time (mm/s)."""
 
-TOUCHES, DEEPEST, WORK, STORED, LOST, RUBBED, LATE = range(7)
+TOUCHES, DEEPEST, WORK, STORED, LOST, RUBBED, LATE, PRESSED, ALONG, UP = range(10)
 """Rows of `Crowd.book`: touches begun; deepest give (mm); of the contacts between bodies and walls
-work done on walkers along the normal, energy stored now, lost along the normal and to friction
-(g mm^2/s^2); touches that were first seen deeper than a tick explains."""
+work done on walkers along the normal, energy stored now, loss along the normal by restitution, loss
+to friction (g mm^2/s^2); touches that were first seen deeper than a tick explains;
+impulses along the normal, of friction in the plane and up or down (g mm/s)."""
 
 
 class Mover(NamedTuple):
@@ -127,7 +128,7 @@ class Crowd(NamedTuple):
     touching: npt.NDArray[np.uint8]
     """1 where i and j > i touch, and on the diagonal i and a wall, shape (N, N)."""
     book: Array
-    """Shape (7,)."""
+    """Shape (10,)."""
     tick: Array
     """Time step of contacts now, shape (1,), s."""
 

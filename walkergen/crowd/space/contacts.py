@@ -14,7 +14,22 @@ walkers that push each other and jams of many, without an order of contacts that
 
 import math
 
-from walkergen.crowd.space.bodies import DEEPEST, LIFTED, LOST, PERIODIC, RECTANGLE, RING, RUBBED, STORED, WORK, X, Z
+from walkergen.crowd.space.bodies import (
+    ALONG,
+    DEEPEST,
+    LIFTED,
+    LOST,
+    PERIODIC,
+    PRESSED,
+    RECTANGLE,
+    RING,
+    RUBBED,
+    STORED,
+    UP,
+    WORK,
+    X,
+    Z,
+)
 from walkergen.crowd.space.gaps import closest, from_box, image, inward, outward
 from walkergen.numerics.kernels import inlined, kernel, lean
 from walkergen.simulation import record
@@ -204,6 +219,9 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, p
     book[WORK] += 0.5 * push * (u_n + w_n)
     book[LOST] += (whole - push) * 0.5 * (max(u_n, 0.0) + max(w_n, 0.0))
     book[RUBBED] += 0.5 * rub * rubbed
+    book[PRESSED] += push
+    book[ALONG] += rub * math.hypot(t_x, t_z)
+    book[UP] += rub * abs(t_y)
 
 
 FLUSH = 0.05

@@ -8,6 +8,16 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 
+class Impulses(NamedTuple):
+    """Sums of what contacts between bodies and walls gave, g mm/s."""
+
+    normal: float
+    along: float
+    """Of friction in the plane."""
+    up: float
+    """Of friction up or down a face: bodies hop out of step."""
+
+
 class CrowdRun(NamedTuple):
     """One run of N walkers, F frames at a fixed rate after the discarded start."""
 
@@ -29,7 +39,9 @@ class CrowdRun(NamedTuple):
     """Largest energy of a walker that nothing accounts for, over what it exchanged."""
     contact_error: float
     """What contacts took along their normals, less what restitution says, over it: that of a blow
-    is small, in jams restitution comes out higher than it should."""
+    is small, in jams restitution comes out higher than it should; near restitution 0 bodies hold on
+    to each other for long, and turn meanwhile."""
     losses: dict[str, float]
-    """Energies that contacts between bodies took: "normal", "friction", g mm^2/s^2."""
+    """Energies that contacts took from walkers, with what they hold: "normal", "friction", g mm^2/s^2."""
+    impulses: Impulses
     cpu_s: float

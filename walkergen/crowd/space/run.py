@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.crowd.space import bodies, steps
-from walkergen.crowd.space.result import CrowdRun
+from walkergen.crowd.space.result import CrowdRun, Impulses
 from walkergen.crowd.space.shape import Shape, shape_of
 from walkergen.numerics import kernels
 from walkergen.scene import Arena, Scene
@@ -133,17 +133,19 @@ def simulate(
     ]
     frames = min(int(tally.samples.cursor[0]) for tally in tallies)
     rows = np.array([tally.samples.rows[:frames] for tally in tallies])
+    book = crowd.book
     return CrowdRun(
         number,
         _outcomes(crowd, done < run.seconds),
         tuple(plan.names[kind] for kind in plan.kinds),
         rows[0, :, 0],
         rows[:, :, 1:].transpose(1, 0, 2),
-        int(crowd.book[bodies.TOUCHES]),
-        float(crowd.book[bodies.DEEPEST]),
+        int(book[bodies.TOUCHES]),
+        float(book[bodies.DEEPEST]),
         max(balanced),
-        _unbalanced(crowd.book, float(steps.stored(crowd)) - held),
-        {"normal": float(crowd.book[bodies.LOST]), "friction": float(crowd.book[bodies.RUBBED])},
+        _unbalanced(book, float(steps.stored(crowd)) - held),
+        {"normal": -float(book[bodies.WORK]), "friction": float(book[bodies.RUBBED])},
+        Impulses(*(float(book[row]) for row in (bodies.PRESSED, bodies.ALONG, bodies.UP))),
         time.thread_time() - started,
     )
 
@@ -204,7 +206,7 @@ def _crowd(
         np.zeros((count, 8)),
         np.full(count, OK),
         np.zeros((count, count), np.uint8),
-        np.zeros(7),
+        np.zeros(10),
         np.zeros(1),
     )
 

@@ -1,0 +1,109 @@
+"""Third check, in space and in a plane: crowds from rest until they are stationary, at several packings."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from evidence.crowd_checks import runs, setting
+from evidence.crowd_checks.runs import Array, Run
+from evidence.crowd_checks.setting import CROWD_RATE_HZ, DISH, PACKINGS, Size
+from walkergen import dish as dishes
+from walkergen.crowd.cards.card import Card
+from walkergen.crowd.space.placing import place
+from walkergen.crowd.statistics import CrowdFilm, measure, pairs
+from walkergen.crowd.statistics.film import of_places
+from walkergen.crowd.statistics.measuring import UNITS
+from walkergen.crowd.statistics.spreading import speeds
+from walkergen.numerics.quantity import Quantity, mean
+from walkergen.scene import Scene
+from walkergen.walker import seen_above
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+MORE_RUNS = 2
+"""Runs in the plane, which cost little, for each in space."""
+
+CLEARANCE_MM = 0.2
+"""Least distance of bodies at the start."""
+
+STATISTICS = (
+    *("speed", "speed_along_heading", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order"),
+    *("packing_scatter", "cluster_size", "alone"),
+)
+"""Statistics of a crowd that are compared."""
+
+SHELLS = (0.0, 0.5, 0.75, 1.0, 1.5)
+"""Distances, in lengths of the body, between which g is averaged: side by side, nose on side, nose on nose, next."""
+
+Simulate = Callable[[Scene, Sequence[Array]], list[Run]]
+"""Runs of a scene from places at rest."""
+
+
+class Crowd(NamedTuple):
+    """A crowd of one packing."""
+
+    numbers: Mapping[str, Quantity]
+    """Means over runs of the statistics that every run has."""
+    gained: Quantity
+    """Speed of the second half of the record less that of the first, mm/s: about 0 where it is stationary."""
+
+
+def in_space(size: Size, design: Design, mass: MassProperties, card: Card) -> Mapping[str, Crowd]:
+    """Crowds in space, by their packings in words."""
+
+    def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
+        return runs.in_space(scene, design, mass, starts, CROWD_RATE_HZ, endless=False)
+
+    return _each(size, card, size.crowd_runs, simulate)
+
+
+def in_plane(size: Size, card: Card) -> Mapping[str, Crowd]:
+    """Crowds in the plane, from places drawn alike."""
+
+    def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
+        return runs.in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)
+
+    return _each(size, card, MORE_RUNS * size.crowd_runs, simulate)
+
+
+def _each(size: Size, card: Card, number: int, simulate: Simulate) -> Mapping[str, Crowd]:
+    scene = setting.scene(size, size.crowd_discard_seconds + size.crowd_seconds, 0.0, number)
+    crowds = {}
+    for packing in PACKINGS:
+        starts = [places(size, card, packing, run) for run in range(number)]
+        films = [film(size, card, run) for run in simulate(scene, starts)]
+        crowds[f"packing {packing:g}"] = of_films(films, card.length_mm)
+    return crowds
+
+
+def places(size: Size, card: Card, packing: float, number: int) -> Array:
+    """Places of all walkers of a run, shape (N, 3)."""
+    dish, outline = dishes.parse(DISH, "DISH"), _outline(card)
+    count = round(packing * dish.area / seen_above.area_of(outline))
+    rng = np.random.default_rng(np.random.SeedSequence([size.seed, number, count], spawn_key=(1,)))
+    return place([outline] * count, dish, rng, CLEARANCE_MM)
+
+
+def of_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
+    """Crowd of its runs, of bodies of this length (mm)."""
+    by_run = measure(films).by_run
+    numbers = {key: mean(key, UNITS[key], by_run[key]) for key in STATISTICS if np.isfinite(by_run[key]).all()}
+    g = np.array([pairs.measure(film, length * np.array(SHELLS)).g for film in films])
+    for upper, values in zip(SHELLS[1:], g.T, strict=True):
+        key = f"g_up_to_{upper:g}_lengths"
+        numbers[key] = mean(key, "", values)
+    halves = [np.array_split(speeds(film)[0].mean(axis=1), 2) for film in films]
+    return Crowd(numbers, mean("gained", "mm_s", [after.mean() - before.mean() for before, after in halves]))
+
+
+def film(size: Size, card: Card, run: Run) -> CrowdFilm:
+    """Film of a run without its start."""
+    kept = run.times >= size.crowd_discard_seconds - 1e-9
+    times, count = run.times[kept] - run.times[kept][0], run.poses.shape[1]
+    dish = dishes.parse(DISH, "DISH")
+    return of_places(times, run.poses[kept], [card.name] * count, {card.name: _outline(card)}, dish)
+
+
+def _outline(card: Card) -> tuple[Array, ...]:
+    return tuple(np.array(contour) for contour in card.outline_mm)
