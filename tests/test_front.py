@@ -292,8 +292,8 @@ def test_a_drop_from_python_is_the_commands(run, tmp_path):
 
 def test_a_mesh_is_weighed_from_python(run):
     wg.export(PAPER, "walker.stl")
-    weighed = wg.check("walker.stl", density=1.2)
-    told = json.loads(run("check", "walker.stl", "--density", "1.2", "--json"))
+    weighed = wg.check("walker.stl", weigh=True, density=1.2)
+    told = json.loads(run("check", "walker.stl", "--weigh", "--density", "1.2", "--json"))
     assert weighed.total.mass_g == told["total"]["mass_g"]
     assert weighed.table["volume_mm3"].tolist() == [told["total"]["volume_mm3"]]
 
@@ -478,7 +478,7 @@ REFUSED = {
             ({"what": "drop", "measured": 0.8}, "needs --measured-sd"),
         ],
     ),
-    "check": (lambda density: wg.check("in.stl", density=density), [(1e3, "^--density 1000.0:")]),
+    "check": (lambda density: wg.check("in.stl", weigh=True, density=density), [(1e3, "^--density 1000.0:")]),
     "family": (
         lambda words: wg.family(PAPER, "out", pictures=False, **words),
         [

@@ -264,7 +264,7 @@ def test_files_of_another_kind(tmp_path, data, ending):
     path.write_bytes(data)
     refused(InputError, f"body.outline = 'shape.{ending}'", of=lambda: from_file(path))
     refused(InputError, "no such file", of=lambda: from_file(tmp_path / f"none.{ending}"))
-    refused(InputError, ".svg or .dxf", of=lambda: from_file(tmp_path / "shape.png"))
+    refused(InputError, ".svg or .dxf", of=lambda: from_file(tmp_path / "shape.gif"))
     refused(InputError, "scale_mm = 0", of=lambda: from_file(path, 0.0))
 
 

@@ -94,7 +94,7 @@ def test_stars_of_any_kind_stand_or_say_why(radii):
 
 @pytest.mark.parametrize("ground", [shapely.Point(0, 0).buffer(1.0), shapely.box(-14, -0.4, 14, 0.4)])
 def test_what_does_not_stand_says_what_would(ground):
-    with pytest.raises(GeometryError, match=r"^legs.place: no two rows .* make it larger, or its legs shorter$"):
+    with pytest.raises(GeometryError, match=r"it tips from any legs$"):
         placed(ground)
 
 

@@ -1,4 +1,4 @@
-"""`walkergen check FILE`: closed forms, a tensor of fifty digits, trimesh; refusals as for a body."""
+"""`walkergen check FILE --weigh`: closed forms, a tensor of fifty digits, trimesh; refusals as for a body."""
 
 import json
 import re
@@ -182,10 +182,10 @@ def test_scale_and_density_enter_as_powers(tmp_path):
 
 def test_the_command_prints_what_the_job_finds(tmp_path):
     path = hostile.to_stl(tmp_path / "box.stl", hostile.box())
-    shown = CliRunner().invoke(command_line, ["check", str(path)], catch_exceptions=False)
+    shown = CliRunner().invoke(command_line, ["check", str(path), "--weigh"], catch_exceptions=False)
     assert shown.exit_code == 0
     assert re.search(r"^ *mass +1\.1904 +g *$", shown.stdout, re.MULTILINE)
-    words = ["check", str(path), "--density", "2", "--scale", "2", "--json"]
+    words = ["check", str(path), "--weigh", "--density", "2", "--scale", "2", "--json"]
     told = json.loads(CliRunner().invoke(command_line, words, catch_exceptions=False).stdout)
     assert told["total"]["mass_g"] == pytest.approx(960.0 * 8.0 * 2e-3)
     assert told["parts"][0]["axes"] == [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]
@@ -201,7 +201,7 @@ def test_unsound_meshes_and_senseless_numbers_are_refused(tmp_path):
         make.weigh(tmp_path / "none.stl", 1.24, 1.0)
     for flag, value in (("--density", "0"), ("--density", "nan"), ("--scale", "-1")):
         with pytest.raises(InputError, match=f"{flag} .*: must be a number"):
-            CliRunner().invoke(command_line, ["check", str(path), flag, value], catch_exceptions=False)
+            CliRunner().invoke(command_line, ["check", str(path), "--weigh", flag, value], catch_exceptions=False)
 
 
 TETRAHEDRON = (

@@ -10,6 +10,7 @@ from walkergen.errors import GeometryError
 from walkergen.shapes import faults
 from walkergen.walker import mass, own_mesh, solids, whole_mesh
 from walkergen.walker.design import Design
+from walkergen.walker.own_mesh import Wishes
 
 DENSITY = 1.24e-3
 
@@ -71,7 +72,7 @@ def test_through_a_file_of_32_bits(tmp_path):
     design = design_of("flexible", "flat", 17.0)
     path = hostile.to_stl(tmp_path / "whole.stl", solids.build(design).walker)
     # The file has our own axes: y up, z across
-    read = own_mesh.read(path, up="y", forward="x", key="walker.mesh")
+    read = own_mesh.read(path, Wishes(up="y", forward="x"), key="walker.mesh")
     assert read.changes == ()
     found = whole_mesh.cut_legs(read.mesh, 7.0)
     for leg in found.legs:

@@ -35,12 +35,28 @@ class Inputs(NamedTuple):
     """Values by dotted keys; those of a scene and a printer begin with these words."""
     flags: Mapping[str, str]
     """Flags that gave them, with their values, by key."""
+    notes: list[str]
+    """What a person should know of the walkers that were read: a line each is added."""
+    asks: bool
+    """True where a person may be asked back."""
 
     def design(self, source: Any) -> "Design":
-        """Walker as it is, with a template's name, or at a file's path. Raises InputError."""
+        """Walker as it is, with a template's name, at a file's path, or of a drawing, a mesh or a text.
+
+        A text is asked back. Raises InputError.
+        """
+        from walkergen.files import assignments, templates
         from walkergen.walker.design import Design
 
-        return self._read(source, "walkers", Design, "design")
+        known = not isinstance(source, str) or templates.written_as_path(source)
+        if not known and source not in templates.names("walkers"):
+            _confirm(source, self.asks)
+            own = {key: self.values[key] for key in self.of("design")}
+            design = assignments.changed(Design.of_text(source), own, "command line")
+        else:
+            design = self._read(source, "walkers", Design, "design")
+        self.notes.extend(note for note in design.notes if note not in self.notes)
+        return design
 
     def scene(self, source: Any, otherwise: Mapping[str, Any] | None = None) -> "Scene":
         """Scene as it is, with a template's name, or at a file's path. Raises InputError.
@@ -144,6 +160,31 @@ class Inputs(NamedTuple):
                 raise InputError(f"{self.flags[own]}: {why}", key)
 
 
+def _confirm(text: str, asks: bool) -> None:
+    """Ask whether a text that names nothing is meant as letters.
+
+    Raises InputError where it is not, or where nobody is there.
+    """
+    import difflib
+    import shlex
+    import sys
+
+    from walkergen.files import templates
+
+    known = templates.names("walkers")
+    close = difflib.get_close_matches(text, known, n=1)
+    missing = f"{text[:80]!r}: no such template or file" + (f"; did you mean {close[0]}?" if close else "")
+    if asks and sys.stdin.isatty() and sys.stderr.isatty():
+        print(f"{missing}\nA walker of these letters? [y/N] ", end="", file=sys.stderr, flush=True)
+        if sys.stdin.readline().strip().lower() in ("y", "yes"):
+            return
+    raise InputError(
+        f"{missing}; --text {shlex.quote(text[:80])} makes a walker of these letters; known: {', '.join(known)}; "
+        "or give the path of a drawing, a mesh or a TOML file",
+        "design",
+    )
+
+
 def of(settings: Mapping[str, Any], flags: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
     """Values by --set and by flags of their own, each a key's flag and value.
 
@@ -162,7 +203,7 @@ def of(settings: Mapping[str, Any], flags: Mapping[str, tuple[str, Any]], things
             if other == key or _within(key, other) or _within(other, key):
                 raise InputError(f"{name}: {first} sets it too: leave one of them out", key)
         values[key], names[key] = value, name
-    return Inputs(values, names)
+    return Inputs(values, names, [], False)
 
 
 def thing_of(key: str) -> str:

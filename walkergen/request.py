@@ -75,6 +75,9 @@ class Request(BaseModel):
     _shell: bool = PrivateAttr(False)
     """True where a command asks."""
 
+    _notes: list[str] = PrivateAttr(default_factory=list)
+    """What a person should know of what was read, a line each."""
+
     @field_validator("*", mode="before")
     @classmethod
     def _plain(cls, value: Any) -> Any:
@@ -122,7 +125,13 @@ class Request(BaseModel):
                 flags[key] = spelled(type(self), name), value
         fields = {"design", "scene", "printer"} & set(type(self).model_fields)
         things = [thing for thing in ("design", "scene", "printer") if thing in fields]
-        return inputs.of(getattr(self, "set", {}), flags, things)
+        own = inputs.of(getattr(self, "set", {}), flags, things)
+        return own._replace(notes=self._notes, asks=self._shell)
+
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know of what was read, once the job is done, a line each."""
+        return self._notes
 
     def refuse(self, why: str, *fields: str) -> None:
         """Raise InputError for the first of some fields that is not as it is by default."""
@@ -317,7 +326,7 @@ Kind = Literal["flexible", "braced"]
 Walker = Annotated[
     Any,
     Flag(
-        "Walker: a template, TOML file, drawing or mesh.",
+        "Walker: a template, TOML file, drawing, picture or mesh.",
         "DESIGN",
         takes="Walker",
         templates=("walkers",),
@@ -327,9 +336,15 @@ Walker = Annotated[
 Filmed = Annotated[
     Any,
     Flag(
-        "Walker: a template, TOML file, drawing or mesh.", "DESIGN", "--design", takes="Walker", templates=("walkers",)
+        "Walker: a template, TOML file, drawing, picture or mesh.",
+        "DESIGN",
+        "--design",
+        takes="Walker",
+        templates=("walkers",),
     ),
 ]
+Text = Annotated[str | None, Flag("Letters as the walker's body: a name.", "WORD", sets="body.text")]
+Mirror = Annotated[bool | None, Flag("Turn a shape round: what pointed back is the front.", sets="body.mirror")]
 Ground = Annotated[Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground", templates=("scenes",))]
 Machine = Annotated[
     Any, Flag("Printer: a template or a TOML file.", "PRINTER", takes="Machine", templates=("printers",))

@@ -43,7 +43,9 @@ def load(name: Name, kind: None = None) -> Any: ...
 def load(name: Name, kind: str | None = None) -> Any:
     """Load a walker, a scene or a printer: a template by its name, or a TOML file by its path.
 
-    A path ends in .toml, has a / in it or is a Path. `kind` is "walker", "scene" or "printer", by
+    A walker is also a drawing, a picture or a mesh: `load("heart.svg")`.
+
+    A path has an ending, has a / in it or is a Path. `kind` is "walker", "scene" or "printer", by
     default what the name or the file's keys tell. Raises InputError that lists the known names or
     kinds, or every mistake in the file.
     """
@@ -77,6 +79,8 @@ def _kind_of(name: str | Path) -> str:
 
 def _kinds_by_keys(path: Path) -> list[str]:
     """Kinds of files that have most of a file's keys. Raises InputError."""
+    if Design.of_file(path) is not None:
+        return ["walker"]
     data, _ = config.load(path)
     keys = [key for key in _paths(data) if key not in (("name",), ("description",))]
     counts = dict.fromkeys(KINDS, 0)

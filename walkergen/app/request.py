@@ -24,6 +24,8 @@ class AppRequest(request.Request):
     design: request.Walker = request.PAPER
     scene: request.Ground = request.LANE
     printer: request.Machine = request.PRUSA
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     port: Annotated[int, Field(ge=0, le=65535), Flag("Port; 0: any that is free.", "N")] = 8765
     host: Annotated[str, Flag("Address of this machine that others may call.", "ADDRESS")] = "127.0.0.1"

@@ -76,6 +76,8 @@ def function(name: str, request: "type[Request]") -> Callable[..., None]:
         with show.progress(name, wanted=not quiet, about_s=asked.about_s()) as progress:
             report = asked.run(progress)
         assert report is not None
+        if not quiet:
+            show.notes(asked.notes)
         show.report(report, json, quiet)
         if report.code:
             raise typer.Exit(report.code)

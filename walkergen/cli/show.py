@@ -4,7 +4,7 @@ import json
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +64,12 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
             print(f"written into {result.folder}/")
     for error in result.errors:
         print(f"error: {error}", file=sys.stderr)
+
+
+def notes(lines: Sequence[str]) -> None:
+    """Print what was read, on the error stream, a line each."""
+    for line in lines:
+        print(f"note: {plain.plain(line)}", file=sys.stderr)
 
 
 def text(line: str) -> None:

@@ -49,14 +49,35 @@ def copy_template(
     name: TemplateName,
     to: Annotated[Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")] = None,
 ) -> None:
-    """Copy a template into a file of your own to edit; the copy is named after its file."""
+    """Copy a template into a file of your own to edit; the copy is named after its file.
+
+    Of a drawing, a picture or a mesh it writes the walker that it stands for, with the legs found for it in numbers.
+    """
     from walkergen.files import output, reading, templates
 
-    target = to or Path(f"{name}.toml")
+    target = to or Path(f"{Path(name).stem}.toml")
     if not reading.named_soundly(target) or target.suffix != ".toml":
         raise InputError(f"{str(target)!r}: name a file that ends in .toml, without control letters")
-    text = templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
+    text = _of_shape(Path(name), target) if templates.written_as_path(name) else _renamed(name, target)
     if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
     output.write(target, text.encode())
     print(target)
+
+
+def _renamed(name: str, target: Path) -> str:
+    """Text of a template under the name of its copy."""
+    from walkergen.files import output, templates
+
+    return templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
+
+
+def _of_shape(path: Path, target: Path) -> str:
+    """Text of the walker that a file of a shape stands for, in numbers. Raises InputError for other files."""
+    from walkergen.files import templates
+    from walkergen.files.config import read
+    from walkergen.walker.design import Design
+
+    if Design.of_file(path) is None:
+        raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
+    return templates.dump(read(path, Design).numbered().moved(target.parent), f"Walker of {path.name}", every=False)

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.errors import InputError
+
 Array = npt.NDArray[np.float64]
 
 FLATNESS = 2e-5
@@ -24,6 +26,10 @@ GAP = 1e-6
 programs write six digits."""
 
 FEWEST_CHORDS, MOST_CHORDS = 4, 4096
+
+
+class NoUnitError(InputError):
+    """Drawing that does not state how long it is."""
 
 
 class Shape(NamedTuple):

@@ -20,7 +20,7 @@ import numpy as np
 from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, Shape, flatten, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, flatten, meet
 
 if TYPE_CHECKING:
     from ezdxf import document as documents
@@ -181,7 +181,7 @@ def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
         return UNITS_MM[unit]
     factor = units.METER_FACTOR[unit] if 0 <= unit < len(units.METER_FACTOR) else None
     if factor is None:
-        raise InputError(
+        raise NoUnitError(
             f"{source}: states no unit ($INSUNITS = {unit}): set scale_mm, the mm per unit of the "
             "drawing (1 for mm, 25.4 for inches)"
         )

@@ -46,13 +46,15 @@ class Shells(NamedTuple):
     """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
 
 
-def refuse(mesh: Mesh, source: str) -> None:
-    """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid."""
-    for fault in (_of_triangles(mesh), _of_edges(mesh)):
-        if fault:
-            raise InputError(f"{source}: {fault}")
-    fault = _of_shells(mesh, shells(mesh)) or _of_crossings(mesh)
+def refuse(mesh: Mesh, source: str, advice: str = "") -> None:
+    """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
+
+    It ends with `advice` where a repair may help.
+    """
+    fault = _of_triangles(mesh) or _of_edges(mesh) or _of_shells(mesh, shells(mesh))
     if fault:
+        raise InputError(f"{source}: {fault}{advice}")
+    if fault := _of_crossings(mesh):
         raise InputError(f"{source}: {fault}")
 
 
@@ -110,7 +112,7 @@ def _of_triangles(mesh: Mesh) -> str:
     flat = (mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)
     if flat.any():
         where = places(mesh.vertices[mesh.triangles[flat][0]])
-        return f"{int(flat.sum())} triangles have no area, one at {where}; try repair = true"
+        return f"{int(flat.sum())} triangles have no area, one at {where}"
     return ""
 
 
@@ -123,7 +125,7 @@ def _of_edges(mesh: Mesh) -> str:
     ):
         if len(pairs):
             where = places(mesh.vertices[pairs[0]])
-            return f"{words.format(len(pairs))}, the first at {where}; try repair = true"
+            return f"{words.format(len(pairs))}, the first at {where}"
     return ""
 
 
@@ -134,14 +136,11 @@ def _of_shells(mesh: Mesh, shells: Shells) -> str:
         return f"encloses nothing: its volume is {volume:.3g} mm^3 in a box of {size:.4g} mm"
     outward = np.flatnonzero(shells.volumes > 0.0)
     if len(outward) == 0:
-        return f"is inside out: its volume is {volume:.4g} mm^3; try repair = true, which turns it"
+        return f"is inside out: its volume is {volume:.4g} mm^3"
     if len(outward) > 1:
         sizes = np.sort(shells.volumes[outward])[::-1]
         listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
-        return (
-            f"holds {len(outward)} bodies of {listed} mm^3; give one, or try repair = true, which "
-            "unites those that overlap"
-        )
+        return f"holds {len(outward)} bodies of {listed} mm^3; give one"
     outer = Mesh(mesh.vertices, mesh.triangles[shells.label == outward[0]])
     for cavity in np.flatnonzero(shells.volumes <= 0.0):
         inner = mesh.triangles[shells.label == cavity]

@@ -4,7 +4,7 @@ A leg is followed from its foot upward along its centre line, in the frame of wa
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import manifold3d
 import numpy as np
@@ -12,6 +12,9 @@ import numpy as np
 from walkergen.errors import GeometryError, SolidError
 from walkergen.shapes import modeller
 from walkergen.shapes.mesh import Array, Mesh
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
 
 CRUMB = 1e-9
 """Volume of a piece, over that of the leg, below which it is the modeller's rounding."""
@@ -27,6 +30,16 @@ class Body(NamedTuple):
 def ready(mesh: Mesh) -> Body:
     """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
     return Body(mesh, modeller.solid(mesh))
+
+
+def shadow(solid: manifold3d.Manifold) -> "BaseGeometry":
+    """What a solid covers, (x, z), seen from above."""
+    import shapely
+
+    covered: BaseGeometry = shapely.Polygon()
+    for ring in solid.rotate((-90.0, 0.0, 0.0)).project().to_polygons():  # z to y
+        covered = covered.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    return covered
 
 
 class Footing(NamedTuple):

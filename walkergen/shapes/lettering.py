@@ -13,7 +13,8 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from walkergen.errors import GeometryError
+from walkergen.errors import GeometryError, InputError
+from walkergen.files import reading
 from walkergen.shapes.contours import FLATNESS, Shape, flatten
 from walkergen.shapes.outlines import Polygon, area, sound
 
@@ -24,11 +25,17 @@ FINE = 2.0**20
 
 
 def letters(
-    text: str, height: float, connected: bool = True, source: str = "body.text", rails: float | None = None
+    text: str,
+    height: float,
+    connected: bool = True,
+    source: str = "body.text",
+    rails: float | None = None,
+    font: Path | None = None,
 ) -> list[Polygon]:
     """Outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
 
-    With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters.
+    With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters. `font` is a file
+    of one, by default DejaVu Sans.
     Where `connected`, it must be one piece, as for a body. Raises GeometryError, which begins with
     `source` = the text, for none or more than MOST_CHARACTERS, for characters that the font lacks
     or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
@@ -36,32 +43,48 @@ def letters(
     where = f"{source} = {text if len(text) <= MOST_CHARACTERS else text[:20] + '...'!r}"
     if not 1 <= len(text) <= MOST_CHARACTERS:
         raise GeometryError(f"{where}: has {len(text)} characters, allowed are 1 to {MOST_CHARACTERS}; shorten it")
-    _check_characters(text, where)
+    own = _font(font, where)
+    _check_characters(text, where, own)
     if not text.strip():
         raise GeometryError(f"{where}: draws nothing; write a letter or digit")
-    scale = height / float(np.ptp(_contours("H")[0][:, 1]))
+    capital = _contours("H", own) or _contours(text, own)
+    scale = height / float(np.ptp(np.vstack(capital)[:, 1]))
     if connected:
-        _check_connected(text, where, rails)
-    drawn = [scale * contour for contour in _contours(text)]
+        _check_connected(text, where, rails, own)
+    drawn = [scale * contour for contour in _contours(text, own)]
     if rails is not None:
         drawn = _railed(drawn, height, rails)
     return sound([Shape(drawn, nonzero=False)], where, connected)
 
 
-def _check_characters(text: str, where: str) -> None:
+def _check_characters(text: str, where: str, font: str) -> None:
     """Raise GeometryError, by name, for a character that the font lacks or that controls."""
     from matplotlib.ft2font import FT2Font
 
-    font = FT2Font(_font())
+    known = FT2Font(font)
     for character in text:
         if unicodedata.category(character)[0] in "CZ" and character != " ":
-            problem = "is no letter"
-        elif not font.get_char_index(ord(character)):
-            problem = "is not in the font DejaVu Sans"
+            problem = "is no letter; leave it out or draw it"
+        elif not known.get_char_index(ord(character)):
+            problem = f"is not in the font {known.family_name}; {_advice(character)}"
         else:
             continue
         name = unicodedata.name(character, "a control character")
-        raise GeometryError(f"{where}: U+{ord(character):04X} ({name}) {problem}; leave it out or draw it")
+        raise GeometryError(f"{where}: U+{ord(character):04X} ({name}) {problem}")
+
+
+def _advice(character: str) -> str:
+    """What helps where a font lacks a character: one of this machine that has it, if there is any."""
+    from matplotlib.font_manager import findSystemFonts
+    from matplotlib.ft2font import FT2Font
+
+    for path in sorted(findSystemFonts()):
+        try:
+            if FT2Font(path).get_char_index(ord(character)):
+                return f"name one that has it: body.font = {path!r}"
+        except (OSError, RuntimeError):  # one that matplotlib cannot read
+            continue
+    return "name a font's file that has it by body.font, as one of Noto's, or leave it out"
 
 
 def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
@@ -75,34 +98,35 @@ def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
     return _united([*drawn, *bars])
 
 
-def _check_connected(text: str, where: str, rails: float | None) -> None:
+def _check_connected(text: str, where: str, rails: float | None, font: str) -> None:
     """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
-    if rails is not None or _pieces(text) == 1:  # `sound` tells what rails leave apart
+    if rails is not None or _pieces(text, font) == 1:  # `sound` tells what rails leave apart
         return
-    broken = [letter for letter in dict.fromkeys(text) if letter != " " and _pieces(letter) > 1]
+    broken = [letter for letter in dict.fromkeys(text) if letter != " " and _pieces(letter, font) > 1]
     if broken:
         named = ", ".join(map(repr, broken))
         raise GeometryError(
-            f"{where}: {named} is drawn in several pieces, a body is one; use other letters, or engrave the text"
+            f"{where}: {named} is drawn in several pieces, a body is one; base = true puts a plate under it"
         )
-    apart = next(f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right) != 1)
+    apart = next(f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right, font) != 1)
     raise GeometryError(
-        f"{where}: {apart} do not touch, a body is one piece; join them by body.rails_mm = 2, or engrave the text"
+        f"{where}: {apart} do not touch, a body is one piece; base = true puts a plate under them, "
+        "rails_mm = 2 joins them"
     )
 
 
-def _pieces(text: str) -> int:
-    return sum(area(contour) > 0.0 for contour in _contours(text))
+def _pieces(text: str, font: str) -> int:
+    return sum(area(contour) > 0.0 for contour in _contours(text, font))
 
 
-def _contours(text: str) -> list[Polygon]:
+def _contours(text: str, font: str) -> list[Polygon]:
     """Contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.path import Path as Curves
     from matplotlib.textpath import text_to_path
 
     # The text as it stands: "$" begins no formula.
-    properties = FontProperties(fname=_font())
+    properties = FontProperties(fname=font)
     vertices, codes = text_to_path.get_text_path(properties, text, ismath=False)
     if not len(vertices):
         return []
@@ -125,7 +149,16 @@ def _united(rings: list[Polygon]) -> list[Polygon]:
     return [np.asarray(ring, dtype=np.float64) / FINE for ring in united.to_polygons()]
 
 
-def _font() -> str:
+def _font(own: Path | None, where: str) -> str:
+    """Path of a font. Raises InputError for a file that is none."""
     import matplotlib
+    from matplotlib.ft2font import FT2Font
 
-    return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
+    if own is None:
+        return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
+    try:
+        reading.content(own)
+        FT2Font(str(own))
+    except (RuntimeError, TypeError):
+        raise InputError(f"{where}: {own.name!r} is no font: give a .ttf, .otf or .ttc") from None
+    return str(own)

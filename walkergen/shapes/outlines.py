@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.shapes import dxf, svg
+from walkergen.shapes import dxf, overlaps, silhouette, svg
 from walkergen.shapes.contours import MOST_POINTS, Shape
 
 Polygon = npt.NDArray[np.float64]
@@ -32,7 +32,17 @@ MOST_CONTOURS = 2000
 FLATTEST = 1e-9
 """Width over length below which the points of a contour lie on a line."""
 
-READERS = {".svg": svg.read, ".dxf": dxf.read}
+READERS = {
+    ".svg": svg.read,
+    ".dxf": dxf.read,
+    ".png": silhouette.read,
+    ".jpg": silhouette.read,
+    ".jpeg": silhouette.read,
+}
+
+
+class OverlapError(GeometryError):
+    """Contours that cross or touch."""
 
 
 def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
@@ -87,23 +97,46 @@ class Outline(NamedTuple):
     """What was left out of the file or mended, a few words each."""
 
 
-def from_file(path: Path, scale_mm: float | None = None, source: str = "body.outline") -> Outline:
-    """Outline of the closed paths of an .svg or .dxf file, as people see it (SVG has y down).
+def from_file(
+    path: Path,
+    scale_mm: float | None = None,
+    source: str = "body.outline",
+    length_mm: float | None = None,
+    mend: bool = False,
+    connected: bool = True,
+) -> Outline:
+    """Outline of the closed paths of a drawing, or of a picture's shape, as people see it (SVG has y down).
 
-    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing.
-    Paths inside others are holes, and so on alternately, colours aside; in one SVG path, its fill
-    rule decides. Raises InputError for a file that cannot be read as such (shapes/svg.py,
-    shapes/dxf.py), GeometryError for a shape that `sound` refuses; both begin with `source` = the
-    name.
+    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm`
+    the length of the whole. Paths inside others are holes, and so on alternately, colours aside; in one SVG path,
+    its fill rule decides. Paths that cross or touch are united where `mend`. Raises InputError for a file that
+    cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one that states no unit,
+    GeometryError for a shape that `sound` refuses; all begin with `source` = the name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
         raise InputError(f"{where}: scale_mm = {scale_mm:g} must be a number > 0")
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise InputError(f"{where}: must be a drawing, .svg or .dxf")
-    drawing = reader(path, scale_mm, where)
-    return Outline(sound(drawing.shapes, where), drawing.notes)
+        raise InputError(f"{where}: must be a drawing, .svg or .dxf, or a picture, .png or .jpg")
+    drawing = reader(path, scale_mm if length_mm is None else 1.0, where)
+    shapes, notes = drawing.shapes, drawing.notes
+    if length_mm is not None:
+        shapes = _as_long_as(shapes, length_mm)
+    try:
+        return Outline(sound(shapes, where, connected), notes)
+    except OverlapError as error:
+        if not mend:
+            raise error
+    return Outline(sound([overlaps.united(shapes)], where, connected), (*notes, "united paths that cross or touch"))
+
+
+def _as_long_as(shapes: Sequence[Shape], length: float) -> list[Shape]:
+    """Shapes scaled until all together are so long, mm."""
+    x = np.concatenate([contour[:, 0] for shape in shapes for contour in shape.contours] or [np.zeros(1)])
+    extent = float(np.ptp(x))
+    scale = length / extent if 0.0 < extent < np.inf else 1.0
+    return [Shape([scale * contour for contour in shape.contours], shape.nonzero) for shape in shapes]
 
 
 def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
@@ -125,7 +158,7 @@ def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[
             places = " and ".join(_shown(piece.mean(axis=0)) for piece in pieces[:2])
             raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
     except GeometryError as error:
-        raise GeometryError(f"{source}: {error}") from None
+        raise type(error)(f"{source}: {error}") from None
     every = np.vstack(pieces)
     middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
     return [
@@ -178,12 +211,12 @@ def _check_simple(contour: Polygon) -> None:
     centred = contour - contour.mean(axis=0) if len(contour) else contour
     spread = np.linalg.svd(centred, compute_uv=False) if len(contour) > 2 else np.zeros(2)
     if len(contour) < 3 or spread[1] <= FLATTEST * spread[0]:
-        raise GeometryError("has points on a line, which enclose no area")
+        raise OverlapError("has points on a line, which enclose no area")
     enclosed = Area(contour)
     if not enclosed.is_valid:
         match = re.search(r"\[(\S+) (\S+)\]", explain_validity(enclosed))
         place = f" at ({float(match[1]):.6g}, {float(match[2]):.6g}) mm" if match else ""
-        raise GeometryError(f"crosses or touches itself{place}; draw it as one simple loop")
+        raise OverlapError(f"crosses or touches itself{place}; draw it as one simple loop")
 
 
 def _check_apart(contours: Sequence[Polygon]) -> None:
@@ -194,7 +227,7 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
     for first, second in STRtree(rings).query(rings, predicate="intersects").T:
         if first < second:
             common = rings[first].intersection(rings[second]).representative_point()
-            raise GeometryError(
+            raise OverlapError(
                 f"has two paths that cross or touch at ({common.x:.6g}, {common.y:.6g}) mm; unite "
                 "them, or leave one out if it is drawn twice"
             )

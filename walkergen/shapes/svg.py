@@ -18,7 +18,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, Shape, flatten, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, flatten, meet
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -151,7 +151,7 @@ def _scale(root: ET.Element, source: str) -> tuple[float, float]:
         seen = " and ".join(
             f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
         )
-        raise InputError(
+        raise NoUnitError(
             f"{source}: states no size in mm ({seen}): set scale_mm, the mm per unit of the drawing "
             "(0.264583 for pixels of 96 to the inch, 0.352778 for those of Illustrator, 72 to the inch)"
         )

@@ -5,23 +5,21 @@ view (a disc, an ellipse, a polygon, a drawing, letters, extruded upward), or a 
 Frame: the middle of the body's box at the origin of x and y, z from 0 to its depth.
 """
 
-import hashlib
 from collections.abc import Mapping
 from functools import lru_cache
+from operator import not_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from walkergen.errors import GeometryError
-from walkergen.files import reading
 from walkergen.files.config import Section
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker.limbs import Length
 
 if TYPE_CHECKING:
-    from walkergen.shapes.outlines import Outline, Polygon
+    from walkergen.shapes.outlines import Polygon
     from walkergen.walker.whole_mesh import CutWalker
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
@@ -35,6 +33,9 @@ DRAWN = ("disc", "ellipse", "polygon")
 SOURCES = ("profile_mm", "outline", "text", "mesh")
 """Keys that give a body another shape than a rectangle; one of them at most."""
 
+WITH_SOURCE = ("points_mm", "font", "rails_mm", "scale_mm", "up", "forward", "legs_below_mm", "base", "mirror")
+"""Keys that say more of a source."""
+
 
 class Body(Section):
     """Massive top of a walker: by default a rectangle in the x-y plane, extruded by its depth."""
@@ -46,11 +47,14 @@ class Body(Section):
     """Corners of a side view, (x, y), extruded across by depth_mm."""
     outline: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
     """Plan view: "disc" (of length_mm), "ellipse" (length_mm, depth_mm), "polygon" (points_mm), or
-    a drawing, .svg or .dxf, beside the file; extruded upward by thickness_mm."""
+    a drawing, .svg or .dxf, or a picture, .png or .jpg, beside the file; extruded upward by thickness_mm.
+    A drawing, a text or a mesh is scaled to length_mm where that is given."""
     points_mm: Points | None = None
     """Corners of the outline "polygon", seen from above."""
     text: str | None = None
     """Letters as the plan view, as high as depth_mm."""
+    font: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
+    """Font of the text, .ttf, .otf or .ttc, beside the file. None: DejaVu Sans."""
     rails_mm: Length | None = None
     """Width of two bars along the feet and the tops of the letters, which join them to one part."""
     mesh: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
@@ -62,8 +66,13 @@ class Body(Section):
     """Axes of the mesh that point up and forward."""
     legs_below_mm: Length | None = None
     """Height above its lowest point below which a mesh, of a whole walker, is legs."""
-    repair: bool = False
-    """True to mend a mesh that is not closed; what was changed is told."""
+    repair: bool = True
+    """Whether a mesh that is not sound, and paths that cross, are mended; what was changed is told."""
+    base: bool | None = Field(default=None, exclude_if=lambda value: value is None)
+    """Whether a flat plate lies under it all. None: under letters without rails, and where pieces hang together by it
+    alone; without any the largest piece of a file is the body."""
+    mirror: bool = Field(default=False, exclude_if=not_)
+    """True to turn what points forward backward, as a mirror does."""
 
     @model_validator(mode="after")
     def _one_source(self) -> "Body":
@@ -76,6 +85,16 @@ class Body(Section):
             raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
         if self.rails_mm is not None and self.text is None:
             raise ValueError("rails_mm joins the letters of text")
+        if self.font is not None and self.text is None:
+            raise ValueError("font is of the letters of text")
+        if not self.sourced and (self.base or self.mirror):
+            raise ValueError("base and mirror are for a text, an outline or a mesh")
+        if self.sourced and self.base and self.legs_below_mm is not None:
+            raise ValueError("base is no part of a finished walker, legs_below_mm: leave one of them out")
+        if self.scale_mm is not None and self.wished_mm is not None:
+            raise ValueError("scale_mm and length_mm each give the size: keep one of them")
+        if self.text is not None and {"length_mm", "depth_mm"} <= self.model_fields_set:
+            raise ValueError("length_mm and depth_mm each give the letters' size: keep one of them")
         if self.legs_below_mm is not None and self.mesh is None:
             raise ValueError("legs_below_mm is for a mesh of a whole walker")
         for key in sources:
@@ -85,13 +104,53 @@ class Body(Section):
 
     def _follows(self, source: str) -> set[str]:
         """Sizes that follow from a source of the shape."""
-        flat = {"disc": {"depth_mm"}, "ellipse": set()}
+        flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
         return {
             "profile_mm": {"length_mm", "thickness_mm"},
-            "text": {"length_mm"},
-            "mesh": {"length_mm", "depth_mm", "thickness_mm"},
-            "outline": flat.get(self.outline or "", {"length_mm", "depth_mm"}),
+            "text": set(),
+            "mesh": {"depth_mm", "thickness_mm"},
+            "outline": flat.get(self.outline or "", {"depth_mm"}),
         }[source]
+
+    @classmethod
+    def reshaped(
+        cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Table of a body that got another source of its shape, without what followed from the former one.
+
+        Where that was of another kind sizes and all that was said of it go too, unless `values`, by dotted keys of
+        the design, set them anew.
+        """
+        gone = set(SOURCES) - {source}
+        if getattr(former, source) is None:
+            gone |= {*WITH_SOURCE, "length_mm", "depth_mm"}
+        gone |= cls.model_construct(**{source: table[source]})._follows(source)
+        if source == "outline" and table[source] != "polygon":
+            gone.add("points_mm")
+        return {key: value for key, value in table.items() if key not in gone or f"body.{key}" in values}
+
+    @property
+    def sourced(self) -> bool:
+        """True for a body from a text, an outline or a mesh."""
+        return self.flat or self.mesh is not None
+
+    @property
+    def wishful(self) -> bool:
+        """True where length_mm scales all of it."""
+        return self.sourced and self.outline != "polygon" and self.legs_below_mm is None
+
+    def with_keys(self, **keys: Any) -> "Body":
+        """Body with other values of keys; a wished length takes the place of a scale."""
+        table = self.model_dump(exclude_unset=True) | keys
+        for key in {"scale_mm", "depth_mm"} if "length_mm" in keys else ():
+            table.pop(key, None)
+        return Body.model_validate(table)
+
+    @property
+    def wished_mm(self) -> float | None:
+        """Length, mm, to which a drawing, a text or a mesh is scaled."""
+        scaled = self.text is not None or self.mesh is not None or self._drawing
+        return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
 
     @property
     def idle(self) -> set[str]:
@@ -101,9 +160,10 @@ class Body(Section):
             keys |= self._follows(key)
         needs = {
             "points_mm": self.outline == "polygon",
-            "rails_mm": self.text is not None,
-            "scale_mm": bool(self.mesh or self._drawing),
-            **dict.fromkeys(("up", "forward", "legs_below_mm", "repair"), bool(self.mesh)),
+            **dict.fromkeys(("font", "rails_mm"), self.text is not None),
+            **dict.fromkeys(("scale_mm", "repair"), bool(self.mesh or self._drawing)),
+            **dict.fromkeys(("up", "forward", "legs_below_mm"), bool(self.mesh)),
+            **dict.fromkeys(("base", "mirror"), self.sourced),
         }
         return keys | {key for key, needed in needs.items() if not needed}
 
@@ -127,7 +187,9 @@ class Body(Section):
         """Shape of the body. Raises GeometryError, and InputError for files."""
         if self.plain:
             return _rectangle(self.length_mm, self.thickness_mm, self.depth_mm)
-        return _shape(self.key)
+        from walkergen.walker import forming
+
+        return forming.shape(self.key)
 
     @property
     def key(self) -> str:
@@ -167,7 +229,7 @@ def located(table: Any, folder: Path) -> Any:
     if not isinstance(table, Mapping):
         return table
     own = dict(table)
-    for key in ("outline", "mesh"):
+    for key in ("outline", "mesh", "font"):
         name = own.get(key)
         if isinstance(name, str) and name and name not in DRAWN:
             own[key] = str(folder / name)
@@ -180,64 +242,3 @@ def _rectangle(length: float, thickness: float, depth: float) -> Shape:
     side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     side.flags.writeable = False  # all designs of that size share it
     return Shape(Size(length, thickness, depth), side)
-
-
-@lru_cache(maxsize=64)
-def _shape(keys: str) -> Shape:
-    """Shape of a body that is no rectangle, read and checked once; `keys` is its JSON."""
-    body = Body.model_validate_json(keys)
-    if body.mesh is not None:
-        from walkergen.walker import own_mesh
-
-        own = own_mesh.read(Path(body.mesh), body.scale_mm or 1.0, body.up, body.forward, body.repair)
-        if body.legs_below_mm is not None:
-            from walkergen.walker import whole_mesh
-
-            cut = whole_mesh.centred(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))
-            size = _size_of(cut.body)
-            return Shape(size, None, (), cut.body, own.sha256, own.changes, cut)
-        return Shape(_size_of(own.mesh), None, (), own.mesh, own.sha256, own.changes)
-    if body.profile_mm is not None:
-        from walkergen.shapes import outlines
-
-        (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
-        length, thickness = np.ptp(side, axis=0)
-        return Shape(Size(float(length), float(thickness), body.depth_mm), side)
-    plan, notes = _plan(body)
-    length, depth = np.ptp(plan[0], axis=0)
-    size = Size(float(length), body.thickness_mm, float(depth))
-    sha256 = ""
-    if body._drawing and body.outline is not None:
-        from walkergen.shapes.contours import MOST_BYTES
-
-        sha256 = hashlib.sha256(reading.content(Path(body.outline), MOST_BYTES)).hexdigest()
-    return Shape(size, None, tuple(plan), sha256=sha256, changes=notes)
-
-
-def _size_of(mesh: Mesh) -> Size:
-    length, thickness, depth = np.ptp(mesh.vertices, axis=0)
-    return Size(float(length), float(thickness), float(depth))
-
-
-def _plan(body: Body) -> "Outline":
-    """Outline in plan view, and what was left out of the file that it is from."""
-    from walkergen.shapes import outlines
-    from walkergen.shapes.outlines import Outline
-
-    if body.text is not None:
-        from walkergen.shapes.lettering import letters
-
-        return Outline(letters(body.text, body.depth_mm, rails=body.rails_mm), ())
-    if body.outline == "disc":
-        return Outline(outlines.disc(body.length_mm, "body.length_mm"), ())
-    if body.outline == "ellipse":
-        return Outline(outlines.ellipse(body.length_mm, body.depth_mm), ())
-    if body.points_mm is not None:
-        return Outline(outlines.polygon(body.points_mm), ())
-    assert body.outline is not None
-    if Path(body.outline).suffix.lower() not in outlines.READERS:
-        raise GeometryError(
-            f"body.outline = {body.outline!r}: must be one of {', '.join(DRAWN)}, or a file "
-            f"{' or '.join(outlines.READERS)}"
-        )
-    return outlines.from_file(Path(body.outline), body.scale_mm)

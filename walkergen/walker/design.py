@@ -7,24 +7,30 @@ the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put
 paper's object.
 """
 
+import hashlib
 import math
+import os
 import re
+import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from operator import not_
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, field_validator, model_validator
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
-from walkergen.files.config import Name, Section
+from walkergen.files.config import Name, Section, validate
 from walkergen.walker import buildable
-from walkergen.walker.body import Body, Size, located
+from walkergen.walker.body import DRAWN, SOURCES, Body, Size, located
 from walkergen.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.material import Material, Weighed
+
+if TYPE_CHECKING:
+    from walkergen.walker.placing import Placement
 
 
 class Family(Section):
@@ -41,8 +47,17 @@ class Family(Section):
         return list(dict.fromkeys(values))
 
 
-OUTLINES, MESHES = (".svg", ".dxf"), (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
+OUTLINES, MESHES = (".svg", ".dxf", ".png", ".jpg", ".jpeg"), (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
 """Endings of files that stand for a walker by themselves, as the shape of its body."""
+
+CAD = (".step", ".stp", ".iges", ".igs", ".f3d", ".scad", ".fcstd", ".blend")
+"""Endings of files of programs that save meshes too."""
+
+STORY = {"tilt_deg": [0.0, 5.0, 10.0, 15.0, 20.0], "legs": ["flexible"]}
+"""Family of a shape that says nothing of its own."""
+
+PLACES = ("contact_spacing_mm", "width_mm")
+"""Keys that say where two equal legs stand."""
 
 FOLLOWED = 10.0
 """Tilt, deg, of legs that give none, unless the design gives one."""
@@ -66,13 +81,43 @@ class Design(Section):
 
     @classmethod
     def of_file(cls, path: Path) -> dict[str, Any] | None:
-        """Data of a walker whose body is a drawing or a mesh."""
+        """Data of a walker whose body is a drawing, a picture or a mesh. Raises InputError for files of CAD."""
         key = {"outline": OUTLINES, "mesh": MESHES}
-        source = next((name for name, endings in key.items() if path.suffix.lower() in endings), None)
-        if source is None:
-            return None
-        name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-_")[:64]
-        return {"name": name or "walker", "body": {source: path.name}}
+        ending = path.suffix.lower()
+        if ending in CAD:
+            raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")
+        source = next((name for name, endings in key.items() if ending in endings), None)
+        return None if source is None else {"name": named(path.stem), "body": {source: path.name}, "family": STORY}
+
+    @classmethod
+    def of_text(cls, text: str) -> "Design":
+        """Walker whose body is a text. Raises GeometryError for letters that cannot be drawn."""
+        return validate({"name": named(text), "body": {"text": text}, "family": STORY}, cls, f"text {text[:40]!r}")
+
+    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Data in which a new shape of the body takes away what followed from the former.
+
+        So do the places of two equal legs, which are found anew, and masses and marks of the former. What is set
+        beside it stays.
+        """
+        body = data.get("body")
+        former = {key: getattr(self.body, key) for key in SOURCES}
+        source = next((key for key in SOURCES if values.get(f"body.{key}", former[key]) != former[key]), None)
+        if not isinstance(body, dict) or (source is None and "body" not in values):
+            return data
+        if source is not None:
+            data["body"] = Body.reshaped(body, source, self.body, values)
+            if "name" not in values:
+                data["name"] = named(Path(str(values[f"body.{source}"])).stem)
+                data.pop("description", None)
+        if source != "profile_mm" and not any(key.partition("[")[0] == "legs" for key in values):
+            data["legs"] = self._unplaced(data.get("legs", {}), data["body"].get("outline") in DRAWN, values)
+            if isinstance(data["legs"], dict):
+                data.pop("leg_tilt_deg", None)
+        for table in ("weighed", *(["marks"] if self.body.plain else [])):
+            if not any(key.partition(".")[0] == table for key in values):
+                data.pop(table, None)
+        return data
 
     @classmethod
     def located(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -82,6 +127,22 @@ class Design(Section):
             if table in own:
                 own[table] = located(own[table], folder)
         return own
+
+    def _unplaced(self, legs: Any, drawn: bool, values: Mapping[str, Any]) -> Any:
+        """Legs of a body that gets another shape, without their places; those of a list become two equal ones.
+
+        Under outlines that need no file, `drawn`, a list stays.
+        """
+        if isinstance(legs, Mapping):
+            return {key: value for key, value in legs.items() if key not in PLACES or f"legs.{key}" in values}
+        first = self.limbs[0]
+        own = {
+            "kind": self.kind,
+            "tilt_deg": self.tilt_deg,
+            "length_mm": legs[0].get("length_mm", 7.5),
+            "foot": first.foot,
+        }
+        return legs if drawn else own | {f"{self.kind}_thickness_mm": first.thickness}
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -174,9 +235,7 @@ class Design(Section):
             )
         depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
         if isinstance(self.legs, Legs) and self.placed:
-            from walkergen.walker import placing
-
-            return placing.limbs(self.body.key, self.legs.model_dump_json())
+            return self._placement.limbs
         if isinstance(self.legs, Legs):
             limbs = pair_of(self.legs, depth, bottom)
         else:
@@ -260,8 +319,48 @@ class Design(Section):
         if not isinstance(self.legs, Legs) or self.whole:
             return False
         shaped = self.body.flat or self.body.mesh is not None
-        written = self.legs.model_fields_set & {"contact_spacing_mm", "width_mm"}
+        written = self.legs.model_fields_set & set(PLACES)
         return self.legs.place == "auto" or (self.legs.place is None and shaped and not written)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was made of the body's file, and the legs that were found for it, a line each."""
+        notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.body.shape.changes) else []
+        return (*notes, f"{self.name}: {self._placement.words}") if self.placed else tuple(notes)
+
+    @property
+    def _placement(self) -> "Placement":
+        from walkergen.walker import placing
+
+        return placing.placed(self.body.key, self.legs.model_dump_json())  # type: ignore[union-attr]
+
+    def numbered(self) -> "Design":
+        """Design whose legs that were found stand where they are by numbers, from which a person can go on."""
+        if not isinstance(self.legs, Legs) or not self.placed:
+            return self
+        data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
+        first, size = self.limbs[0], self.size
+        if self.alike:
+            own = {"place": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
+            return validate(data | {"legs": legs | own}, Design, self.name)
+        own = {key: legs[key] for key in ("kind", "length_mm", "brace_thickness_mm", "foot") if key in legs}
+        own |= {"thickness_mm": self.legs.thickness_mm, "thickness_sd_mm": self.legs.thickness_sd_mm}
+        listed = [
+            own | {"along_mm": limb.along, "across_mm": limb.across, "width_mm": min(limb.width, size.depth)}
+            for limb in self.limbs
+        ]
+        family = {"family": data.get("family", {}) | {"legs": [self.kind]}}
+        return validate(data | {"leg_tilt_deg": self.tilt_deg, "legs": listed} | family, Design, self.name)
+
+    def moved(self, folder: Path) -> "Design":
+        """Design as a file in a folder has it: files of the body by their way from there."""
+        files = {key: getattr(self.body, key) for key in ("outline", "mesh", "font")}
+        ways = {
+            key: Path(os.path.relpath(name, folder)).as_posix()
+            for key, name in files.items()
+            if name is not None and name not in DRAWN
+        }
+        return self.model_copy(update={"body": self.body.model_copy(update=ways)})
 
     @property
     def whole(self) -> bool:
@@ -384,6 +483,13 @@ class Design(Section):
     def unmarked(self) -> "Design":
         """Design without marks, otherwise the same."""
         return self.model_copy(update={"marks": Marks()})
+
+
+def named(text: str) -> str:
+    """Name that file names may hold, of a text in any script."""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
+    return name or f"walker-{hashlib.sha256(text.encode()).hexdigest()[:6]}"
 
 
 def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -10,16 +10,33 @@ from typing import NamedTuple, get_args
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.shapes import faults, meshes, repairs
+from walkergen.shapes import faults, meshes, modeller, repairs, units
 from walkergen.shapes.mesh import Mesh
+from walkergen.walker import base
 from walkergen.walker.body import Axis
 from walkergen.walker.mass import Array
 
-SMALLEST, LARGEST = 0.5, 500.0
-"""Least and greatest length of the longest side of a body's bounding box, mm."""
 
-UNITS = {"micrometres": 1e-3, "centimetres": 10.0, "inches": 25.4, "metres": 1000.0}
-"""Millimetres of other units that a file may be drawn in."""
+class Wishes(NamedTuple):
+    """How a file is to be read."""
+
+    scale_mm: float | None = None
+    """Length of the file's unit, mm (3MF names its unit; there it multiplies). None: 1."""
+    length_mm: float | None = None
+    """Length along the run to which all is scaled, mm. None: as it is."""
+    up: Axis = "z"
+    forward: Axis = "x"
+    """Axes of the file that become y and x."""
+    repair: bool = False
+    """True to mend what is not sound."""
+    base: bool | None = False
+    """Whether a plate lies under it; None: where there are several bodies."""
+    mirror: bool = False
+    """True to turn what points forward backward."""
+
+
+PLAIN = Wishes()
+"""Wishes of a file that is taken as it is."""
 
 
 class OwnMesh(NamedTuple):
@@ -33,30 +50,58 @@ class OwnMesh(NamedTuple):
     """What was left out of the file or mended, in words; none when it was taken as it is."""
 
 
-def read(
-    path: Path, scale_mm: float = 1.0, up: Axis = "z", forward: Axis = "x", repair: bool = False, key: str = "body.mesh"
-) -> OwnMesh:
+def read(path: Path, wishes: Wishes = PLAIN, key: str = "body.mesh") -> OwnMesh:
     """Read a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) as one closed body.
 
-    `scale_mm` is the length of the file's unit in mm (3MF names its unit; there it multiplies);
-    `up` and `forward` are the file's axes that become y and x. Raises InputError, one line that
-    begins with `key`, when the file is no mesh, the mesh is unsound and, if `repair`, stays so,
+    Raises InputError, one line that begins with `key`, when the file is no mesh, the mesh is unsound and stays so,
     or its size is not a walker's.
     """
     source = f"{key} = {str(path)[-80:]!r}"
-    turn = rotation(up, forward, key)
+    turn = rotation(wishes.up, wishes.forward, key)
     loaded = meshes.load(path, source)
     part = meshes.joined(loaded.parts)
-    mesh = Mesh(part.vertices * scale_mm, part.triangles)
-    _refuse_size(mesh, source, scale_mm)
-    changes = loaded.notes
-    if repair:
-        mesh, repaired = repairs.repair(mesh)
-        changes += repaired
+    vertices, triangles = part.vertices @ turn.T, part.triangles
+    scale = wishes.scale_mm or 1.0
+    if wishes.length_mm is not None:
+        scale = wishes.length_mm / max(float(np.ptp(vertices[:, 0])), 1e-12)
+    mesh = Mesh(vertices * scale, triangles)
+    if wishes.mirror:
+        mesh = Mesh(mesh.vertices * (-1.0, 1.0, 1.0), triangles[:, ::-1])
+    if wishes.length_mm is None:
+        units.refuse(float(np.ptp(mesh.vertices, axis=0).max()), source, scale)
+    mesh, changes = _sound(mesh, wishes, source, loaded.notes)
+    return OwnMesh(Mesh(_placed(mesh.vertices), mesh.triangles), loaded.sha256, changes)
+
+
+def _sound(mesh: Mesh, wishes: Wishes, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
+    """Mesh of one sound body, and what was left out or mended. Raises InputError."""
+    if not wishes.repair and not wishes.base:
+        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source, "; try repair = true")
+        return mesh, notes
+    try:
+        faults.refuse(mesh, source)
+    except InputError:
+        mesh, changes = repairs.repair(mesh) if wishes.repair else (mesh, ())
+        notes += changes
         if len(mesh.triangles) == 0:
-            raise InputError(f"{source}: repair leaves nothing: {'; '.join(changes)}")
-    faults.refuse(mesh, f"{source} ({'; '.join(changes)})" if changes else source)
-    return OwnMesh(Mesh(_placed(mesh.vertices @ turn.T), mesh.triangles), loaded.sha256, changes)
+            raise InputError(f"{source}: repair leaves nothing: {'; '.join(notes)}") from None
+        mesh, joined = _one(mesh, wishes.base)
+        notes += joined
+        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source)
+        return mesh, notes
+    return (base.under_mesh(mesh) if wishes.base else mesh), notes
+
+
+def _one(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
+    """One body of closed ones: on a plate, unless there shall be none, else the largest; and what was done."""
+    if any(map(len, faults.edges(mesh.triangles))):
+        return mesh, ()
+    bodies = modeller.bodies(modeller.solid(mesh))
+    if plate or (plate is None and len(bodies) > 1):
+        return base.under_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
+    if len(bodies) < 2:
+        return mesh, ()
+    return modeller.mesh_of(bodies[0]), (f"left out {len(bodies) - 1} bodies beside the largest",)
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:
@@ -83,24 +128,3 @@ def _placed(vertices: Array) -> Array:
     middle[2] = low[2]
     placed: Array = vertices - middle
     return placed
-
-
-def _refuse_size(mesh: Mesh, source: str, scale_mm: float) -> None:
-    """Raise InputError, with units that would do, when a mesh is not of a walker's size."""
-    size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
-    if SMALLEST <= size <= LARGEST:
-        return
-    fitting = [
-        f"{scale_mm * unit:g} ({name}, {size * unit:.4g} mm)"
-        for name, unit in UNITS.items()
-        if SMALLEST <= size * unit <= LARGEST
-    ]
-    ask = (
-        f"is it drawn in another unit? scale_mm = {' or '.join(fitting)}"
-        if fitting
-        else ("set scale_mm, the millimetres of the file's unit")
-    )
-    raise InputError(
-        f"{source}: the longest side is {size:.4g} mm at scale_mm = {scale_mm:g}, "
-        f"must lie in {SMALLEST:g}..{LARGEST:g} mm; {ask}"
-    )

@@ -1,8 +1,9 @@
-"""Legs that place themselves: two rows of them under a body of any outline.
+"""Legs that place themselves: rows of them under a body of any outline.
 
-What a person has drawn is taken as it is seen from above. The rows stand across the walk, their feet as
+What a person has drawn is taken as it is seen from above. Two rows stand across the walk, their feet as
 far behind the centre of mass as before it, as wide as the outline allows, and in pieces where a hole or
-a notch divides it.
+a notch divides it; between rows that are far apart stand more. What they stand on reaches so far in every
+direction that a walker that leans by LEAN falls back on its feet.
 """
 
 import math
@@ -13,7 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import GeometryError
+from walkergen.errors import GeometryError, InputError, SolidError
+from walkergen.shapes import joining
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Legs, Limb, pair_of
 
@@ -29,9 +31,24 @@ NARROWEST_MM = 1.0
 SPAN = 13.0 / 28.0
 """Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
 
-STEADY = 0.5
-"""Distance of the feet over the height of the centre of mass at least: a walker that leans by
-atan(STEADY / 2), 14 deg, still falls back on its feet."""
+LEAN_DEG = 10.0
+"""Least angle by which a walker may lean, in any direction, and still fall back on its feet, deg."""
+
+STEADY = 2.0 * math.tan(math.radians(LEAN_DEG))
+"""Distance of the feet over the height of the centre of mass at least, by that angle."""
+
+WISHED = 0.5
+"""Distance of the rows' feet over the height of the centre of mass that is wished where the body is short."""
+
+ROWS_APART_MM = 60.0
+"""Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
+590 Hz, six times the paper's drive, so that the body counts as rigid."""
+
+LARGER = tuple(1.35**step for step in range(1, 8))
+"""Sizes, over a body's own, of which the first that stands is told."""
+
+SHORTER = (0.75, 0.5)
+"""Lengths of legs, over the wished, of which the first that stands is told."""
 
 TRIES = 61
 """Distances of the feet that are tried."""
@@ -47,6 +64,9 @@ Array = npt.NDArray[np.float64]
 
 INSETS = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
 """Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
+
+ROUNDING = 1e-9
+"""Largest relative error of a margin."""
 
 DIGITS = 6
 """Decimals of places and widths, mm: what is symmetric is so to the last bit."""
@@ -73,59 +93,111 @@ class Row(NamedTuple):
         """Width of all of them, mm."""
         return sum(width for _, width in self.legs)
 
+    @property
+    def high(self) -> float:
+        """Outer edge of the last, mm."""
+        return self.legs[-1][0] + 0.5 * self.legs[-1][1]
+
+
+class Placement(NamedTuple):
+    """Legs that were found for a body."""
+
+    limbs: tuple[Limb, ...]
+    """The rear row first."""
+    lean_deg: float
+    """Angle by which the walker may lean, in any direction, and still fall back on its feet, deg."""
+
+    @property
+    def words(self) -> str:
+        """What was chosen, in a line."""
+        places = sorted({limb.along for limb in self.limbs})
+        widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
+        wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
+        return (
+            f"legs found for the body: {len(places)} rows, {wide} mm wide, feet {places[-1] - places[0]:.3g} mm apart; "
+            f"it tips beyond {self.lean_deg:.0f} deg"
+        )
+
 
 @lru_cache(maxsize=4096)
-def limbs(body_key: str, legs_key: str) -> tuple[Limb, ...]:
-    """Legs found for a body, the rear row first; both as their JSON.
+def placed(body_key: str, legs_key: str) -> Placement:
+    """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
 
-    They are turned and long as those that are written, at other places and of other widths. Raises
-    GeometryError where none stand.
+    Raises GeometryError where none stand, with what would help.
     """
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    try:
+        return _placed(body, legs)
+    except GeometryError as error:
+        raise GeometryError(
+            f"legs.place: {error}; what helps: {', or '.join(_remedies(body, legs))}", "legs.place"
+        ) from None
+
+
+def _placed(body: Body, legs: Legs) -> Placement:
+    """Legs for a body. Raises GeometryError."""
     import shapely
 
     from walkergen.walker import landing
 
-    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     size = body.shape.size
     leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _ground(body, body_key)
-    centre, height = (along, across), up - leg.foot_height
-    reach = _reach(leg)
+    ground, (along, up, across) = _ground(body)
+    centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
     if body.flat:
-        return _limbs(leg, rows(ground, centre, height, reach))
-    problem: GeometryError | None = None
+        return _placement(leg, rows(ground, centre, height, reach), centre, height)
     for inset in INSETS:
         drawn_in = shapely.buffer(ground, -inset * size.depth)
+        found = _placement(leg, rows(drawn_in, centre, height, reach), centre, height)
         try:
-            return landing.landed(body_key, _limbs(leg, rows(drawn_in, centre, height, reach)))
-        except GeometryError as error:
-            problem = problem or error
-    assert problem is not None
-    raise problem
+            return found._replace(limbs=landing.landed(body.key, found.limbs))
+        except GeometryError:  # a leg misses the mesh: farther in there is more of it
+            continue
+    raise GeometryError("its underside is too narrow or too steep for legs")
 
 
-def _ground(body: Body, body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+def _remedies(body: Body, legs: Legs) -> list[str]:
+    """What would make legs stand under a body, tried out: the first that helps of each kind."""
+    length = body.shape.size.length
+    sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
+    wishes = [
+        [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else [],
+        [(f"larger, body.length_mm = {size:.0f}", body.with_keys(length_mm=size)) for size in sizes],
+    ]
+    remedies = []
+    for wish in wishes:
+        remedies += [words for words, other in wish if _stands(other, legs)][:1]
+    lengths = (share * legs.length_mm for share in SHORTER)
+    shorter = [mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm}))]
+    return [*remedies, *(f"shorter legs, legs.length_mm = {mm:.3g}" for mm in shorter[:1])] or ["a wider shape"]
+
+
+def _stands(body: Body, legs: Legs) -> bool:
+    try:
+        _placed(body, legs)
+    except (InputError, SolidError):
+        return False
+    return True
+
+
+def _ground(body: Body) -> "tuple[BaseGeometry, tuple[float, float, float]]":
     """What a body covers, (along, across), and its centre of mass: along, up and across from its middle."""
     import shapely
 
     from walkergen.walker import landing, mass
 
     shape = body.shape
-    if body.flat:
+    if shape.plan:
         outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
         ground = shapely.Polygon(outer, holes)
-        return ground, (ground.centroid.x, 0.0, ground.centroid.y)
-    ready = landing.ready(body_key)
-    rings = ready.solid.rotate((-90.0, 0.0, 0.0)).project().to_polygons()  # z to y
-    ground = shapely.Polygon()
-    for ring in rings:
-        ground = ground.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+        if shape.mesh is None:
+            return ground, (ground.centroid.x, 0.0, ground.centroid.y)
+    ready = landing.ready(body.key)
     along, up, across = mass.weigh(ready.mesh, 1.0).centre.tolist()
-    return shapely.affinity.translate(ground, 0.0, -0.5 * shape.size.depth), (
-        along,
-        up,
-        across - 0.5 * shape.size.depth,
-    )
+    middle = 0.5 * shape.size.depth
+    if not shape.plan:
+        ground = shapely.affinity.translate(joining.shadow(ready.solid), 0.0, -middle)
+    return ground, (along, up, across - middle)
 
 
 def _reach(leg: Limb) -> Reach:
@@ -137,28 +209,38 @@ def _reach(leg: Limb) -> Reach:
     return Reach(min(ends), max(ends))
 
 
-def _limbs(leg: Limb, placed: Sequence[Row]) -> tuple[Limb, ...]:
+def _placement(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
     """Legs of rows, each like `leg`."""
-    return tuple(
+    found = tuple(
         leg._replace(along=round(row.along, DIGITS), across=round(across, DIGITS), width=round(width, DIGITS))
         for row in placed
         for across, width in row.legs
     )
+    return Placement(found, math.degrees(math.atan2(_margin(placed, centre), height)))
 
 
-def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, Row]:
+def _margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
+    """Distance, mm, of the centre of mass from the edge of what the feet stand on; 0 outside."""
+    import shapely
+
+    corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
+    ground = shapely.MultiPoint(corners).convex_hull
+    point = shapely.Point(centre)
+    return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
+
+
+def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
     """Rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
 
     `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
-    wherever such rows exist, else nearly so. Raises GeometryError, which says what would help, where
-    none do.
+    wherever such rows exist, else nearly so. Raises GeometryError where none do.
     """
     import shapely
 
     inner = ground.buffer(-EDGE_MM).simplify(ROUNDED_MM)
     left, _, right, _ = ground.bounds
     least, most = STEADY * height, right - left
-    wished = max(SPAN * (right - left), least)
+    wished = max(SPAN * (right - left), WISHED * height)
     spans = np.linspace(least, max(most, least), TRIES)
     for share in SHIFTS:
         middles = centre[0] + share * spans
@@ -167,14 +249,23 @@ def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, rea
         for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
             if back is not None and front is not None:
                 narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
-                costs[abs(math.log(spans[number] / wished)) + narrow] = back, front
-        if costs:
-            return _alike(*costs[min(costs)])
+                costs[abs(math.log(spans[number] / wished)) + narrow] = _alike(back, front)
+        for cost in sorted(costs):
+            if _margin(costs[cost], centre) >= 0.5 * STEADY * height * (1.0 - ROUNDING):
+                return _between_rows(costs[cost], inner, centre[1], reach)
     wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
     raise GeometryError(
-        f"legs.place: no two rows of legs stand under a body of {right - left:.3g} mm, whose centre of mass is "
-        f"{height:.3g} mm high and whose widest place is {wide:.2g} mm: make it larger, or its legs shorter"
+        f"{right - left:.3g} mm long, {wide:.2g} wide, its centre of mass {height:.3g} mm up, it tips from any legs"
     )
+
+
+def _between_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
+    """Rows with others between them, where these are far apart and there is room."""
+    back, front = outer
+    number = math.ceil((front.along - back.along) / ROWS_APART_MM - ROUNDING)
+    places = np.linspace(back.along, front.along, number + 1)[1:-1]
+    middle = _rows(inner, places, across, reach) if len(places) else []
+    return back, *(row for row in middle if row is not None), front
 
 
 def _rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
 from walkergen import request
-from walkergen.errors import PrintabilityError
+from walkergen.errors import InputError, PrintabilityError
 from walkergen.files.progress import Progress
 from walkergen.request import Flag
 
@@ -15,43 +15,34 @@ if TYPE_CHECKING:
     from walkergen.jobs.make.check.make import CheckReport
     from walkergen.jobs.make.check.weigh_report import WeighReport
 
-MESHES = (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
-"""Endings of files of meshes."""
-
 
 class CheckRequest(request.Request):
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
-    Of a mesh file it tells volume, mass, centre of mass, inertia tensor, principal moments and axes.
+    With --weigh it tells, of a mesh file, volume, mass, centre of mass, inertia tensor, principal moments and axes.
     """
 
-    design: Annotated[
-        Any,
-        Flag(
-            "Walker, a template or a TOML file; or a mesh: STL, OBJ, PLY, OFF, 3MF or GLB.",
-            "DESIGN",
-            takes="Walker",
-            templates=("walkers",),
-            argument=True,
-        ),
-    ] = request.PAPER
+    design: request.Walker = request.PAPER
     tilt: request.Tilts = None
     legs: request.Kinds = None
     printer: request.Machine = request.PRUSA
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     copies: request.Copies = 1
     strict: request.Strict = False
+    weigh: Annotated[bool, Flag("Weigh a mesh file, whatever it shows.")] = False
     density: Annotated[float, Field(ge=1e-6, le=100.0), Flag("Density of a mesh's material, g/cm3.", "G/CM3")] = 1.24
     scale: Annotated[float, Field(ge=1e-6, le=1e6), Flag("Length of a mesh file's unit, mm.", "MM")] = 1.0
 
     def run(self, progress: Progress) -> "CheckReport | WeighReport":
         """Check the walkers, or weigh the mesh."""
-        if isinstance(self.design, (str, Path)) and Path(self.design).suffix.lower() in MESHES:
+        if self.weigh:
             return self._weigh(Path(self.design))
         from walkergen.jobs.make.check import make
         from walkergen.printing import findings
 
-        self.refuse("is of a mesh file", "density", "scale")
+        self.refuse("is for --weigh", "density", "scale")
         given = self.inputs()
         members, counts = given.batch(given.design(self.design), self.tilt, self.legs, self.copies, whole=True)
         report = make.check(members, counts, given.printer(self.printer))
@@ -62,8 +53,11 @@ class CheckRequest(request.Request):
         return report
 
     def _weigh(self, path: Path) -> "WeighReport":
-        """Weigh a mesh file."""
+        """Weigh a mesh file. Raises InputError."""
         from walkergen.jobs.make.check import weigh_report, weighing
+        from walkergen.walker.design import MESHES
 
-        self.refuse("is of a walker, not of a mesh", "tilt", "legs", "printer", "set", "copies", "strict")
+        if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESHES:
+            raise InputError(f"--weigh: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESHES)}", "design")
+        self.refuse("not with --weigh", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
         return weigh_report.of(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

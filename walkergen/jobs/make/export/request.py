@@ -43,6 +43,8 @@ class ExportRequest(request.Request):
             templates=("scenes",),
         ),
     ] = None
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     out: Annotated[
         Path | None,

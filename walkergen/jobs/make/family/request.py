@@ -36,6 +36,8 @@ class FamilyRequest(request.Request):
     mode: request.Mode = "coulomb"
     law: request.Law = None
     printer: request.Machine = request.PRUSA
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     copies: request.Copies = 1
     max_parts: request.MaxParts = 5000
@@ -69,7 +71,7 @@ class FamilyRequest(request.Request):
 
         if not self.page:
             self.refuse("is for --page", "run_in")
-        run_in = None if self.run_in is None else inputs.Inputs({}, {}).scene(self.run_in)
+        run_in = None if self.run_in is None else inputs.of({}, {}, ["scene"]).scene(self.run_in)
         given = self.inputs()
         design, scene = given.design(self.design), given.scene(self.scene)
         inputs.check_mode(self.mode, scene)

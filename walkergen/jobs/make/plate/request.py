@@ -45,6 +45,8 @@ class PlateRequest(request.Request):
     ] = None
     caps: request.Caps = None
     printer: request.Machines = request.PRUSA
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     max_parts: request.MaxParts = 5000
     prusaslicer: request.ForPrusaSlicer = False

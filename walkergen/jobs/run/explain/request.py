@@ -21,6 +21,8 @@ class ExplainRequest(request.Request):
     friction: request.Friction = None
     gamma: request.Gamma = None
     frequency: request.Frequency = None
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     cost: Annotated[bool, Flag("Measure the CPU time that each effect costs.")] = True
 

@@ -38,6 +38,8 @@ class MovieRequest(request.Request):
     frequency: request.Frequency = None
     step: request.Step = None
     seed: request.Seed = None
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     out: Annotated[
         Path | None, request.Target, Flag("GIF to write; the MP4 comes beside it.", "FILE", takes="Name | None")

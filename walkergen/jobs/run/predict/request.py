@@ -27,6 +27,8 @@ class PredictRequest(request.Request):
     frequency: request.Frequency = None
     mode: request.Mode = "coulomb"
     law: request.Law = None
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     weights: request.Weights = None
     uncertain: request.Uncertain = False

@@ -47,6 +47,8 @@ class SimulateRequest(request.Request):
     frequency: request.Frequency = None
     step: request.Step = None
     seed: request.Seed = None
+    text: request.Text = None
+    mirror: request.Mirror = None
     set: request.Settings = {}
     trajectory: Annotated[
         Path | None,
