@@ -30,22 +30,48 @@ Walker = Design | Name
 Ground = Scene | Name
 Machine = Printer | Name
 
-__all__ = ['Design', 'Printer', 'Scene', 'WalkergenError', '__version__', 'accuracy', 'analyse', 'calibrate', 'check', 'crowd', 'design', 'explain', 'export', 'family', 'fit', 'load', 'movie', 'plate', 'predict', 'reproduce', 'selftest', 'simulate', 'sweep', 'templates', 'track']
+__all__ = [
+    "Design",
+    "Printer",
+    "Scene",
+    "WalkergenError",
+    "__version__",
+    "accuracy",
+    "analyse",
+    "calibrate",
+    "check",
+    "crowd",
+    "design",
+    "explain",
+    "export",
+    "family",
+    "fit",
+    "load",
+    "movie",
+    "plate",
+    "predict",
+    "reproduce",
+    "selftest",
+    "simulate",
+    "sweep",
+    "templates",
+    "track",
+]
 
 def family(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     out: Name | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    scene: Ground = 'lane-90hz',
+    scene: Ground = "lane-90hz",
     restitution: float | None = None,
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
+    mode: Literal["coulomb", "paper"] = "coulomb",
     law: str | None = None,
-    printer: Machine = 'prusa-mk3s',
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -70,13 +96,13 @@ def family(
     """
 
 def export(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     out: Name | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    format: str | Iterable[str] = ['stl'],
-    caps: Literal['aruco'] | None = None,
+    format: str | Iterable[str] = ["stl"],
+    caps: Literal["aruco"] | None = None,
     scene: Ground | None = None,
     text: str | None = None,
     mirror: bool | None = None,
@@ -86,11 +112,11 @@ def export(
     """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
 
 def check(
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    printer: Machine = 'prusa-mk3s',
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -114,8 +140,8 @@ def plate(
     copies: int | Mapping[float, int] | str = 1,
     orders: Name | None = None,
     serial: int | None = None,
-    caps: Literal['aruco'] | None = None,
-    printer: Machine = 'prusa-mk3s',
+    caps: Literal["aruco"] | None = None,
+    printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -140,13 +166,13 @@ def design(
     least_sensitive: bool = False,
     persistence: float | None = None,
     turning_radius: float | None = None,
-    design: Walker = 'koumakis2016',
+    design: Walker = "koumakis2016",
     vary: str | Iterable[str] = [],
     set: Mapping[str, Any] = {},
-    scene: Ground = 'lane-90hz',
-    printer: Machine = 'prusa-mk3s',
+    scene: Ground = "lane-90hz",
+    printer: Machine = "prusa-mk3s",
     model: str | None = None,
-    error: str = '5%',
+    error: str = "5%",
     seed: int | None = None,
     workers: int | None = None,
     out: Name | None = None,
@@ -156,8 +182,8 @@ def design(
     """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
 
 def predict(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     tilt: float | Iterable[float] | str | None = None,
     *,
     legs: Kind | Iterable[Kind] | None = None,
@@ -165,7 +191,7 @@ def predict(
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
+    mode: Literal["coulomb", "paper"] = "coulomb",
     law: str | None = None,
     text: str | None = None,
     mirror: bool | None = None,
@@ -206,8 +232,8 @@ def sweep(
     """
 
 def simulate(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
@@ -230,7 +256,7 @@ def simulate(
     uncertain: bool = False,
     draws: int = 64,
     out: Name | None = None,
-    of: str = 'speed_mm_s',
+    of: str = "speed_mm_s",
     all: bool = False,
     progress: Progress | None = None,
 ) -> SimulationReport:
@@ -244,13 +270,13 @@ def simulate(
 
 def crowd(
     design: Walker | Card | None = None,
-    scene: Ground = 'plane-90hz',
+    scene: Ground = "plane-90hz",
     *,
     count: int | Mapping[str, int] | str | None = None,
     packing: float | None = None,
     arena: str | None = None,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     seconds: float | None = None,
     runs: int | None = None,
     restitution: float | None = None,
@@ -259,7 +285,7 @@ def crowd(
     frequency: float | None = None,
     step: float | None = None,
     seed: int | None = None,
-    model: Literal['space', 'flat'] | None = None,
+    model: Literal["space", "flat"] | None = None,
     rate_hz: float = 25.0,
     threads: int | None = None,
     write_only: bool = False,
@@ -284,15 +310,15 @@ def crowd(
     """
 
 def movie(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
     seconds: float | None = None,
     periods: float | None = None,
     slow: float | None = None,
-    view: Literal['above', 'perspective'] | None = None,
+    view: Literal["above", "perspective"] | None = None,
     fps: int = 25,
     model: str | None = None,
     law: str | None = None,
@@ -315,11 +341,11 @@ def movie(
     """
 
 def explain(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     model: str | None = None,
     friction: float | None = None,
     gamma: float | None = None,
@@ -340,11 +366,11 @@ def track(
     fps: float | None = None,
     frames: tuple[int, int | None] | str = (0, None),
     region: tuple[int, int, int, int] | str | None = None,
-    walkers: Literal['dark', 'light'] | None = None,
+    walkers: Literal["dark", "light"] | None = None,
     threshold: float | None = None,
     width: float | None = None,
-    heading: Literal['motion', 'mark'] = 'motion',
-    markers: Literal['aruco'] | None = None,
+    heading: Literal["motion", "mark"] = "motion",
+    markers: Literal["aruco"] | None = None,
     marker_mm: float | str | None = None,
     lens: Name | None = None,
     out: Name | None = None,
@@ -388,14 +414,14 @@ def analyse(
 
 def fit(
     speeds: Name,
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
-    model: Literal['prediction', 'theory', 'compliant', 'space'] = 'prediction',
+    model: Literal["prediction", "theory", "compliant", "space"] = "prediction",
     fix: Mapping[str, float] | Iterable[str] = [],
-    prior: Literal['flat', 'scene'] | None = None,
+    prior: Literal["flat", "scene"] | None = None,
     predict: float | Iterable[float] | str | None = None,
-    mode: Literal['coulomb', 'paper'] = 'coulomb',
+    mode: Literal["coulomb", "paper"] = "coulomb",
     law: str | None = None,
     seed: int | None = None,
     set: Mapping[str, Any] = {},
@@ -415,14 +441,14 @@ def fit(
 
 def calibrate(
     what: Name,
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     restitution: float | None = None,
     friction: float | None = None,
-    by: Literal['deflection', 'ring', 'both'] = 'both',
+    by: Literal["deflection", "ring", "both"] = "both",
     roll_deg: float = 1.0,
     drops: int = 24,
     seed: int | None = None,
@@ -433,7 +459,7 @@ def calibrate(
     decrement: float | None = None,
     decrement_sd: float | None = None,
     movie: Name | None = None,
-    printer: Machine = 'prusa-mk3s',
+    printer: Machine = "prusa-mk3s",
     max_plates: int | None = None,
     prusaslicer: bool = False,
     strict: bool = False,
@@ -458,33 +484,29 @@ def calibrate(
     """
 
 def accuracy(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
     tilt: float | None = None,
-    legs: Literal['flexible', 'braced'] | None = None,
+    legs: Literal["flexible", "braced"] | None = None,
     restitution: float | None = None,
     friction: float | None = None,
     set: Mapping[str, Any] = {},
-    only: str | Iterable[str] = ['models', 'steps', 'statistics', 'shape'],
+    only: str | Iterable[str] = ["models", "steps", "statistics", "shape"],
     budget: str | float = 60.0,
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
     """Measure what accuracy costs in time: models, steps, statistics, shape."""
 
-def selftest(
-    only: str | None = None,
-    *,
-    progress: Progress | None = None,
-) -> Report:
+def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
 
 def reproduce(
-    design: Walker = 'koumakis2016',
-    scene: Ground = 'lane-90hz',
+    design: Walker = "koumakis2016",
+    scene: Ground = "lane-90hz",
     *,
-    scene_fitted: Ground = 'lane-90hz-fitted',
+    scene_fitted: Ground = "lane-90hz-fitted",
     tilt: float | Iterable[float] | str | None = None,
     gamma: str | Iterable[float] | None = None,
     seconds: float | None = None,
