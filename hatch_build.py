@@ -1,7 +1,9 @@
-"""Wheels with compiled kernels: `make wheel`, or a build with WALKERGEN_KERNELS=all set.
+"""Compiled kernels: in wheels by `make wheel`, and in the cache of who installs an editable copy.
 
-The kernels are those that the commands below compile, for any CPU of a kind; they lie in
-walkergen/kernels, and `walkergen/numerics/shipped.py` says when they are used.
+Those of a wheel are the ones that the commands below compile, for any CPU of a kind; they lie in
+walkergen/kernels, and `walkergen/numerics/shipped.py` says when they are used. A build with
+WALKERGEN_KERNELS=all or =first makes one. `pip install -e .` compiles the first simulation's for
+this machine, as that simulation would do, unless WALKERGEN_KERNELS=none is set.
 """
 
 import json
@@ -15,7 +17,7 @@ from pathlib import Path
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SHORT = ("--seconds", "0.05", "--runs", "2", "--quiet")
-FIRST = (("predict", "--tilt", "10"), ("simulate", *SHORT))
+FIRST = (("simulate", *SHORT),)
 MORE = (
     *(("simulate", "--model", model, *SHORT) for model in ("relaxed", "rigid", "compliant")),
     ("family", "--no-pictures", "--quiet"),
@@ -29,9 +31,11 @@ class KernelsHook(BuildHookInterface):  # type: ignore[misc,type-arg]
     """Takes kernels along where the environment asks for them: a wheel of one platform then."""
 
     def initialize(self, version: str, build_data: dict) -> None:  # type: ignore[type-arg]
-        """Compile kernels before the wheel is packed."""
+        """Compile kernels before the wheel is packed, or an editable copy is installed."""
         wished = os.environ.get("WALKERGEN_KERNELS", "")
-        if self.target_name != "wheel" or version != "standard" or not wished:
+        if version == "editable" and wished != "none":
+            warm(Path(self.root))
+        if self.target_name != "wheel" or version != "standard" or wished in ("", "none"):
             return
         commands = {"first": FIRST, "all": (*FIRST, *MORE)}[wished]
         folder = Path(self.root) / "build" / "kernels"
@@ -40,6 +44,24 @@ class KernelsHook(BuildHookInterface):  # type: ignore[misc,type-arg]
         build_data["force_include"][str(folder)] = "walkergen/kernels"
         build_data["pure_python"] = False
         build_data["infer_tag"] = True
+
+
+def warm(root: Path) -> None:
+    """Compile kernels into the user's cache. What goes wrong is left to the first simulation, which compiles too."""
+    paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]  # where pip puts what builds need
+    for words in FIRST:
+        with tempfile.TemporaryDirectory() as place:
+            done = subprocess.run(
+                [sys.executable, "-m", "walkergen", *words],
+                cwd=place,
+                env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        if done.returncode:
+            reason = done.stderr.strip().splitlines()[-1:]
+            print(f"kernels will be compiled by the first simulation: {''.join(reason)}", file=sys.stderr)
 
 
 def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]) -> None:

@@ -115,6 +115,37 @@ def test_export_writes_both_formats(run, tmp_path):
     assert all((tmp_path / name).stat().st_size > 500 for name in files)
 
 
+SWEEP = """design = "koumakis2016"
+
+[grid]
+"legs.tilt_deg" = [10.0, 84.0]
+"legs.length_mm" = [8.0, 9.0]
+"""
+
+
+def test_export_writes_the_walkers_of_a_sweep_by_the_numbers_of_its_rows(run, tmp_path):
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    result = run("export", "--sweep", "sweep.toml", "--out", "out", "--format", "stl,3mf")
+    assert result.exit_code == 0
+    assert "2 of 4 walkers cannot be made" in result.stderr
+    assert sorted(path.name for path in (tmp_path / "out").glob("*/*")) == [
+        f"koumakis2016_{number}.{form}" for number in (1, 2) for form in ("3mf", "stl")
+    ]
+    header, *rows = (tmp_path / "out" / "parts.csv").read_text().splitlines()
+    assert header == "number,legs.tilt_deg,legs.length_mm,refused"
+    assert rows[:2] == ["1,10.0,8.0,", "2,10.0,9.0,"]
+    assert "tilt" in rows[2]
+    run("export", "--set", "legs.length_mm=9", "--out", "alone")
+    alone = (tmp_path / "alone" / "stl" / "walker_t10.0_flexible_s0.40.stl").read_bytes()
+    assert (tmp_path / "out" / "stl" / "koumakis2016_2.stl").read_bytes()[80:] == alone[80:]
+
+
+def test_a_sweep_says_all_of_its_walkers(run, tmp_path):
+    (tmp_path / "sweep.toml").write_text(SWEEP)
+    for words in (("--tilt", "5"), ("--set", "legs.length_mm=9"), ("--format", "mjcf"), ("--out", "one.stl")):
+        assert "--sweep" in refused(run, "export", "--sweep", "sweep.toml", *words)
+
+
 def test_plate_places_every_copy(run, tmp_path):
     result = run("plate", "koumakis2016", "--tilt", "5,10,15", "--copies", "8", "--printer", "prusa-mk3s", "--json")
     found = json.loads(result.stdout)

@@ -259,7 +259,7 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
         (HEADER + "koumakis2016,80,,1\n", "tilt up to"),
         (HEADER + "koumakis2016,nan,,1\n", ":2: tilt_deg = 'nan': must be a number in -85..85"),
         (HEADER + "koumakis2016,10,Flexible,1\n", "must be flexible or braced, or blank"),
-        (HEADER + "koumakis2016,5,,3000\nmaker-large,5,,2001\n", "5001 parts: at most 5000"),
+        (HEADER + "koumakis2016,5,,5000\n" * 10 + "maker-large,5,,1\n", "50001 parts: at most 50000"),
         (HEADER + "koumakis2016,5,,1\n" * 5001, "5001 rows; at most 5000"),
         (HEADER + "#" * 10_000_000, "10000028 bytes, more than 1000000"),
     ],

@@ -143,9 +143,9 @@ def test_too_many_plates_are_refused_with_what_would_fit() -> None:
         plate.pack(parts, MK3S, max_plates=2)
 
 
-@pytest.mark.parametrize("copies", [plate.MOST_PARTS + 1, 10**15])
+@pytest.mark.parametrize("copies", [plate.MOST_ARRANGED + 1, 10**15])
 def test_too_many_parts_are_refused_at_once(copies: int) -> None:
-    with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MOST_PARTS}"):
+    with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MOST_ARRANGED}"):
         plate.pack([part("walker", copies=copies)], MK3S)
 
 

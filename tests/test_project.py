@@ -1,11 +1,15 @@
 """The project's own papers agree with one another."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
-from importlib.metadata import metadata
+from importlib.metadata import metadata, packages_distributions
 from pathlib import Path
 
+import pytest
 import yaml
 from packaging.requirements import Requirement
 
@@ -57,6 +61,36 @@ def test_the_conda_recipe_asks_for_what_the_package_asks_for():
     assert PROJECT["requires-python"] == f">={RECIPE['context']['python_min']}"
     (hatchling,) = tomllib.loads(PYPROJECT)["build-system"]["requires"]
     assert Requirement(hatchling) in map(Requirement, RECIPE["requirements"]["host"][1:])
+
+
+WITHOUT = """
+import sys
+
+class Blocked:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {blocked}:
+            raise ModuleNotFoundError(name)
+
+sys.meta_path.insert(0, Blocked())
+from walkergen.__main__ import main
+main()
+"""
+"""Command line where some packages are not installed."""
+
+
+@pytest.mark.slow
+def test_an_editable_install_compiles_kernels_with_what_its_build_is_given(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "packaging"))
+    monkeypatch.chdir(ROOT)
+    import backend
+
+    given = {Requirement(text).name for text in backend.get_requires_for_build_editable()}
+    assert given >= backend.SIMULATES
+    others = {Requirement(text).name for text in PROJECT["dependencies"]} - given
+    blocked = {module for module, names in packages_distributions().items() if others & set(names)}
+    words = ("simulate", "--seconds", "0.05", "--runs", "2", "--quiet")
+    command = [sys.executable, "-c", WITHOUT.format(blocked=blocked), *words]
+    subprocess.run(command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True)
 
 
 def test_a_tag_makes_wheels_of_five_platforms_and_of_every_python_named():

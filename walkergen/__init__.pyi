@@ -107,6 +107,7 @@ def export(
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
+    sweep: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
     """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 PAPER, LANE, PLANE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "prusa-mk3s"
 """Templates of the walker, the scenes and the printer that requests begin with."""
 
-STEEPEST, MOST_TILTS, MOST_COPIES, LONGEST_S = 85, 1000, 5000, 86_400.0
+STEEPEST, MOST_TILTS, MOST_COPIES, LONGEST_S = 85, 10_000, 5000, 86_400.0
 """Largest tilt (deg), most tilts and copies of a request, longest budget of time (s)."""
 
 

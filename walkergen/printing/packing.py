@@ -17,7 +17,8 @@ from walkergen.printing.printers import Printer
 from walkergen.shapes import threemf
 from walkergen.shapes.mesh import Mesh
 
-MOST_PARTS = 5000
+MOST_PARTS, MOST_ARRANGED = 5000, 50_000
+"""Most parts on a plate, which are also the most copies of a part; and on all plates of a batch."""
 
 THREEMF, STL = ".3mf", ".stl"
 """Suffixes of plates' files."""
@@ -95,7 +96,7 @@ def pack(
 
     The rows of a plate together lie in the middle of the bed.
     Raises PlateError when a part is larger than the usable bed or taller than the printer, when
-    more than `max_plates` are needed, and for more than MOST_PARTS copies.
+    more than `max_plates` are needed, and for more than MOST_ARRANGED copies.
     """
     total = sum(part.copies for part in parts)
     check_number(total)
@@ -112,8 +113,8 @@ def pack(
 
 def check_number(total: int) -> None:
     """Raise PlateError for more parts than are arranged at once."""
-    if total > MOST_PARTS:
-        raise PlateError(f"{total} parts: at most {MOST_PARTS} are arranged at once; make fewer")
+    if total > MOST_ARRANGED:
+        raise PlateError(f"{total} parts: at most {MOST_ARRANGED} are arranged at once; make fewer")
 
 
 def plate_3mf(

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 class Family(Section):
     """Members that `walkergen family` makes when the command line does not say which."""
 
-    tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=1000)] = Field(
+    tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=10_000)] = Field(
         default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
     )
     legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = Field(default_factory=lambda: list(KINDS))

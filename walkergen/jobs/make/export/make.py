@@ -51,7 +51,7 @@ def make(
             mesh = solids.as_printed(design, solids.build(design).walker)
             drawn, model = drawings[number], models[number]
             for form in formats:
-                for file, data in model if form == MJCF else [_single(form, name, mesh, drawn)]:
+                for file, data in model if form == MJCF else [single(form, name, mesh, drawn)]:
                     target.write(f"{form}/{file}", data)
                     written.append(folder / form / file)
             progress(name, number + 1, len(members))
@@ -73,7 +73,7 @@ def _report(files: Sequence[Path], lines: Sequence[str]) -> Report:
     return Report(name="export", title="Exported walkers", tables=[], facts=facts, files=files, lines=lines)
 
 
-def _single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
+def single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
     """Name and bytes of the file of a walker, its mesh or its drawing, in one of FORMATS."""
     data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
     return f"{name}.{form}", data

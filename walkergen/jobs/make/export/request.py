@@ -46,6 +46,11 @@ class ExportRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
+    sweep: Annotated[
+        Path | None,
+        request.File,
+        Flag("Walkers of every point of a sweep's file instead.", "FILE", takes="Name | None"),
+    ] = None
     out: Annotated[
         Path | None,
         request.Target,
@@ -64,6 +69,13 @@ class ExportRequest(request.Request):
         moving = self.out.suffix.lower() == make.MODEL if self.out and single else make.MJCF in self.format
         if self.scene is not None and not moving:
             raise InputError(f"--scene {str(self.scene)[:60]}: only --format {make.MJCF} has a scene", "scene")
+        if self.sweep is not None:
+            from walkergen.jobs.make.export import swept
+
+            self.refuse("not with --sweep, whose file says it", "design", "tilt", "legs", "caps", "set")
+            if single or moving:
+                raise InputError("--sweep: writes meshes and drawings, numbered, into a folder", "sweep")
+            return swept.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:
             given.refuse(given.of("scene"), f"only --format {make.MJCF} has a scene")

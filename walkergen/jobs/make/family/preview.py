@@ -10,7 +10,6 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from scipy.spatial import ConvexHull
 
 from walkergen.files.canvas import rounded_down
 from walkergen.files.figures import COLOURS, style
@@ -194,7 +193,11 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         linewidths=SEAM,
         joinstyle="round",
     )
-    axes.add_collection(faces)
+    axes.add_collection(faces, autolim=False)  # limits are set once all is drawn
+    if part.cap is None and not carried:
+        return
+    from scipy.spatial import ConvexHull
+
     if part.cap is not None:
         tile, squares = part.cap
         rim = (tile @ part.view.T)[:, :2] - middle + at

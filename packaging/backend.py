@@ -1,0 +1,38 @@
+"""Build backend: hatchling's, which for an editable install is given what compiles the kernels.
+
+`hatch_build.py` compiles them then, so that the first simulation after `pip install -e .` starts at
+once, as it does from a wheel that has its kernels along.
+"""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from hatchling import build
+from hatchling.build import (
+    build_editable,
+    build_sdist,
+    build_wheel,
+    get_requires_for_build_sdist,
+    get_requires_for_build_wheel,
+)
+
+__all__ = [
+    "build_editable",
+    "build_sdist",
+    "build_wheel",
+    "get_requires_for_build_editable",
+    "get_requires_for_build_sdist",
+    "get_requires_for_build_wheel",
+]
+
+SIMULATES = {"manifold3d", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy", "tomli-w", "typer"}
+"""Those of the project's dependencies that a simulation imports."""
+
+
+def get_requires_for_build_editable(config_settings: dict[str, Any] | None = None) -> list[str]:
+    """Requirements of hatchling, and of a simulation in the versions that the project asks for."""
+    project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
+    needed = [line for line in project["dependencies"] if re.match(r"[\w-]+", line)[0] in SIMULATES]
+    return [*build.get_requires_for_build_editable(config_settings), *needed]
