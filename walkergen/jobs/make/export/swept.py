@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from walkergen.errors import OutputError, WalkergenError
 from walkergen.files.output import Folder
@@ -27,7 +28,8 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
     points = asked.request()
     count, width = points.space.points, len(str(points.space.points))
     folder = folder or Path("out") / asked.name()
-    keys, rows, refused = points.space.keys, [], 0
+    keys, refused = points.space.keys, 0
+    rows: list[tuple[Any, ...]] = []
     with Folder(folder, "") as target:
         for number, values in enumerate(points.space.rows(), start=1):
             name, reason = f"{asked.design.name}_{number:0{width}}", ""
