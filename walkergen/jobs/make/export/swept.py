@@ -43,7 +43,7 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
             except OutputError:
                 raise
             except WalkergenError as error:
-                reason, refused = " ".join(str(error).split()), refused + 1
+                reason, refused = " ".join(str(error).split()).removeprefix("--set: "), refused + 1
             rows.append((number, *values, reason))
             progress(name, number, count)
         target.write(PARTS, csv_text(("number", *keys, "refused"), rows).encode())
