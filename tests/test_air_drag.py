@@ -51,7 +51,7 @@ def test_it_is_off_by_default_and_its_number_says_why():
 def test_a_fast_drive_is_told_that_drag_is_not_small():
     plan = plan_of(air=None, drive={"frequency_hz": 5.0, "gamma": 20.0})
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
-    assert drag.number > plan.scene.run.accepted_error
+    assert drag.number > air_drag.SMALL
     assert "NOT small" in drag.reason
 
 

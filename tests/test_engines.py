@@ -10,7 +10,9 @@ from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record
 from walkergen.simulation.effects.compliance import SPRING_FACTORS
-from walkergen.simulation.plan import prepare, without
+from walkergen.simulation.effects.resolve import changed, in_a_plane
+from walkergen.simulation.effects.slope import RULE as SLOPE
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
 from walkergen.simulation.world import OK
 from walkergen.walker import mass as masses
@@ -135,13 +137,6 @@ def test_the_scene_decides_which_effects_are_simulated():
     assert not verdicts(plan)["air drag"]
     braced = plan_of(design=Design().variant(kind="braced"))
     assert braced.resolved.model == "space"
-    for accepted, model in ((0.49, "space"), (0.5, "compliant"), (0.99, "compliant"), (1.0, "relaxed")):
-        assert plan_of(run={"accepted_error": accepted}).resolved.model == model
-    on_a_plane = plan_of(run={"accepted_error": 1.0}, arena={"kind": "plane"})
-    assert on_a_plane.resolved.model == "space"
-    rough = {"run": {"accepted_error": 1.0}, "design": Design().variant(kind="braced")}
-    assert plan_of(**rough).resolved.model == "rigid"
-    assert plan_of(**rough, effects={"air_drag": True}).resolved.model == "space"
     steep = plan_of(plate={"slope_deg": 3.0}, design=Design().variant(tilt_deg=30.0))
     assert verdicts(steep)["plate slope"]
     assert not verdicts(steep)["sticking in impacts"]
@@ -152,8 +147,8 @@ def test_effects_can_be_forced_on_and_off():
     assert not verdicts(level)["plate slope"]
     assert level.world.acting.gravity.along == 0.0
     assert any("forced off" in effect.reason for effect in level.resolved.effects)
-    flat = plan_of(effects={"second_harmonic": True})
-    assert verdicts(flat)["second harmonic"]
+    drag = plan_of(effects={"air_drag": True})
+    assert verdicts(drag)["air drag"]
 
 
 def test_an_effect_that_does_not_exist_is_no_verdict():
@@ -189,13 +184,11 @@ def test_the_frequency_of_a_leg_is_that_of_the_spring_simulated(spring):
 
 def test_without_an_effect_the_rest_stays():
     relaxed = plan_of("relaxed", plate={"slope_deg": 3.0})
-    (tensor,) = [e for e in relaxed.resolved.effects if e.name == "flexible foot tensor"]
     design = Design()
     mass = solids.mass_of(design)
-    plan = prepare(without(relaxed.scene, tensor), design, mass)
+    plan = prepare(in_a_plane(relaxed.scene, "rigid"), design, mass)
     assert plan.resolved.model == "rigid"
     assert plan.resolved.on("plate slope")
-    (slope,) = [e for e in relaxed.resolved.effects if e.name == "plate slope"]
-    level = prepare(without(relaxed.scene, slope), design, mass)
+    level = prepare(changed(relaxed.scene, SLOPE.off), design, mass)
     assert level.resolved.model == "relaxed"
     assert not level.resolved.on("plate slope")

@@ -13,6 +13,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import motor
 from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.effects.rotor import spin
 from walkergen.simulation.run import simulate
 from walkergen.simulation.space.model import mirrored
 from walkergen.simulation.space.pose import place
@@ -113,7 +114,7 @@ def test_spinning_it_keeps_the_angular_momentum_of_body_and_rotor():
         work = work_for(walker, state)
         place(plan.world, state, work)
         own = walker.inertia @ state[W_X : W_Z + 1]
-        kept.append(work.R @ (own + motor.spin(rotor, walker.centre, walker.mass, work.thrown)))
+        kept.append(work.R @ (own + spin(rotor, walker.centre, walker.mass, work.thrown)))
         assert plan.advance(state, 0.05, record.new()) == OK
     assert np.linalg.norm(rotor.spin) > 0.1 * np.linalg.norm(kept[0])
     # To rounding: the top keeps it exactly

@@ -107,10 +107,7 @@ def walkers(draw, plates):
             "tangential_ratio": draw(st.one_of(st.just(0.8), decades(-2, 1))),
             "unevenness_um": draw(st.one_of(st.just(0.0), st.floats(0.0, 100.0))),
         },
-        "effects": {
-            "roll_and_yaw": draw(st.sampled_from([True, True, True, False])),
-            "plate_slope": True,  # also at 0: a kernel for all examples
-        },
+        "effects": {"roll_and_yaw": draw(st.sampled_from([True, True, True, False]))},
         "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
     }
     if draw(st.booleans()):
@@ -135,7 +132,6 @@ def walkers(draw, plates):
         tables["weighed"] = {"body_mass_g": body, "leg_mass_g": body * draw(decades(-4, 1))}
     if draw(plates):
         tables["plate"] |= {"noise_ratio": draw(st.floats(0.0, 1.0)), "roughness_um": draw(st.floats(0.0, 20.0))}
-        tables["effects"] |= {"plate_noise": True, "plate_roughness": True}
     return tables
 
 

@@ -282,6 +282,16 @@ def parse_time(value: Any) -> float | None:
     return None if seconds is None else float(seconds)
 
 
+def parse_effects(value: Any) -> float | None:
+    """Share of the speed of a text, auto:1%, or of a number."""
+    if not isinstance(value, str):
+        return value  # type: ignore[no-any-return]
+    share = words.value(value.removeprefix("auto:").removesuffix("%"))
+    if share is None or not (value.startswith("auto:") and value.endswith("%")) or not 1e-4 <= share <= 100.0:
+        raise ValueError("write auto:1%, a share of the speed in 0.0001..100 %")
+    return 0.01 * share
+
+
 def parse_measured(entry: Any) -> Measured:
     """Number above 0, and its standard error in the same unit where it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
     if entry is None:
@@ -384,6 +394,16 @@ Seconds = Annotated[float | None, Flag("Measured time of each simulated run, s."
 Runs = Annotated[int | None, Flag("Number of simulated runs.", "N", sets="scene.run.runs")]
 Seed = Annotated[int | None, Flag("Seed of the runs' random starts.", "N", sets="scene.run.seed")]
 Step = Annotated[float | None, Flag("Time step.", "MICROSECONDS", sets="scene.run.step_us")]
+Effects = Annotated[
+    float | None,
+    BeforeValidator(parse_effects),
+    Flag(
+        "Leave out effects that change the speed by less: auto:1%.",
+        "auto:ERROR",
+        takes="str | float | None",
+        sets="scene.run.accepted_error",
+    ),
+]
 Settings = Annotated[
     dict[str, Any],
     BeforeValidator(parse_settings),

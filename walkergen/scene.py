@@ -225,8 +225,10 @@ class Run(Section):
     us in a plane, in space what resolves the feet."""
     energy_tolerance: Annotated[float, Field(ge=1e-9, le=1)] = 0.05
     """Largest share of the exchanged energy that may remain unaccounted for."""
-    accepted_error: Annotated[float, Field(ge=1e-6, le=10)] = 0.1
-    """Relative error of the mean speed up to which `model = "auto"` may take a simpler model."""
+    accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
+    """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
+    less, as measured, is left out, effects without a switch in [effects], and for `model = "auto"` the
+    model in space. None: nothing is."""
 
 
 class Effects(Section):

@@ -11,8 +11,8 @@ from walkergen.scene import Effects, Scene
 from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
-ALL = Effects(unevenness=True, second_harmonic=True, plate_slope=True)
-"""Effects that rows without them have too, to no effect: else every combination is compiled."""
+ALL = Effects()
+"""Effects of a row: those that its numbers call for."""
 
 Ranges = dict[str, tuple[float, float]]
 

@@ -73,6 +73,17 @@ class Measured(NamedTuple, Generic[AnExperiment]):
         return self._replace(runs=runs)
 
 
+class Until(Protocol):
+    """What decides how many runs are enough."""
+
+    @property
+    def first(self) -> int:
+        """Number of runs to begin with."""
+
+    def further(self, measured: Measured[Any]) -> Measured[Any] | None:
+        """The same with more runs, or a finer experiment; None where these are enough."""
+
+
 class Runs(NamedTuple):
     """So many runs."""
 
@@ -128,7 +139,7 @@ class Error(NamedTuple):
 
 
 def measure(
-    experiment: AnExperiment, until: Runs | Error | Budget, progress: Progress = silent, threads: int | None = None
+    experiment: AnExperiment, until: Until, progress: Progress = silent, threads: int | None = None
 ) -> Measured[AnExperiment]:
     """Run an experiment on `threads` threads (None: every core), until enough runs are made.
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from walkergen.scene import Scene
 from walkergen.simulation.drive import Drive
-from walkergen.simulation.effects import compliance, harmonic, tensor
-from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects import harmonic
+from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved, resolve
 from walkergen.simulation.model import Plan
 from walkergen.simulation.world import Contact, World
@@ -59,12 +59,3 @@ def _room(resolved: Resolved) -> Any:
     from walkergen.simulation.relaxed import model as relaxed
 
     return relaxed
-
-
-def without(scene: Scene, effect: Effect) -> Scene:
-    """Scene with `effect` off, or with the model that leaves it out."""
-    simpler = {compliance.NAME: "relaxed", tensor.NAME: "rigid"}.get(effect.name)
-    if simpler is None:
-        off = {effect.switch.removeprefix("effects."): False}
-        return scene.model_copy(update={"effects": scene.effects.model_copy(update=off)})
-    return scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": simpler})})

@@ -180,14 +180,16 @@ def longest_step(plan: Plan) -> float:
 
 
 def warnings(plan: Plan) -> list[str]:
-    """Warnings on the plan's step: longer than what the legs' swing allows."""
+    """Warnings on keys of the scene without a part, and on a step longer than what the legs' swing allows."""
+    idle = [plan.resolved.idle] if plan.resolved.idle else []
     longest, step = longest_step(plan), getattr(plan.world.options, "step", 0.0)
     if step <= longest:
-        return []
+        return idle
     return [
+        *idle,
         f"run.step_us = {1e6 * step:g}: beyond {1e6 * longest:.3g} legs swing back within two "
         "steps, every rebound is absorbed, and the speed is wrong (by 70 to 90 % at 10 deg); at "
-        f"most {0.5e6 * longest:.2g}, half of it"
+        f"most {0.5e6 * longest:.2g}, half of it",
     ]
 
 

@@ -1,7 +1,7 @@
-"""Effects on a walker: their rules, the parameters of those that act, their total force.
+"""Effects on a walker: the parameters of those that act, and their total force.
 
-A new effect is a file of its own and four lines here: rule, field, parameters, `+` (a sum for
-each of force, potential and bound, where a force has a place).
+A new effect is a file of its own, its line in `rules`, and three here: field, parameters, `+` (a sum
+for each of force, potential and bound, where a force has a place).
 """
 
 import math
@@ -9,53 +9,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel, lean
-from walkergen.simulation.effects import (
-    air_drag,
-    compliance,
-    harmonic,
-    local_contact,
-    motor,
-    noise,
-    parts,
-    roughness,
-    slope,
-    tensor,
-    tether,
-    turning,
-    twist,
-    unevenness,
-    walls,
-)
+from walkergen.simulation.effects import air_drag, noise, rotor, roughness, slope, tether, turning
 from walkergen.simulation.effects.air_drag import Air
-from walkergen.simulation.effects.effect import Case, Rule
-from walkergen.simulation.effects.motor import Rotor
+from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, Case
 from walkergen.simulation.effects.noise import Noise
+from walkergen.simulation.effects.rotor import Rotor
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.effects.tether import Spring
-
-RULES: tuple[Rule, ...] = (
-    Rule(tensor.judge),
-    Rule(compliance.judge),
-    Rule(parts.sticking),
-    Rule(parts.sustained),
-    Rule(parts.pitch),
-    harmonic.RULE,
-    slope.RULE,
-    Rule(turning.judge),
-    Rule(twist.judge),
-    walls.RULE,
-    Rule(local_contact.judge),
-    unevenness.RULE,
-    noise.RULE,
-    roughness.RULE,
-    Rule(parts.neighbours),
-    Rule(air_drag.judge),
-    tether.RULE,
-    motor.RULE,
-    motor.SPIN_RULE,
-)
-"""Rules of each effect, in the order in which `explain` shows them."""
 
 _drag, _drag_in_space = air_drag.force, air_drag.force_in_space
 _tethered, _pull, _tether_energy = tether.acts, tether.pull, tether.potential
@@ -92,14 +53,16 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
         noise=noise.OFF,
         roughness=roughness.OFF,
         tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
-        motor=_rotor(case, on) if on(motor.NAME) else motor.OFF,
+        motor=_rotor(case, on) if on(MOTOR) else rotor.OFF,
     )
 
 
 def _rotor(case: Case, on: Callable[[str], bool]) -> Rotor:
     """Rotor of a case with a motor."""
-    rotor = motor.parameters(case, on(motor.GYROSCOPIC))
-    return rotor if on(turning.NAME) else motor.held(rotor)
+    from walkergen.simulation.effects import motor
+
+    turned = motor.parameters(case, on(GYROSCOPIC))
+    return turned if on(turning.NAME) else motor.held(turned)
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
 from walkergen.scene import GRAVITY
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 
 NAME, SWITCH = "air drag", "effects.air_drag"
 
@@ -20,6 +20,9 @@ DENSITY = 1.2e-6
 
 COEFFICIENT = 1.2
 """Drag coefficient C of a face."""
+
+SMALL = 0.1
+"""Drag over friction below which it is small."""
 
 FASTEST = 3.0
 """Speed of a fast walker over the plate's peak speed."""
@@ -60,10 +63,12 @@ def judge(case: Case) -> Effect:
         )
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction
-    small = number < scene.run.accepted_error
-    reason = "small" if small else f"NOT small: force it with {SWITCH} = true"
+    reason = "small" if number < SMALL else f"NOT small: force it with {SWITCH} = true"
     on, reason = forced(wanted, False, reason)
     return Effect(NAME, on, number, "drag over friction, for a fast walker", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, usual={SWITCH: True})
 
 
 @kernel

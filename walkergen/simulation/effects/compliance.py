@@ -8,19 +8,11 @@ import math
 from collections.abc import Mapping
 from typing import Literal
 
-from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.walker import names
 from walkergen.walker.limbs import Limb
 
 NAME, SWITCH = "leg compliance", "legs.model"
-
-RELAXED_ERROR = 1.0
-"""Relative error of the relaxed model's mean speed: of the order of the speed itself (`walkergen
-accuracy`). A smaller accepted error calls for compliance."""
-
-PLANAR_ERROR = 0.5
-"""Relative error of the compliant model in its plane, with an impact law in place of elastic feet
-(docs/physics.md section 7). A smaller accepted error calls for the model in space."""
 
 ALIKE = 1.0 + 1e-6
 """Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
@@ -45,13 +37,13 @@ def judge(case: Case) -> Effect:
         if leg.m > 0.0
     }
     ratio = min(frequencies.values(), default=0.0) / scene.drive.frequency
-    accepted = scene.run.accepted_error
-    reason = f"accepted error {accepted:g} against about {RELAXED_ERROR:g} of the relaxed model"
-    if scene.legs.model != "auto":
-        reason = f"legs.model = {scene.legs.model!r}"
-    meaning = f"frequency of a free leg over the drive's{_slowest(frequencies)}"
     on = case.model in ("compliant", "space")
+    reason = "legs swing" if on else f"legs swing back at once in the {case.model} model"
+    meaning = f"frequency of a free leg over the drive's{_slowest(frequencies)}"
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, without={SWITCH: "relaxed"})
 
 
 def _slowest(frequencies: Mapping[str, float]) -> str:

@@ -12,6 +12,9 @@ from walkergen.walker.mass import MassProperties
 
 ModelName = Literal["rigid", "relaxed", "compliant", "space"]
 
+WALLS, NOISE, MOTOR, GYROSCOPIC = "lane walls", "plate noise", "motor", "gyroscopic torque"
+"""Effects whose modules are imported with the first scene that calls for them."""
+
 METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"}
 """Method that each model implies: from event to event, or by time steps."""
 
@@ -58,6 +61,40 @@ class Rule(NamedTuple):
     away: Mapping[str, Any] = MappingProxyType({})
     """Values of keys of the scene with which it is no part of a still plate, as a bench's is; none
     where it remains."""
+    usual: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys with which an effect that is off has a usual size; none where it has none."""
+    without: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys with which it is off; none: its switch is false."""
+
+    @property
+    def off(self) -> Mapping[str, Any]:
+        """Values of keys with which it is off; none of an effect that nothing switches."""
+        return self.without or ({self.switch: False} if self.switch else {})
+
+
+def value_of(scene: Scene, key: str) -> Any:
+    """Value of a key of a table of the scene."""
+    table, _, own = key.partition(".")
+    return getattr(getattr(scene, table), own)
+
+
+def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
+    """Decision and reason of an effect that a number of the scene calls for: that of a key.
+
+    Raises InputError where its switch forces an effect on that has no number.
+    """
+    number = value_of(case.scene, key)
+    reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
+    if not number:
+        absent(case, switch, f"{reason}, so that nothing would act: set it")
+    return forced(value_of(case.scene, switch), bool(number), reason)
+
+
+def absent(case: Case, switch: str, why: str) -> str:
+    """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
+    if value_of(case.scene, switch):
+        raise InputError(f"{switch} = true: {why}, or leave the switch out")
+    return why
 
 
 def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:

@@ -13,7 +13,10 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.simulation.effects import local_contact
+from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.walker.limbs import Limb
+
+NAME, SWITCH = "hysteretic feet", "feet.damping"
 
 
 class Foot(NamedTuple):
@@ -86,3 +89,15 @@ def foot_of(scene: Scene, limb: Limb, modulus: float, local: bool) -> Foot:
         damping_ratio(label) if viscous else 0.0,
         1.0 if viscous else label**-2.0,
     )
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on in space when the scene asks for it. The number is a ratio of stiffnesses."""
+    scene, space = case.scene, case.model == "space"
+    number = max(scene.contact.restitution, LEAST_LABEL) ** -2.0
+    reason = f"feet.damping = {scene.feet.damping!r}" if space else f"the {case.model} model has rigid feet"
+    on = space and scene.feet.damping == "hysteretic"
+    return Effect(NAME, on, number, "stiffness of unloading over that of loading", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, usual={SWITCH: "hysteretic"}, without={SWITCH: "viscous"})

@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
-NAME, SWITCH = "second harmonic", "effects.second_harmonic"
+NAME, SWITCH, KEY = "second harmonic", "effects.second_harmonic", "drive.second_harmonic_ratio"
 
 
 class Harmonic(NamedTuple):
@@ -29,12 +29,11 @@ OFF = Harmonic(0.0, 0.0)
 def judge(case: Case) -> Effect:
     """Rule: on when the scene's drive has a second harmonic."""
     ratio = case.scene.drive.second_harmonic_ratio
-    reason = "drive.second_harmonic_ratio" + (" > 0" if ratio > 0 else " = 0")
-    on, reason = forced(case.scene.effects.second_harmonic, ratio > 0, reason)
+    on, reason = called_for(case, KEY, SWITCH)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={"drive.second_harmonic_ratio": 0.0})
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.2})
 
 
 def parameters(case: Case) -> Harmonic:

@@ -4,20 +4,22 @@ Its stiffness is that of the leg's corner times a ratio of the scene, and lowers
 ratio / (1 + ratio). Limit: an infinite ratio (the key left out) is the leg alone.
 """
 
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, called_for
 
-NAME, SWITCH = "local contact stiffness", "effects.local_stiffness"
+NAME, SWITCH, KEY = "local contact stiffness", "effects.local_stiffness", "feet.local_stiffness_ratio"
 
 
 def judge(case: Case) -> Effect:
     """Rule: on when the scene gives its ratio. The number is the part of the stiffness left."""
-    ratio = case.scene.feet.local_stiffness_ratio
-    reason = "feet.local_stiffness_ratio is " + ("not given" if ratio is None else "given")
-    on, reason = forced(case.scene.effects.local_stiffness, ratio is not None, reason)
-    on = on and ratio is not None and case.model == "space"
+    ratio, meaning = case.scene.feet.local_stiffness_ratio, "stiffness of a corner over its leg's"
     if case.model != "space":
-        reason = f"the {case.model} model has rigid feet"
-    return Effect(NAME, on, series(ratio), "stiffness of a corner over its leg's", reason, SWITCH)
+        why = absent(case, SWITCH, f"the {case.model} model has rigid feet")
+        return Effect(NAME, False, series(ratio), meaning, why, SWITCH)
+    on, reason = called_for(case, KEY, SWITCH)
+    return Effect(NAME, on, series(ratio), meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, planar=False, usual={KEY: 1.0})
 
 
 def series(ratio: float | None) -> float:

@@ -1,12 +1,12 @@
 """Model and effects that a scene calls for, decided from dimensionless numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.scene import Scene
-from walkergen.simulation.effects import compliance
-from walkergen.simulation.effects.acting import RULES, Acting, acting
+from walkergen.scene import Arena, Scene
+from walkergen.simulation.effects import idle, rules
+from walkergen.simulation.effects.acting import Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -19,10 +19,17 @@ class Resolved(NamedTuple):
     model: ModelName
     effects: tuple[Effect, ...]
     acting: Acting
+    idle: str = ""
+    """Line on keys that the scene gives and that have no part in it; "" where all have."""
 
     def on(self, name: str) -> bool:
         """True when the effect `name` is simulated. Raises KeyError for an unknown name."""
-        return {effect.name: effect.on for effect in self.effects}[name]
+        return _verdicts(self.effects)[name]
+
+
+def _verdicts(effects: Sequence[Effect]) -> dict[str, bool]:
+    """Whether each effect is on, by name; those that the scene does not call for are off."""
+    return dict.fromkeys(rules.RARE, False) | {effect.name: effect.on for effect in effects}
 
 
 def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
@@ -33,27 +40,32 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design, mass))
     _check_elastic(scene, design, case.model)
-    effects = tuple(rule.judge(case) for rule in RULES)
-    on = {effect.name: effect.on for effect in effects}
-    acts = acting(case, on.__getitem__)
-    return Resolved(case.model, effects, acts)
+    effects = tuple(rule.judge(case) for rule in rules.of(case))
+    on = _verdicts(effects).__getitem__
+    return Resolved(case.model, effects, acting(case, on), idle.line(case, on))
 
 
 def without_space(scene: Scene) -> Scene:
     """Scene without the effects that planar models refuse, as far as a switch leaves them out."""
-    off = {rule.switch: False for rule in RULES if rule.switch and not rule.planar}
-    return _with(scene, off)
+    off = {rule.switch: False for rule in rules.every() if rule.switch and not rule.planar}
+    return changed(scene, off)
+
+
+def in_a_plane(scene: Scene, model: ModelName) -> Scene:
+    """Scene with a planar model, in a lane and by its own step, without what only space has."""
+    lane = Arena(length_mm=scene.arena.length_mm)
+    return changed(without_space(scene), {"legs.model": model, "arena": lane, "run.step_us": None})
 
 
 def on_still_plate(scene: Scene) -> Scene:
     """Scene without the effects that are no part of a still plate."""
-    for rule in RULES:
+    for rule in rules.every():
         if rule.away:
-            scene = _with(scene, {**rule.away, rule.switch: None})
+            scene = changed(scene, {**rule.away, rule.switch: None})
     return scene
 
 
-def _with(scene: Scene, values: Mapping[str, Any]) -> Scene:
+def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """Scene with values of tables, or of their keys, that were validated before."""
     for key, value in values.items():
         table, _, own = key.partition(".")
@@ -83,23 +95,17 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
             f"{design.name}: {design.kind} legs are rigid; model {wanted} is for flexible legs: "
             "use model 'auto', 'rigid' or 'space', or --legs flexible"
         )
-    plane, accepted = scene.arena.kind == "plane", scene.run.accepted_error
-    if plane and wanted not in ("auto", "space"):
+    if scene.arena.kind == "plane" and wanted not in ("auto", "space"):
         raise InputError(
             f"arena.kind = 'plane': the model {wanted} cannot turn on a plane; use legs.model "
             "'auto' or 'space', or arena.kind = 'lane'"
         )
-    problem = _out_of_plane(design, mass, wanted)
-    if problem and wanted not in ("auto", "space"):
-        raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
-    if wanted != "auto":
-        return wanted
-    motor = scene.drive.kind == "motor"
-    if plane or problem or motor or accepted < compliance.PLANAR_ERROR:
+    if wanted == "auto":
         return "space"
-    if design.rigid:  # flights from event to event are exact without drag only
-        return "space" if scene.effects.air_drag else "rigid"
-    return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
+    problem = "" if wanted == "space" else _out_of_plane(design, mass, wanted)
+    if problem:
+        raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
+    return wanted
 
 
 def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:

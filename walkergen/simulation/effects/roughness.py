@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH = "plate roughness", "effects.plate_roughness"
+NAME, SWITCH, KEY = "plate roughness", "effects.plate_roughness", "plate.roughness_um"
 
 WAVES = 12
 """Number of waves: heights are normal within a few percent."""
@@ -39,11 +39,9 @@ def judge(case: Case) -> Effect:
     """Rule: on when the scene's plate is rough. Raises InputError for planar models."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
-    rough = plate.roughness_um > 0
-    reason = "plate.roughness_um" + (" > 0" if rough else " = 0")
-    on, reason = forced(case.scene.effects.plate_roughness, rough, reason)
+    on, reason = called_for(case, KEY, SWITCH)
     if on:
-        only_in_space(case, "plate.roughness_um", plate.roughness_um, "bumps", SWITCH)
+        only_in_space(case, KEY, plate.roughness_um, "bumps", SWITCH)
     if on and slope > STEEPEST:
         raise InputError(
             f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
@@ -52,7 +50,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False)
+RULE = Rule(judge, SWITCH, planar=False, usual={KEY: 5.0})
 
 
 def draw(case: Case, rng: np.random.Generator) -> Roughness:

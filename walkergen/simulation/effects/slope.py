@@ -7,9 +7,9 @@ import math
 from typing import NamedTuple
 
 from walkergen.scene import GRAVITY
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
-NAME, SWITCH = "plate slope", "effects.plate_slope"
+NAME, SWITCH, KEY = "plate slope", "effects.plate_slope", "plate.slope_deg"
 
 
 class Gravity(NamedTuple):
@@ -28,12 +28,11 @@ def judge(case: Case) -> Effect:
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
-    reason = "plate.slope_deg" + (" is not 0" if slope != 0 else " = 0")
-    on, reason = forced(case.scene.effects.plate_slope, slope != 0, reason)
+    on, reason = called_for(case, KEY, SWITCH)
     return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={"plate.slope_deg": 0.0})
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 2.0})
 
 
 def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:

@@ -3,7 +3,7 @@
 Limit: locked joints (legs.model = "rigid") give the tensor of one rigid body (paper, eq. 4).
 """
 
-from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects.effect import Case, Effect, Rule
 
 NAME, SWITCH = "flexible foot tensor", "legs.model"
 
@@ -19,3 +19,6 @@ def judge(case: Case) -> Effect:
     on = case.model != "rigid"
     reason = "legs are flexible" if on else "legs.model = 'rigid'"
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, without={SWITCH: "rigid"})

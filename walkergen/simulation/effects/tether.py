@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from walkergen.numerics.kernels import lean
 from walkergen.scene import GRAVITY, Tether
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH = "tether", "effects.tether"
+NAME, SWITCH, KEY = "tether", "effects.tether", "tether.stiffness_n_per_m"
 
 FROM_N_PER_M = 1e3
 """g/s^2 in 1 N/m."""
@@ -40,17 +40,16 @@ def judge(case: Case) -> Effect:
     """Effect on where the scene's tether has a stiffness. Raises InputError for planar models."""
     tether = case.scene.tether
     stiff = tether.stiffness_n_per_m
-    reason = "tether.stiffness_n_per_m" + (" > 0" if stiff > 0 else " = 0")
-    on, reason = forced(case.scene.effects.tether, stiff > 0, reason)
+    on, reason = called_for(case, KEY, SWITCH)
     if on:
-        only_in_space(case, "tether.stiffness_n_per_m", stiff, "a tether", SWITCH)
+        only_in_space(case, KEY, stiff, "a tether", SWITCH)
     weight = GRAVITY * (float(case.mass.M) + sum(float(leg.m) for leg in case.mass.legs))
     number = FROM_N_PER_M * stiff * case.design.foot_span / weight
     meaning = "its force, stretched by the distance of the feet, over the weight"
     return Effect(NAME, on, number, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, away={"tether": Tether()})
+RULE = Rule(judge, SWITCH, planar=False, away={"tether": Tether()}, usual={KEY: 0.05})
 
 
 def parameters(case: Case) -> Spring:

@@ -4,7 +4,7 @@ Limit: a walker held in its plane lands on both corners of a foot at once, as pl
 (docs/physics.md section 7, which shows that the plane is not the limit of small roll).
 """
 
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 
 NAME, SWITCH = "yaw and roll", "effects.roll_and_yaw"
 
@@ -14,7 +14,10 @@ def judge(case: Case) -> Effect:
     depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     if case.model != "space":
-        return Effect(NAME, False, depth, meaning, f"the {case.model} model is planar", "")
+        return Effect(NAME, False, depth, meaning, absent(case, SWITCH, f"the {case.model} model is planar"), "")
     reason = "a foot is an edge: one of its corners lands first"
     on, reason = forced(case.scene.effects.roll_and_yaw, True, reason)
     return Effect(NAME, on, depth, meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, planar=False, usual={SWITCH: True})

@@ -6,7 +6,7 @@ Limits: without twist the foot is rigid along its edge; at infinite stiffness th
 """
 
 from walkergen.simulation.effects.compliance import natural_frequency
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 from walkergen.walker.limbs import Limb
 
 NAME, SWITCH = "leg twist", "effects.leg_twist"
@@ -21,8 +21,7 @@ def judge(case: Case) -> Effect:
     The number is the least frequency of a leg's twist over the drive's.
     """
     if case.design.rigid:
-        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", "no free leg", "")
-    spatial = case.model == "space"
+        return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", absent(case, SWITCH, "no free leg"), "")
     modulus = case.design.material.youngs_modulus
     frequencies = [
         natural_frequency(stiffness(limb, modulus), float(leg.m) * limb.width**2 / 36.0)
@@ -30,9 +29,14 @@ def judge(case: Case) -> Effect:
         if leg.m > 0.0
     ]
     ratio = min(frequencies, default=0.0) / case.scene.drive.frequency
-    reason = "corners land one by one" if spatial else f"the {case.model} model is planar"
-    on, reason = forced(case.scene.effects.leg_twist, True, reason) if spatial else (False, reason)
-    return Effect(NAME, on, ratio, "frequency of a leg's twist over the drive's", reason, SWITCH)
+    meaning = "frequency of a leg's twist over the drive's"
+    if case.model != "space":
+        return Effect(NAME, False, ratio, meaning, absent(case, SWITCH, f"the {case.model} model is planar"), "")
+    on, reason = forced(case.scene.effects.leg_twist, True, "corners land one by one")
+    return Effect(NAME, on, ratio, meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, planar=False, usual={SWITCH: True})
 
 
 def stiffness(limb: Limb, modulus: float) -> float:

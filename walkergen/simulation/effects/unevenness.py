@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH = "unevenness", "effects.unevenness"
+NAME, SWITCH, KEY = "unevenness", "effects.unevenness", "feet.unevenness_um"
 
 TALLEST = 0.1
 """Largest standard deviation over the length of a leg."""
@@ -22,10 +22,9 @@ def judge(case: Case) -> Effect:
     Raises InputError for planar models, and for corners that differ as much as legs are long.
     """
     height = case.scene.feet.unevenness_um
-    reason = "feet.unevenness_um" + (" > 0" if height > 0 else " = 0")
-    on, reason = forced(case.scene.effects.unevenness, height > 0, reason)
+    on, reason = called_for(case, KEY, SWITCH)
     if on:
-        only_in_space(case, "feet.unevenness_um", height, "corners", SWITCH)
+        only_in_space(case, KEY, height, "corners", SWITCH)
     shortest = min(limb.length for limb in case.design.limbs)
     most = 1e3 * TALLEST * shortest
     if on and height > most:
@@ -38,7 +37,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False)
+RULE = Rule(judge, SWITCH, planar=False, usual={KEY: 10.0})
 
 
 def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:

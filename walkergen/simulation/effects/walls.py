@@ -9,9 +9,9 @@ import math
 from walkergen.errors import InputError
 from walkergen.scene import Arena
 from walkergen.simulation.effects import turning
-from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
+from walkergen.simulation.effects.effect import WALLS, Case, Effect, Rule, absent, forced
 
-NAME, SWITCH = "lane walls", "effects.lane_walls"
+NAME, SWITCH = WALLS, "effects.lane_walls"
 
 DEFAULT_PLAY = 0.5
 """Gap of a lane over the depth of the body, mm, unless the scene says."""
@@ -41,14 +41,14 @@ def judge(case: Case) -> Effect:
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane" or case.model != "space":
-        reason = "the arena is a plane" if arena.kind != "lane" else turning.judge(case).reason
-        return Effect(NAME, False, 0.0, meaning, reason, "")
+        why = f"the {case.model} model is planar" if arena.kind == "lane" else "the arena is a plane"
+        return Effect(NAME, False, 0.0, meaning, absent(case, SWITCH, why), "")
     play = gap(case) - size.depth
     turn = min(play / size.length, 0.5 * math.pi)
-    loose = turning.judge(case).on
-    reason = "the walker yaws" if loose else "the walker is held in its plane"
-    on, reason = forced(case.scene.effects.lane_walls, loose, reason)
-    return Effect(NAME, on and loose, turn, meaning, reason, SWITCH)
+    if not turning.judge(case).on:
+        return Effect(NAME, False, turn, meaning, absent(case, SWITCH, "the walker is held in its plane"), "")
+    on, reason = forced(case.scene.effects.lane_walls, True, "the walker yaws")
+    return Effect(NAME, on, turn, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")})
+RULE = Rule(judge, SWITCH, planar=False, away={"arena": Arena(kind="plane")}, usual={"arena.kind": "lane"})

@@ -10,8 +10,8 @@ import math
 from walkergen.numerics.kernels import lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import derivative_bound, moved_on
-from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull, strongest
 from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn

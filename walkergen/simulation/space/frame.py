@@ -8,8 +8,8 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import acceleration
-from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
 from walkergen.simulation.space.flight import leave_behind, pass_time, thrown_leg
 from walkergen.simulation.space.forces import resist

@@ -6,9 +6,10 @@ import numpy as np
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import Drive
-from walkergen.simulation.effects import motor, noise, roughness, unevenness
+from walkergen.simulation.effects import rotor as motors
+from walkergen.simulation.effects import roughness, unevenness
 from walkergen.simulation.effects.acting import across, along, potential
-from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.effect import NOISE, Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.model import Array, Model
 from walkergen.simulation.space import steps
@@ -76,9 +77,9 @@ def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0
 def _sway(world: World, state: State, work: Work) -> None:
     """Let the body turn to and fro as its motor turns it, without turning on."""
     walker, rotor = world.walker, world.acting.motor
-    if rotor is not None and motor.acts(rotor):
+    if rotor is not None and motors.acts(rotor):
         still = rotor._replace(spin=(0.0, 0.0, 0.0))
-        turning = motor.spin(still, walker.centre, walker.mass, work.thrown)
+        turning = motors.spin(still, walker.centre, walker.mass, work.thrown)
         state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
         place(world, state, work)
 
@@ -169,8 +170,10 @@ def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator
         root[corners, 1] += np.where(on_body, heights, 0.0)
         reach[corners, 1] += np.where(on_body, 0.0, heights)
         walker = walker._replace(root=root, reach=reach)
-    if resolved.on(noise.NAME):
-        acting = acting._replace(noise=noise.draw(case, rng))
+    if resolved.on(NOISE):
+        from walkergen.simulation.effects import noisy_plate
+
+        acting = acting._replace(noise=noisy_plate.draw(case, rng))
     if resolved.on(roughness.NAME):
         acting = acting._replace(roughness=roughness.draw(case, rng))
     return world._replace(walker=walker, acting=acting)

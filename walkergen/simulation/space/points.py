@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.simulation.effects import walls
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.space.state import Array, Walker
 from walkergen.walker.design import Design
@@ -52,6 +51,8 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool) -> d
                 else (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0, number)
             )
     if walled:
+        from walkergen.simulation.effects import walls
+
         place = 0.5 * walls.gap(case)
         for edge in _edges(design):
             root = np.array([*from_centre(design, mass, edge[:2]), edge[2]]) - centre

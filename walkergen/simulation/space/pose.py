@@ -4,8 +4,8 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import TWO_PI, height, velocity
-from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.space.state import (
     C_X,

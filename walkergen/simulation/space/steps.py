@@ -11,7 +11,7 @@ import math
 from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
-from walkergen.simulation.effects import motor as motors
+from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects.acting import across, along, placed
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw

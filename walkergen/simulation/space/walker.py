@@ -13,8 +13,9 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects import compliance, feet, local_contact, motor, turning, twist, walls
-from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist
+from walkergen.simulation.effects import rotor as motors
+from walkergen.simulation.effects.effect import WALLS, Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
 from walkergen.simulation.space.state import Array, Options, Walker
@@ -72,7 +73,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     lock = inverse_inertia @ limbs.spin
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinges(case, free, freedoms)
-    points = points_of(case, free, centre, resolved.on(walls.NAME))
+    points = points_of(case, free, centre, resolved.on(WALLS))
     feet = points.pop("foot")
     walker = Walker(
         mass=total,
@@ -99,7 +100,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         flights=np.zeros((0, n, n)),
     )
     rotor = resolved.acting.motor
-    if rotor is not None and motor.acts(rotor) and n > 0:
+    if rotor is not None and motors.acts(rotor) and n > 0:
         walker = walker._replace(forced=_forced(walker, rotor))
     return _with_feet(walker, case, feet, resolved.on(local_contact.NAME))
 
@@ -150,7 +151,7 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
     return np.array(springs), np.array(dampers)
 
 
-def _forced(walker: Walker, rotor: motor.Rotor) -> Array:
+def _forced(walker: Walker, rotor: motors.Rotor) -> Array:
     """Coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
     omega, push = rotor.omega, rotor.moment * rotor.omega**2
     pushes = push * np.array([rotor.first, rotor.second])

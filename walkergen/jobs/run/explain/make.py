@@ -1,42 +1,129 @@
-"""Effects of a scene: which are on, why, how large they are, and what they cost."""
+"""Effects of a scene: which are on, how large they are, what each changes of the speed and costs."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
 from walkergen.files import report
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.files.report import Column, Report
+from walkergen.files.report import Column, Report, Table
+from walkergen.jobs.run.explain import measured as measuring
+from walkergen.jobs.run.explain.measured import Measured
+from walkergen.points import variants
+from walkergen.points.variants import Change
 from walkergen.scene import Scene
-from walkergen.simulation import costs
-from walkergen.simulation.costs import Explained
+from walkergen.simulation.effects.effect import Effect
+from walkergen.simulation.experiments import Walker
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 
-def _why(row: Explained) -> str:
-    return f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
+class Row(NamedTuple):
+    """Effect of a scene: its size, why it is on or off, and what the scene without it, or with it, changes."""
+
+    effect: str
+    on: bool
+    number: float
+    meaning: str
+    reason: str
+    switch: str
+    change: str
+    """What differs in the variant of the scene that was measured; "" where none was."""
+    change_mm_s: float | None
+    """Mean speed of the variant less that of the scene."""
+    change_se_mm_s: float | None
+    cpu_ratio: float | None
+    """CPU time of the variant over that of the scene."""
+    cpu_ratio_se: float | None
 
 
-COLUMNS = (
+SHORT = (
+    report.text("effect", "effect"),
+    report.number("size", "number", 3),
+    Column("without it\nmm/s", lambda row: measuring.in_words(row.change_mm_s, row.change_se_mm_s), True),
+    Column("CPU time\nwithout it", lambda row: measuring.factor(row.cpu_ratio, row.cpu_ratio_se), True),
+)
+REASONS = (
     report.text("effect", "effect"),
     Column("", lambda row: "on" if row.on else "off"),
     report.number("size", "number", 3),
-    Column("cost", lambda row: "-" if row.cost is None else f"x {row.cost:.2f}", True),
-    Column("why", _why),
+    Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")),
 )
 
 
-def explain(scene: Scene, design: Design, measured: bool, progress: Progress) -> Report:
-    """Say which effects a scene calls for; `measured` times those that are on and can be off.
+def explain(
+    scene: Scene,
+    design: Design,
+    progress: Progress,
+    cost: bool = True,
+    measure: bool = False,
+    whole: bool = False,
+    folder: Path | None = None,
+) -> Report:
+    """Say which effects a scene calls for, and what each costs where it can be off.
 
-    Raises InputError for a scene that no model can simulate.
+    `measure`: also what those that are off would change, for ten seconds; `whole`: with all reasons; written where
+    `folder` says. Raises InputError for a scene that no model can simulate.
     """
-    mass = solids.mass_of(design)
-    plan = prepare(scene, design, mass)
-    rows = costs.explain(plan, design, mass, measured=measured, progress=progress)
-    return Report(
+    walker = Walker(scene, design, solids.mass_of(design))
+    plan = prepare(scene, design, walker.mass)
+    effects = [effect for _, effect in variants.judged(plan)]
+    found: Measured | None = None
+    if measure:
+        found = measuring.measure(walker, progress)
+    elif cost:
+        found = measuring.priced(walker, progress)
+    rows = _rows(effects, () if found is None else found.changes)
+    on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
+    effects_table = Table(
+        "effects",
+        rows,
+        Row._fields,
+        REASONS if whole else SHORT,
+        read=None if whole else on,
+        notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
+    )
+    caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}: model {plan.resolved.model}"
+    made = Report(
         name="explain",
         title="Effects",
-        caption=f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}: model {plan.resolved.model}",
-        tables=[report.table("effects", rows, COLUMNS)],
-        facts={"rows": [row._asdict() for row in rows]},
-        lines=["cost: CPU time over that of the scene without the effect, whose motion differs too"],
+        caption=caption,
+        tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
+        facts=_facts(rows, found),
+        lines=[
+            *([] if whole else [f"off: {', '.join(row.effect for row in off)}; --all: why, and what sizes mean"]),
+            *([] if found is None or not measure else [found.advice]),
+        ],
+        warnings=[plan.resolved.idle] if plan.resolved.idle else [],
+        figures={} if found is None or not measure else {"explain": partial(measuring.figure, found, caption)},
+        folder=folder,
     )
+    if folder is not None:
+        with Folder(folder) as target:
+            made.write(target, pictures=measure)
+    return made
+
+
+def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
+    """Rows of all effects, with what was measured of them."""
+    by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
+    rows = []
+    for effect in effects:
+        change = by_effect.get(effect.name)
+        numbers = ("", None, None, None, None)
+        if change is not None:
+            speed, cpu = change.speed, change.cpu
+            numbers = (change.change, speed.value, speed.se, cpu.value, cpu.se)  # type: ignore[assignment]
+        rows.append(Row(*effect, *numbers))
+    return rows
+
+
+def _facts(rows: Sequence[Row], found: Measured | None) -> dict[str, object]:
+    facts: dict[str, object] = {"rows": [row._asdict() for row in rows]}
+    if found is not None:
+        facts |= {"measured": [row._asdict() for row in measuring.rows(found)], "runs": found.pairs}
+        facts |= {"speed_mm_s": found.speed.value, "advice": found.advice}
+    return facts

@@ -1,5 +1,6 @@
 """What `explain` is asked for."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from walkergen import request
@@ -11,7 +12,11 @@ if TYPE_CHECKING:
 
 
 class ExplainRequest(request.Request):
-    """Say which effects a scene calls for, why, how large they are and what they cost."""
+    """Say which effects a scene calls for, how large they are, what they change and what they cost.
+
+    With --measure each effect is turned off, or on at its usual size, alone and the two largest together, for ten
+    seconds: what the speed and the CPU time change by, a picture, and what can be left out.
+    """
 
     design: request.Walker = request.PAPER
     scene: request.Ground = request.LANE
@@ -24,12 +29,18 @@ class ExplainRequest(request.Request):
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
-    cost: Annotated[bool, Flag("Measure the CPU time that each effect costs.")] = True
+    measure: Annotated[bool, Flag("Measure for 10 s what each effect, on or off, changes; draw it.")] = False
+    cost: Annotated[bool, Flag("Measure what each effect that is on costs.")] = True
+    all: Annotated[bool, Flag("Print all effects, with the reasons.")] = False
+    out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
         """Explain the scene's effects."""
         from walkergen.jobs.run.explain import make
+        from walkergen.walker import names
 
         given = self.inputs()
         scene, design = given.scene(self.scene), given.one(self.design, self.tilt, self.legs)
-        return make.explain(scene, design, self.cost, progress)
+        place = Path("out") / "explain" / f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
+        folder = self.folder(place) if self.measure else self.out
+        return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

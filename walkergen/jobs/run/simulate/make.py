@@ -12,6 +12,7 @@ from walkergen.files.progress import Progress, silent
 from walkergen.jobs.run.simulate import orbit
 from walkergen.jobs.run.simulate.orbit import Orbit
 from walkergen.points import walkers
+from walkergen.points.simplest import Simplest
 from walkergen.points.tolerance import Tolerance
 from walkergen.points.walkers import Met
 from walkergen.scene import Scene
@@ -45,6 +46,8 @@ class Simulated(NamedTuple):
     """Names of the legs, in the order of their landings."""
     chosen: Met | None = None
     """What was taken to meet an error; None where none was asked for."""
+    simplest: Simplest | None = None
+    """What was left out of the scene, within an error that it accepts; None where nothing was tried."""
 
     @property
     def scene(self) -> Scene:

@@ -39,6 +39,8 @@ FIRST = (
     "walker",
     "plate",
     "model",
+    "left out",
+    "kept",
     "mean speed",
     "95 % bounds",
     "prints",
@@ -190,6 +192,8 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     data = tables.of_drive(data, scene)
     orbit = simulated.orbit
     data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
+    if simulated.simplest is not None:
+        data |= simulated.simplest.facts
     chosen = simulated.chosen
     return data if chosen is None else data | {"chosen": chosen.facts}
 
@@ -199,6 +203,8 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, tables.plate_in_words(scene)
     yield "model", tables.model_in_words(simulated, scene)
+    if simulated.simplest is not None:
+        yield from simulated.simplest.lines
     yield "mean speed", _speed(simulated, scene)
     yield from tables.bound_rows(simulated)
     if simulated.chosen is not None:

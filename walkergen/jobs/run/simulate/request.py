@@ -30,7 +30,7 @@ class SimulateRequest(request.Request):
     Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
     speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
     --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
-    slower.
+    slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
     """
 
     design: request.Walker = request.PAPER
@@ -46,6 +46,7 @@ class SimulateRequest(request.Request):
     gamma: request.Gamma = None
     frequency: request.Frequency = None
     step: request.Step = None
+    effects: request.Effects = None
     seed: request.Seed = None
     text: request.Text = None
     mirror: request.Mirror = None
@@ -92,13 +93,16 @@ class SimulateRequest(request.Request):
     def _single(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
         """Simulate one walker, and write its tracks where they are asked for."""
         from walkergen.jobs.run.simulate import make, report, trajectories
+        from walkergen.points.simplest import simplest
         from walkergen.points.tolerance import parse
+        from walkergen.simulation.experiments import Walker
         from walkergen.walker import solids
 
         interval = None if self.trajectory is None else 1.0 / self.rate_hz
-        walker = make.asked(scene, design, solids.mass_of(design), interval)
+        found = simplest(Walker(scene, design, solids.mass_of(design)), progress)
+        walker = make.asked(found.walker.scene, design, found.walker.mass, interval)
         simulated = make.measure(walker, progress, None if self.error is None else parse(self.error), self.of)
-        result = report.of(simulated, self.all)
+        result = report.of(simulated._replace(simplest=found), self.all)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
         if done < wished:
             lost = [] if self.trajectory is None else [f"{self.trajectory}: not written"]

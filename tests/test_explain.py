@@ -1,0 +1,154 @@
+"""What effects change and cost, and what can be left out: measured by pairs of runs with common random numbers."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import command_line
+from walkergen.errors import InputError
+from walkergen.jobs.run.explain import make, measured
+from walkergen.jobs.run.simulate.request import SimulateRequest
+from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.points import variants
+from walkergen.points.measure import Runs, measure
+from walkergen.points.simplest import simplest
+from walkergen.points.variants import Pairs, Variant
+from walkergen.request import parse_effects
+from walkergen.scene import Scene
+from walkergen.simulation.experiments import Walker
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+DESIGN = Design()
+LANE = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}})
+
+
+def walker_of(model="compliant", **keys):
+    return Walker(LANE.variant(**{"legs.model": model} | keys), DESIGN, solids.mass_of(DESIGN))
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch):
+    monkeypatch.setattr(variants, "LONGEST_S", 0.3)
+    monkeypatch.setattr(variants, "DISCARDED_S", 0.1)
+    monkeypatch.setattr(measured, "BUDGET_S", 1.0)
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        result = CliRunner().invoke(command_line, ["explain", *words], catch_exceptions=False)
+        assert result.exit_code == 0
+        return result.stdout
+
+    return call
+
+
+def test_a_variant_that_is_the_scene_changes_nothing():
+    walker = walker_of()
+    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.planar(walker, "relaxed")))
+    done = measure(pairs, Runs(4))
+    none, relaxed = pairs.changes(done.records)
+    assert none.speed.pair == (0.0, 0.0)
+    assert relaxed.speed.number != 0.0
+    assert none.cpu.within(0.5, 2.0) is not Verdict.DISAGREE
+    again = measure(pairs, Runs(4), threads=1)
+    assert [change.speed for change in pairs.changes(again.records)] == [none.speed, relaxed.speed]
+
+
+def test_every_effect_is_measured_off_or_at_its_usual_size():
+    every = {
+        variant.effect: variant for variant in variants.every(walker_of("space", **{"plate.slope_deg": 1.0}), True)
+    }
+    assert every["plate slope"].change == "off"
+    assert every["leg twist"].leaves_out
+    assert every["hysteretic feet"].change == "on, damping = hysteretic"
+    assert every["plate noise"].walker.scene.plate.noise_ratio > 0.0
+    assert not every["plate noise"].leaves_out
+    assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
+    assert {"second harmonic", "plate roughness", "tether", "air drag", "unevenness", "yaw and roll"} < set(every)
+    forced = walker_of("space", **{"effects.leg_twist": False, "feet.damping": "hysteretic"})
+    every = {variant.effect: variant.change for variant in variants.every(forced, True)}
+    assert (every["leg twist"], every["hysteretic feet"]) == ("on", "off")
+
+
+def test_what_is_on_is_a_line_each_and_what_is_off_one_line(run):
+    lines = run("--no-cost").splitlines()
+    named = [line.split("  ")[0].strip() for line in lines]
+    assert "leg twist" in named
+    assert "second harmonic" not in named
+    assert any(line.startswith("off: second harmonic") for line in lines)
+    assert len(lines) < 20
+    whole = run("--no-cost", "--all")
+    assert "drive.second_harmonic_ratio = 0" in " ".join(whole.split())
+    assert "effects.plate_slope" in whole.replace("\n", "")
+
+
+def test_explain_measures_and_draws(run, tmp_path):
+    told = json.loads(run("--model", "relaxed", "--set", "scene.plate.slope_deg=1", "--measure", "--json"))
+    sizes = [abs(row["change_mm_s"] or 0.0) for row in told["measured"]]
+    assert sizes == sorted(sizes, reverse=True)
+    names = [row["effect"] for row in told["measured"]]
+    assert {"plate slope", "second harmonic", "flexible foot tensor"} < set(names)
+    assert any(" and " in name for name in names)
+    assert told["advice"]
+    folder = next((tmp_path / "out" / "explain").iterdir())
+    assert {"effects.csv", "measured.csv", "explain.png", "explain.md"} <= {path.name for path in folder.iterdir()}
+    rows = {row["effect"]: row for row in told["rows"]}
+    assert rows["plate slope"]["cpu_ratio"] > 0.0
+
+
+def test_keys_without_a_part_are_told():
+    scene = LANE.variant(**{"legs.model": "relaxed", "feet.damping": "hysteretic"})
+    (warning,) = make.explain(scene, DESIGN, lambda *_: None, cost=False).warnings
+    assert "feet.damping" in warning
+
+
+def test_only_what_changes_less_than_accepted_is_left_out():
+    untouched = walker_of("auto")
+    assert simplest(untouched).walker is untouched
+    keys = {"plate.slope_deg": 20.0, "drive.second_harmonic_ratio": 1e-9}
+    found = simplest(walker_of(**keys | {"run.accepted_error": 0.3}))
+    scene = found.walker.scene
+    assert [change.effect for change in found.left_out] == ["second harmonic"]
+    assert [change.effect for change in found.kept] == ["plate slope"]
+    assert (scene.effects.second_harmonic, scene.effects.plate_slope) == (False, None)
+    assert scene.run.accepted_error is None
+    forced = simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.second_harmonic": True}))
+    assert forced.left_out == ()
+    assert found.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
+
+
+def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
+    measured_errors = {"relaxed": 40.0, "compliant": 6.0}
+
+    def changes(pairs, records):
+        (variant,) = pairs.variants
+        error = measured_errors.get(variant.walker.scene.legs.model, 50.0)
+        return [
+            variants.Change(variant.effect, variant.change, Quantity("c", "mm_s", error, 0.1), Quantity("", "", 0.3))
+        ]
+
+    monkeypatch.setattr(Pairs, "prepared", lambda pairs: lambda number, stopped, tell: ())
+    monkeypatch.setattr(Pairs, "speed", lambda pairs, records: Quantity("speed", "mm_s", 60.0, 0.1))
+    monkeypatch.setattr(Pairs, "changes", changes)
+    for accepted, model in ((0.05, "auto"), (0.15, "compliant"), (0.9, "relaxed")):
+        assert simplest(walker_of("auto", **{"run.accepted_error": accepted})).walker.scene.legs.model == model
+        assert simplest(walker_of("space", **{"run.accepted_error": accepted})).walker.scene.legs.model == "space"
+    turning = walker_of("auto", **{"run.accepted_error": 0.9, "arena.kind": "plane"})
+    assert simplest(turning).walker.scene.legs.model == "auto"
+    held = walker_of("auto", **{"run.accepted_error": 0.9, "effects.leg_twist": True})
+    assert simplest(held).walker.scene.legs.model == "auto"
+
+
+def test_the_share_is_written_as_auto():
+    assert parse_effects("auto:1%") == pytest.approx(0.01)
+    assert parse_effects(0.02) == 0.02
+    for wrong in ("1%", "auto:1", "auto:x%", "auto:0%", "auto"):
+        with pytest.raises(ValueError, match="auto:1%"):
+            parse_effects(wrong)
+    with pytest.raises(InputError, match="--effects"):
+        SimulateRequest.asked({"effects": "auto"}, shell=True)

@@ -1,0 +1,138 @@
+"""The simplest scene whose speed is within an accepted error of a walker's: measured, one effect after the other."""
+
+from typing import Any, NamedTuple
+
+from walkergen.files import words
+from walkergen.files.progress import Progress, silent
+from walkergen.numerics.quantity import Verdict
+from walkergen.points import variants
+from walkergen.points.measure import FIRST_RUNS, Measured, measure
+from walkergen.points.tolerance import Tolerance
+from walkergen.points.variants import Change, Pairs, Variant
+from walkergen.points.walkers import error_of_speed
+from walkergen.simulation.effects import rules
+from walkergen.simulation.effects.effect import ModelName, value_of
+from walkergen.simulation.effects.resolve import changed
+from walkergen.simulation.experiments import Walker
+
+MOST_PAIRS = 64
+"""Pairs of runs after which a change that is not decided counts as too large."""
+
+
+class Decided(NamedTuple):
+    """Pairs of runs until it is decided whether the change of the one variant is within an error."""
+
+    tolerance: Tolerance
+    first: int = FIRST_RUNS
+
+    def verdict(self, measured: Measured[Pairs]) -> Verdict:
+        """How the change lies within the error that the scene's speed allows."""
+        pairs, records = measured.experiment, measured.records
+        error = error_of_speed(self.tolerance, pairs.walker.shaken).allowed(pairs.speed(records).value)
+        return pairs.changes(records)[0].speed.within(-error, error)
+
+    def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
+        """Twice the pairs."""
+        change = measured.experiment.changes(measured.records)[0].speed
+        told = self.verdict(measured) is not Verdict.UNDECIDED or change.se is None
+        return None if told or measured.runs >= MOST_PAIRS else measured.more(2 * measured.runs)
+
+
+class Simplest(NamedTuple):
+    """Walker in the simplest scene, and what was left out."""
+
+    walker: Walker
+    accepted: float | None = None
+    """Error that was accepted, a share of the speed; None: nothing was tried."""
+    left_out: tuple[Change, ...] = ()
+    """Changes of the speed, each with all before it left out as well."""
+    kept: tuple[Change, ...] = ()
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What was left out and what was kept: names and values in words."""
+        if self.accepted is None:
+            return []
+        share = f"{100.0 * self.accepted:g} %"
+        out, kept = ([_in_words(change) for change in changes] for changes in (self.left_out, self.kept))
+        faster = 1.0 if not self.left_out else 1.0 / self.left_out[-1].cpu.number
+        told = f"; {faster:.2g} times as fast" if out else ""
+        return [
+            ("left out", f"{', '.join(out) or 'nothing'}: within {share}{told}"),
+            *([("kept", f"{', '.join(kept)}: not within {share}")] if kept else []),
+        ]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The same for JSON; nothing where nothing was tried."""
+        if self.accepted is None:
+            return {}
+        listed = {
+            name: [
+                {"effect": change.effect, "change": change.change, "mm_s": change.speed.value, "se": change.speed.se}
+                for change in changes
+            ]
+            for name, changes in (("left_out", self.left_out), ("kept", self.kept))
+        }
+        return {"effects": {"accepted_error": self.accepted} | listed}
+
+
+def _in_words(change: Change) -> str:
+    """Effect with what the speed is without it, less that with it."""
+    speed, named = change.speed, change.effect
+    if named == variants.IN_SPACE:
+        named = f"{named}, by {change.change}"
+    if speed.value is None:
+        return f"{named} ({speed.refused})"
+    number = words.fixed(speed.value, 2) if speed.se is None else words.with_error(*speed.pair)
+    return f"{named} ({number} mm/s)"
+
+
+def simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
+    """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
+
+    Planar models come first, the fastest before the others, where the scene leaves the choice of the model; then
+    effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
+    """
+    accepted = walker.scene.run.accepted_error
+    if accepted is None:
+        return Simplest(walker)
+    whole = walker._replace(scene=changed(walker.scene, {"run.accepted_error": None}))
+    found = Simplest(whole, accepted)
+
+    def tried(variant: Variant | None) -> Simplest:
+        """What is found with a variant tried as well."""
+        if variant is None:
+            return found
+        measured = measure(Pairs(whole, (variant,)), until, progress, threads)
+        if measured.partial:
+            raise KeyboardInterrupt
+        change = measured.experiment.changes(measured.records)[0]
+        if until.verdict(measured) is Verdict.AGREE:
+            return found._replace(walker=variant.walker, left_out=(*found.left_out, change))
+        return found._replace(kept=(*found.kept, change))
+
+    until = Decided(Tolerance(accepted, relative=True))
+    for model in _models(whole):
+        if not found.left_out:
+            found = tried(variants.planar(whole, model))
+    for rule in rules.every():
+        effect = rule.judge(found.walker.plan().case)
+        if (
+            effect.on
+            and "legs.model" not in rule.off
+            and effect.switch
+            and value_of(whole.scene, rule.switch) is not True
+        ):
+            variant = variants.off(found.walker, rule)
+            found = tried(None if variant is None else variant._replace(effect=effect.name))
+    return found
+
+
+def _models(walker: Walker) -> tuple[ModelName, ...]:
+    """Planar models that may stand for a scene, the fastest first."""
+    scene = walker.scene
+    forced = [rule for rule in rules.every() if not rule.planar and rule.switch and value_of(scene, rule.switch)]
+    if scene.legs.model != "auto" or scene.arena.kind == "plane" or scene.drive.kind == "motor" or forced:
+        return ()
+    return ("rigid",) if walker.design.rigid else ("relaxed", "compliant")

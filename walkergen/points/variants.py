@@ -1,0 +1,186 @@
+"""Variants of a scene beside it: what an effect changes of a walker's speed and of its CPU time.
+
+Scene and variants start from the same drops and phases, run after run in turn, so that what differs is the
+variant's, and a busy machine slows all alike.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.numerics import quantity
+from walkergen.numerics.quantity import Quantity
+from walkergen.simulation import orbits
+from walkergen.simulation.batch import OneRun
+from walkergen.simulation.effects import harmonic, rules
+from walkergen.simulation.effects.effect import Effect, ModelName, Rule
+from walkergen.simulation.effects.resolve import changed, in_a_plane
+from walkergen.simulation.experiments import Walker
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
+
+LONGEST_S, DISCARDED_S = 2.0, 0.5
+"""Measured time of a run, and its start that is not, s, at most: more runs tell more than longer ones."""
+
+IN_SPACE = "motion in space"
+"""Name of what planar models leave out."""
+
+Beside = tuple[RunResult, ...]
+"""Runs of one number: the scene's, then each variant's."""
+
+
+class Variant(NamedTuple):
+    """Scene in which an effect is off that is on, or on at its usual size."""
+
+    effect: str
+    change: str
+    """What differs, in words."""
+    walker: Walker
+    values: Mapping[str, Any]
+    """Values of keys of the scene that make it; none where it is another model."""
+
+    @property
+    def leaves_out(self) -> bool:
+        """Whether it lacks what the scene has."""
+        return self.change == "off" or not self.values
+
+
+class Change(NamedTuple):
+    """What a variant changes."""
+
+    effect: str
+    change: str
+    speed: Quantity
+    """Mean speed of the variant less that of the scene, mm/s, by pairs of runs; no error of the step."""
+    cpu: Quantity
+    """CPU time of the variant over that of the scene, by pairs of runs."""
+
+
+class Pairs(NamedTuple):
+    """Scene and variants of it as an experiment, of which a run is one of each."""
+
+    walker: Walker
+    variants: tuple[Variant, ...]
+
+    def prepared(self) -> OneRun[Beside]:
+        """What simulates the runs of a number, with all kernels compiled."""
+        plans = [_short(walker).plan() for walker in (self.walker, *(variant.walker for variant in self.variants))]
+        for plan in plans:
+            compile_kernels(plan)
+
+        def one(number: int, stopped: Any, tell: Any) -> Beside:
+            results = []
+            for place, plan in enumerate(plans, start=1):
+                results.append(simulate(plan, number, stopped))
+                tell(place / len(plans))
+            return tuple(results)
+
+        return one
+
+    def quantities(self, records: Sequence[Beside]) -> list[Quantity]:
+        """Mean speed of the scene, and what each variant changes."""
+        return [self.speed(records), *(change.speed for change in self.changes(records))]
+
+    def finer(self) -> None:
+        """Nothing finer: the step's error is left out."""
+
+    def speed(self, records: Sequence[Beside]) -> Quantity:
+        """Mean speed of the scene, mm/s."""
+        return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
+
+    def changes(self, records: Sequence[Beside]) -> list[Change]:
+        """What each variant changes."""
+        changes = []
+        for place, variant in enumerate(self.variants, start=1):
+            pairs = [(runs[0], runs[place]) for runs in records]
+            cpu = quantity.mean("cpu", "", [other.cpu_s / max(own.cpu_s, 1e-9) for own, other in pairs])
+            speed = _difference(pairs, self.walker.shaken.peak_speed, f"change_{place}")
+            changes.append(Change(variant.effect, variant.change, speed, cpu))
+        return changes
+
+
+def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:
+    """Mean difference of speeds of pairs of runs, without an error where all runs share an orbit."""
+    ended = [result for pair in pairs for result in pair if result.outcome not in ENDED_WELL]
+    if ended:
+        return Quantity(key, "mm_s", None, refused=f"{len(ended)} of {2 * len(pairs)} runs: {ended[0].outcome.value}")
+    speeds = np.array([[own.speed, other.speed] for own, other in pairs])
+    mean = quantity.mean(key, "mm_s", speeds[:, 1] - speeds[:, 0])
+    if orbits.ORBIT in (orbits.shared(speeds[:, 0], plate_speed), orbits.shared(speeds[:, 1], plate_speed)):
+        return mean._replace(se=None, refused=Outcome.ORBIT.value)
+    return mean
+
+
+def _short(walker: Walker) -> Walker:
+    """Walker with short runs."""
+    run = walker.scene.run
+    return walker.with_run(seconds=min(run.seconds, LONGEST_S), discard_seconds=min(run.discard_seconds, DISCARDED_S))
+
+
+def judged(plan: Plan) -> list[tuple[Rule, Effect]]:
+    """Every rule with the effect of a plan, also of what its scene does not call for."""
+    return [(rule, rule.judge(plan.case)) for rule in rules.every()]
+
+
+def off(walker: Walker, rule: Rule) -> Variant | None:
+    """Variant without the effect of a rule; None where it cannot be made."""
+    model = rule.off.get("legs.model")
+    if model is not None:
+        return planar(walker, model)
+    return _variant(walker, "", "off", rule.off)
+
+
+def planar(walker: Walker, model: ModelName) -> Variant | None:
+    """Variant in a lane by a planar model; None where that does not know the walker."""
+    other = walker._replace(scene=in_a_plane(walker.scene, model))
+    return _possible(Variant(IN_SPACE, f"model {model}", other, {}))
+
+
+def every(walker: Walker, also_on: bool) -> Iterator[Variant]:
+    """Variants without each effect that is on; `also_on`: with each that is off at its usual size, too, and by
+    models that are simpler than space.
+    """
+    plan = walker.plan()
+    in_space, by_motor = plan.resolved.model == "space", walker.scene.drive.kind == "motor"
+    for rule, effect in judged(plan):
+        variant = None
+        if effect.on and effect.switch:
+            dear = in_space and not also_on and "legs.model" in rule.off  # kernels of another model
+            variant = None if dear else off(walker, rule)
+        elif also_on and not effect.on and rule.usual and not (by_motor and harmonic.KEY in rule.usual):
+            switch = {rule.switch: None} if rule.switch.startswith("effects.") else {}
+            variant = _variant(walker, "", _usual(rule), {**switch, **rule.usual})
+        if variant is not None:
+            yield variant._replace(effect=effect.name)
+    if also_on and in_space:
+        variant = planar(walker, "rigid" if walker.design.rigid else "compliant")
+        if variant is not None:
+            yield variant
+
+
+def _usual(rule: Rule) -> str:
+    """Usual size of an effect in words."""
+    sizes = {key.rpartition(".")[2]: value for key, value in rule.usual.items()}
+    words = ", ".join(f"{name} = {value}" for name, value in sizes.items() if value is not True)
+    return f"on, {words}" if words else "on"
+
+
+def both(walker: Walker, first: Variant, second: Variant) -> Variant | None:
+    """Variant with the changes of two; None where it cannot be made."""
+    words = first.change if first.change == second.change else "both"
+    return _variant(walker, f"{first.effect} and {second.effect}", words, {**first.values, **second.values})
+
+
+def _variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]) -> Variant | None:
+    return _possible(Variant(effect, change, walker._replace(scene=changed(walker.scene, values)), values))
+
+
+def _possible(variant: Variant) -> Variant | None:
+    """Variant that can be simulated; None for others."""
+    try:
+        variant.walker.plan()
+    except InputError:
+        return None
+    return variant

@@ -1,0 +1,62 @@
+"""Idle keys: what a scene gives and its simulation does not read, which is said in one line."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+from walkergen.simulation.effects.effect import WALLS, Case, value_of
+
+OF_MODELS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("feet.damping", "feet.stiffness_ratio", "feet.tangential_ratio"), ("space",)),
+    "feet.local_stiffness_ratio": ("space",),
+    **dict.fromkeys(("legs.damping_ratio", "legs.spring", "run.step_us"), ("compliant", "space")),
+    "material.youngs_modulus_gpa": ("compliant", "space"),
+}
+"""Models that read a key which others do not: of the scene, and of the design's material."""
+
+OF_NUMBERS: Mapping[str, tuple[str, ...]] = {
+    "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
+    "plate.noise_ratio": ("plate.noise_low_hz", "plate.noise_high_hz"),
+    "plate.roughness_um": ("plate.roughness_length_mm",),
+    "tether.stiffness_n_per_m": (
+        *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
+        *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
+    ),
+}
+"""Keys that say nothing without a number."""
+
+OF_WALLS = ("arena.gap_mm", "arena.wall_friction", "arena.wall_restitution")
+OF_SWINGING = ("legs.damping_ratio", "legs.spring")
+OF_FEET = ("contact.restitution", "contact.friction")
+
+
+def line(case: Case, on: Callable[[str], bool]) -> str:
+    """Line on the keys of a scene that are not as by default and have no part in a case; "" for none.
+
+    Of an effect that its switch leaves out nothing is said. Keys of other jobs, and standard
+    deviations, are no matter of one simulation.
+    """
+    given: dict[str, list[str]] = {}
+    for key, why in _idle(case, on):
+        table, _, own = key.partition(".")
+        section = getattr(case.design if table == "material" else case.scene, table)
+        if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
+            given.setdefault(why, []).append(key)
+    told = "; ".join(f"{', '.join(keys)} ({why})" for why, keys in given.items())
+    return f"no part here: {told}" if told else ""
+
+
+def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
+    """Keys that a case does not read, each with the reason, whether the scene gives them or not."""
+    scene, limbs = case.scene, case.design.limbs
+    for key, models in OF_MODELS.items():
+        if case.design.rigid and key in OF_SWINGING:
+            yield key, "no leg swings"
+        elif case.model not in models:
+            yield key, f"not in the {case.model} model"
+    for number, keys in OF_NUMBERS.items():
+        if not value_of(scene, number):
+            yield from ((key, f"{number} = 0") for key in keys)
+    if not on(WALLS) and scene.effects.lane_walls is not False:
+        yield from ((key, "no walls") for key in OF_WALLS)
+    for key in OF_FEET:
+        if all(getattr(limb, key.partition(".")[2]) is not None for limb in limbs):
+            yield key, "every leg has its own"

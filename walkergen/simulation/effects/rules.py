@@ -1,0 +1,69 @@
+"""Rules of effects: those that a scene may call for, and every one.
+
+Walls, noise and motor are imported with the first scene that has them.
+"""
+
+from walkergen.simulation.effects import (
+    air_drag,
+    compliance,
+    feet,
+    harmonic,
+    local_contact,
+    parts,
+    roughness,
+    slope,
+    tensor,
+    tether,
+    turning,
+    twist,
+    unevenness,
+)
+from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, NOISE, WALLS, Case, Rule
+
+COMMON: tuple[Rule, ...] = (
+    tensor.RULE,
+    compliance.RULE,
+    Rule(parts.sticking),
+    Rule(parts.sustained),
+    Rule(parts.pitch),
+    harmonic.RULE,
+    slope.RULE,
+    turning.RULE,
+    twist.RULE,
+    local_contact.RULE,
+    feet.RULE,
+    unevenness.RULE,
+    roughness.RULE,
+    Rule(parts.neighbours),
+    air_drag.RULE,
+    tether.RULE,
+)
+"""Rules that are judged in every scene, in the order in which `explain` shows them."""
+
+RARE = (WALLS, NOISE, MOTOR, GYROSCOPIC)
+"""Names of the effects of all other rules."""
+
+
+def of(case: Case) -> tuple[Rule, ...]:
+    """Rules that are judged in a case."""
+    scene, rules = case.scene, list(COMMON)
+    if (scene.arena.kind == "lane" and case.model == "space") or scene.effects.lane_walls:
+        from walkergen.simulation.effects import walls
+
+        rules.append(walls.RULE)
+    if scene.plate.noise_ratio or scene.effects.plate_noise:
+        from walkergen.simulation.effects import noisy_plate
+
+        rules.append(noisy_plate.RULE)
+    if scene.drive.kind == "motor" or scene.effects.gyroscopic_torque:
+        from walkergen.simulation.effects import motor
+
+        rules += [motor.RULE, motor.SPIN_RULE]
+    return tuple(rules)
+
+
+def every() -> tuple[Rule, ...]:
+    """All rules, also of effects that a scene has not."""
+    from walkergen.simulation.effects import motor, noisy_plate, walls
+
+    return (*COMMON, walls.RULE, noisy_plate.RULE, motor.RULE, motor.SPIN_RULE)
