@@ -102,10 +102,14 @@ def test_friction_of_a_glancing_blow_is_at_most_its_coefficient():
             restitution=0.5,
             friction=friction,
         )
-        pair.advance(0.012)
+        book = pair.advance(0.012)
         (_, one), _ = pair.walkers
         gained = one[V_X] - 30.0, one[V_Z]
         assert abs(gained[1]) == pytest.approx(friction * abs(gained[0]), rel=0.02)
+        assert math.hypot(book[bodies.ALONG], book[bodies.UP]) == pytest.approx(
+            friction * book[bodies.PRESSED], rel=0.01
+        )
+        assert book[bodies.UP] < 0.2 * book[bodies.ALONG]
 
 
 def test_rough_noses_stop_sliding():

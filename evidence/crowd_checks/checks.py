@@ -38,9 +38,6 @@ PAIR_S = 1.0
 """Time of a run of pairs: 0.3 s until two meet, 0.3 s in which they are watched, and as much again for
 those that meet late, edge on edge."""
 
-MORE_PAIRS = 4
-"""Runs in the plane, which cost little, for each in space."""
-
 ALONE = (
     ("speed", "mm_s"),
     ("turning", "rad_s"),
@@ -107,7 +104,7 @@ def pairs_in_plane(size: Size, card: Card) -> Cases:
     """Quantities of pairs in the plane, from places drawn alike."""
     dish, seen = Dish("periodic", (APART * (_side(size.pairs) + 1),)), {}
     for meeting in MEETINGS:
-        starts = [pair_places(size, card, meeting, number) for number in range(MORE_PAIRS * size.pair_runs)]
+        starts = [pair_places(size, card, meeting, number) for number in range(setting.MORE * size.pair_runs)]
         made = runs.in_plane(card, dish, starts, PAIR_S, RATE_HZ, size.seed)
         seen[meeting.name] = of_pairs(card, meeting, made)
     return seen

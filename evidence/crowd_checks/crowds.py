@@ -21,9 +21,6 @@ from walkergen.walker import seen_above
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-MORE_RUNS = 2
-"""Runs in the plane, which cost little, for each in space."""
-
 CLEARANCE_MM = 0.2
 """Least distance of bodies at the start."""
 
@@ -64,7 +61,7 @@ def in_plane(size: Size, card: Card) -> Mapping[str, Crowd]:
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
         return runs.in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)
 
-    return _each(size, card, MORE_RUNS * size.crowd_runs, simulate)
+    return _each(size, card, setting.MORE * size.crowd_runs, simulate)
 
 
 def _each(size: Size, card: Card, number: int, simulate: Simulate) -> Mapping[str, Crowd]:

@@ -62,9 +62,9 @@ def notes(size: Size, command: str) -> list[str]:
     return [
         f"made by `{command}`: {setting.WALKER} in {setting.PLATE}, seed {size.seed}",
         f"alone: {size.alone_runs} runs of {size.alone_seconds:g} s in space, {checks.SIDE**2} in the plane",
-        f"pairs: up to {met} of each meeting in space, {checks.MORE_PAIRS * met} in the plane; each "
+        f"pairs: up to {met} of each meeting in space, {setting.MORE * met} in the plane; each "
         f"walks {meetings.NEAREST:g} to {meetings.FARTHEST:g} mm until they meet",
         f"crowds: packings {packings} of {setting.DISH}, {size.crowd_runs} runs in space, "
-        f"{crowds.MORE_RUNS * size.crowd_runs} in the plane, {size.crowd_seconds:g} s each after "
+        f"{setting.MORE * size.crowd_runs} in the plane, {size.crowd_seconds:g} s each after "
         f"{size.crowd_discard_seconds:g} s from rest",
     ]

@@ -36,6 +36,9 @@ LEGEND = (
 SEEN = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
 """Numbers of a crowd by which cards hold at a packing, or do not; with them g."""
 
+SHARED = ("speed", "g_")
+"""How keys begin of those that are never near 0, whose ratios are told."""
+
 RUBBED = (
     Column("meeting", lambda row: str(row[0])),
     Column("in the plane", lambda row: _stated(row[1]["along"])),
@@ -161,15 +164,20 @@ def _stationary(checked: Checked) -> Iterator[str]:
 
 
 def _region(rows: Sequence[Row]) -> Iterator[str]:
-    """At which packings cards have the crowd that space has: by its speed, orders and g."""
+    """At which packings cards have the crowd that space has: by its speed, its orders and g."""
     own = [row for row in rows if row.check == "collective" and row.space.key.startswith((*SEEN, "g_"))]
     for case in dict.fromkeys(row.case for row in own):
-        verdicts = {row: row.verdict for row in own if row.case == case}
-        off = [_name(row) for row, verdict in verdicts.items() if verdict == Verdict.DISAGREE]
-        open_ = [_name(row) for row, verdict in verdicts.items() if verdict == Verdict.UNDECIDED]
+        named = {_name(row): row for row in own if row.case == case}
+        shares = [
+            f"{name} {_stated(row.plane.over(row.space))}"
+            for name, row in named.items()
+            if row.space.key.startswith(SHARED)
+        ]
+        off = [name for name, row in named.items() if row.verdict == Verdict.DISAGREE]
+        open_ = [name for name, row in named.items() if row.verdict == Verdict.UNDECIDED]
         words = [f"off in {', '.join(off)}"] if off else []
         words += [f"undecided in {', '.join(open_)}"] if open_ else []
-        yield f"{case}: cards {'; '.join(words) or 'hold'}"
+        yield f"{case}: cards {'; '.join(words) or 'hold'}; plane over space: {', '.join(shares)}"
 
 
 def _name(row: Row) -> str:

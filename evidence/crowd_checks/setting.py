@@ -19,6 +19,10 @@ CROWD_RATE_HZ = 30.0
 """Frames a second of crowds: one in three periods of the plate."""
 
 
+MORE = 2
+"""Runs of pairs and crowds in the plane, which cost little, for each in space."""
+
+
 class Size(NamedTuple):
     """How much is simulated."""
 
@@ -26,16 +30,16 @@ class Size(NamedTuple):
     """Runs of a walker alone in space, whose card is the plane's input."""
     alone_seconds: float
     pair_runs: int
-    """Runs of every meeting in space, each of `pairs`; four times as many in the plane."""
+    """Runs of every meeting in space, each of `pairs`."""
     pairs: int
     crowd_runs: int
-    """Runs of each crowd in space; twice as many in the plane."""
+    """Runs of each crowd in space."""
     crowd_seconds: float
     crowd_discard_seconds: float
     seed: int
 
 
-WHOLE = Size(16, 10.0, 8, 8, 4, 8.0, 8.0, 1)
+WHOLE = Size(16, 10.0, 8, 8, 6, 5.0, 3.0, 1)
 QUICK = Size(16, 4.0, 4, 5, 3, 3.0, 3.0, 1)
 
 
