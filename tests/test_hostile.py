@@ -1,15 +1,18 @@
 """Hostile tries by class: refused in one clear line or done, nothing half-written."""
 
+import datetime
 import os
 import sys
 import warnings
 from pathlib import Path
 
 import hostile
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
+from walkergen.commands import request_of
 from walkergen.errors import InputError
 from walkergen.files import config, plain, reading
 from walkergen.printing.printers import Printer
@@ -145,3 +148,22 @@ def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys)
 def test_whole_numbers_that_nothing_could_print_are_not_read(text):
     with pytest.raises(ValueError, match=r"a whole number of .* bits"):
         config.toml_of(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value"),
+    [
+        ("predict", "set", 5),
+        ("predict", "set", [1]),
+        ("predict", "set", {1: 2}),
+        ("fit", "fix", int),
+        ("sweep", "set", ...),
+        ("predict", "set", np.array(5.0)),
+        ("sweep", "budget", datetime.date(2020, 1, 1)),
+    ],
+)
+def test_values_of_python_of_any_type_are_refused_in_a_line(name, field, value):
+    required = {"speeds": "speeds.csv"} if name == "fit" else {}
+    with pytest.raises(InputError, match=f"^--{field} ") as refused:
+        request_of(name).asked({**required, field: value})
+    assert "\n" not in str(refused.value)

@@ -178,10 +178,12 @@ def counted(count):
         (BINARY, ()),
         (TEXT, ()),
         (b"\xef\xbb\xbf" + TEXT, ()),
+        (TEXT.title(), ()),
         (BINARY + bytes(10), ("left out 10 bytes after its triangles",)),
         (counted(0), ("its count of triangles is not filled in: 12 by its length",)),
         (counted(2**32 - 1), ("its count of triangles is not filled in: 12 by its length",)),
         (b"solid of a program" + BINARY[18:], ()),
+        (b"solid facet normal" + BINARY[18:] + bytes(3), ("left out 3 bytes after its triangles",)),
     ],
 )
 def test_stl_of_any_program(tmp_path, data, note):
@@ -215,6 +217,19 @@ def test_concave_faces_are_cut_as_they_lie(tmp_path, start):
     path = tmp_path / "u.obj"
     path.write_text("\n".join(lines))
     assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(372.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "written", ["f {} {} {} # a", " f  {} {} {}", "f\t{}\t{}/1 {}", "f {} \\\n{} {}", "f {}//1 {}//1 {}//1"]
+)
+@pytest.mark.parametrize("corner", ["v {} {} {}", "v\t{} {} {} 1.0", "  v {} {} {} # corner"])
+def test_lines_of_obj_are_read_however_they_are_spaced(tmp_path, written, corner):
+    """Rules of the format; trimesh passes over such lines without a word."""
+    lines = [corner.format(*place) for place in BOX.vertices.tolist()]
+    lines += [written.format(*(at + 1 for at in face)) for face in BOX.faces.tolist()]
+    path = tmp_path / "box.obj"
+    path.write_text("\n".join(lines))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
 
 
 def test_glb_is_in_metres(tmp_path):

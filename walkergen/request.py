@@ -183,7 +183,10 @@ def _listed(value: Any) -> list[Any]:
     """Entries of a text with commas, of anything with several values, or of a single one."""
     if isinstance(value, str):
         return [word.strip() for word in value.split(",")]
-    return list(value) if isinstance(value, Iterable) else [value]
+    try:
+        return list(value)
+    except TypeError:  # a single value, or an array of no dimension
+        return [value]
 
 
 def parse_tilts(value: Any) -> list[float] | None:
@@ -246,17 +249,25 @@ def _count(value: Any) -> int:
 
 
 def parse_settings(value: Any) -> dict[str, Any]:
-    """Values by keys, of KEY=VALUE each, or as they are. Raises InputError."""
+    """Values by keys, of KEY=VALUE each, or as they are. Raises InputError, or ValueError for what is neither."""
     if isinstance(value, Mapping):
         return dict(value)
     settings: dict[str, Any] = {}
-    for text in value or ():
+    for text in parse_texts(value):
         key, word = assignments.split(text)
         new = assignments.value_of(word)
         if key in settings and repr(settings[key]) != repr(new):
             raise InputError(f"--set {key[:60]}: given twice: leave one of them out", key)
         settings[key] = new
     return settings
+
+
+def parse_texts(value: Any) -> list[str]:
+    """Texts KEY=VALUE, of one or several. Raises ValueError for what is none."""
+    texts = [value] if isinstance(value, str) else _listed(() if value is None else value)
+    if not all(isinstance(text, str) for text in texts):
+        raise ValueError("must be texts KEY=VALUE, or a dict of values by keys")
+    return texts
 
 
 def parse_numbers(value: Any, low: float, high: float) -> list[float]:
@@ -277,7 +288,7 @@ def parse_time(value: Any) -> float | None:
         if not unit or number is None:
             raise ValueError("write a time with its unit: 60s, 5min, 1h")
         seconds = number * units[unit]
-    if seconds is not None and not 1.0 <= seconds <= LONGEST_S:
+    if seconds is not None and not 1.0 <= _number(seconds) <= LONGEST_S:
         raise ValueError(f"must lie in 1s..{LONGEST_S / 3600:g}h")
     return None if seconds is None else float(seconds)
 
@@ -311,8 +322,11 @@ def _path(value: Any) -> Path | None:
 
 
 def parse_paths(value: Any) -> list[Path]:
-    """Paths of files, of one or of several."""
-    return [Path(path) for path in ([value] if isinstance(value, (str, os.PathLike)) else value)]
+    """Paths of files, of one or of several. Raises ValueError for what is none."""
+    paths = _listed(value) if not isinstance(value, (str, os.PathLike)) else [value]
+    if not all(isinstance(path, (str, os.PathLike)) for path in paths):
+        raise ValueError("must be names of files")
+    return [Path(path) for path in paths]
 
 
 def _writable(value: Any) -> Path | None:

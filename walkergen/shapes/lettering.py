@@ -108,7 +108,8 @@ def _check_connected(text: str, where: str, rails: float | None, font: str) -> N
         raise GeometryError(
             f"{where}: {named} is drawn in several pieces, a body is one; base = true puts a plate under it"
         )
-    apart = next(f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right, font) != 1)
+    gaps = (f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right, font) != 1)
+    apart = next(gaps, "letters")  # beside others, letters may stand as they do not in a pair
     raise GeometryError(
         f"{where}: {apart} do not touch, a body is one piece; base = true puts a plate under them, "
         "rails_mm = 2 joins them"

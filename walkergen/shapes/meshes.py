@@ -133,6 +133,8 @@ def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
         corners, note = stl.unpack(data, source)
         vertices = corners.astype(np.float64).reshape(-1, 3)
         return [Part("mesh", vertices, np.arange(len(vertices)).reshape(-1, 3))], [note] if note else []
+    if kind == "stl":
+        data = data.lower()  # words of the format may be written either way
     parts = _by_trimesh(obj.triangulated(data, source) if kind == "obj" else data, kind, source)
     if kind == "glb":  # metres, by its standard
         return [part._replace(vertices=1000.0 * part.vertices) for part in parts], []
@@ -202,7 +204,7 @@ def _is_binary_stl(data: bytes) -> bool:
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
     whole = len(data) == start + count * stl.TRIANGLE.itemsize
     words = data[:2000].lstrip().lower()
-    return whole or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
+    return whole or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
 
 
 def _part(source: str, part: Part) -> Part:

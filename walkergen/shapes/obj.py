@@ -1,5 +1,6 @@
 """Faces of OBJ files with more than three corners, cut into triangles as they lie in their plane."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,31 +8,36 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.shapes.mesh import Array
 
+ODD = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
+"""What trimesh passes over without a word, and with it the line: a comment behind, a tab, a blank before, a line
+that goes on in the next."""
+
 
 def triangulated(data: bytes, source: str) -> bytes:
-    """The same file with triangles alone; a face that is not convex is cut by manifold3d.
+    """The same file with corners and triangles alone; a face that is not convex is cut by manifold3d.
 
     Raises InputError, which begins with `source`, for a face whose corners are not in the file.
     """
-    lines = data.decode("utf-8", "replace").splitlines()
-    if not any(line.startswith("f ") and len(line.split()) > 4 for line in lines):
+    text = data.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    lines = [line.partition("#")[0].split() for line in text.splitlines()]
+    if not ODD.search(data) and not any(words[:1] == ["f"] and len(words) > 4 for words in lines):
         return data
     corners: list[list[float]] = []
     cut: list[str] = []
-    for line in lines:
-        words = line.split()
+    for words in lines:
         if words[:1] == ["v"]:
             corners.append([_number(word) for word in words[1:4]])
-        if words[:1] != ["f"] or len(words) <= 4:
-            cut.append(line)
-            continue
-        # a number from the end counts from the corners so far, as from the start it counts from all
-        places = [int(word.partition("/")[0]) for word in words[1:]]
-        places = [place - 1 if place > 0 else len(corners) + place for place in places]
-        if not all(0 <= place < len(corners) for place in places):
-            raise InputError(f"{source}: a face has a corner that does not exist; export it anew")
-        for triangle in _triangles(np.array([corners[place] for place in places])):
-            cut.append("f " + " ".join(str(places[at] + 1) for at in triangle))
+            cut.append(" ".join(words[:4]))
+        elif words[:1] != ["f"]:
+            cut.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
+        else:
+            # a number from the end counts from the corners so far, as from the start it counts from all
+            places = [int(word.partition("/")[0]) for word in words[1:]]
+            places = [place - 1 if place > 0 else len(corners) + place for place in places]
+            if not all(0 <= place < len(corners) for place in places):
+                raise InputError(f"{source}: a face has a corner that does not exist; export it anew")
+            triangles = [(0, 1, 2)] if len(places) == 3 else _triangles(np.array([corners[at] for at in places]))
+            cut += ["f " + " ".join(str(places[at] + 1) for at in triangle) for triangle in triangles]
     return "\n".join(cut).encode()
 
 

@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 def _held(value: Any) -> list[str]:
     """Parameters to hold, NAME=VALUE, of texts or of {NAME: VALUE}."""
-    return [f"{name}={number!r}" for name, number in value.items()] if isinstance(value, Mapping) else list(value)
+    return (
+        [f"{name}={number!r}" for name, number in value.items()]
+        if isinstance(value, Mapping)
+        else request.parse_texts(value)
+    )
 
 
 class FitRequest(request.Request):

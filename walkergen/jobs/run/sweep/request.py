@@ -42,6 +42,7 @@ class SweepRequest(request.Request):
     ] = None
     set: Annotated[
         Any,
+        BeforeValidator(lambda value: value if isinstance(value, Mapping) else request.parse_texts(value)),
         Flag(
             "Values of any key: KEY=5, KEY=5,10,15, KEY=FIRST:LAST:STEP, or, with --sample, "
             "KEY=LOW:HIGH. Keys of the scene begin with scene.",
