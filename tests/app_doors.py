@@ -29,8 +29,8 @@ PATIENCE_S = 60.0
 PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s", "values": {}}
 """Document of a page that sets nothing anew."""
 
-QUICK = ("start", "walker", "outlook", "form", "keep", "upload")
-MAKING = ("run", "play", "design", "take")
+QUICK = ("start", "walker", "outlook", "shares", "form", "spans", "keep", "upload", "take")
+MAKING = ("run", "crowd", "design", "make")
 """Doors that answer by themselves, and those behind which a child works."""
 
 
@@ -61,12 +61,27 @@ class Answer(NamedTuple):
 class Doors:
     """Application of a server whose folder is out/app below a folder, called without a socket."""
 
+    last: Any = None
+    """Server before this one, whose processes end with it."""
+
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
         walker = own or PAPER["walker"]
         first = Document(walker, PAPER["scene"], PAPER["printer"], servers.START)
         self.server = servers.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = servers.application(self.server)
+        if Doors.last is not None:
+            Doors.last.workers.end()
+        Doors.last = self.server
+
+    def taken(self, message):
+        """Answer with files, once they are made; the refusal where they cannot be."""
+        made = self.ask("make", message)
+        refused = [] if made.status != 200 else [event for event in made.events if "refused" in event]
+        if refused:
+            lines = [{"key": "", "text": line} for line in refused[0]["refused"]]
+            return made._replace(status=422, body=json.dumps({"refused": lines}).encode())
+        return self.ask("take", message) if made.status == 200 else made
 
     def ask(self, door, message=None, leave_s=None, method="POST", query="", **headers):
         """Answer to a message (bytes, or what becomes JSON); the page goes after `leave_s`."""
@@ -146,8 +161,8 @@ class Process:
             return Answer(answer.status, dict(answer.getheaders()), answer.read())
 
     def children(self):
-        """Process ids of its children and theirs, also of those whose parent has gone."""
-        return [pid for pid in pids() if is_below(pid, self.process.pid)]
+        """Process ids of its children and theirs, also of those whose parent has gone, but for its workers."""
+        return [pid for pid in pids() if is_below(pid, self.process.pid) and not is_worker(pid)]
 
     def end(self, number=signal.SIGINT):
         """Exit code, time that the end took (s), and what was printed of errors."""
@@ -172,6 +187,14 @@ def is_below(pid, parent):
         if pid == parent:
             return True
     return False
+
+
+def is_worker(pid):
+    """True for a process that answers for pages, and for what keeps its pipes."""
+    try:
+        return b"multiprocessing" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return True
 
 
 def lives(pid):
@@ -290,8 +313,8 @@ def message(rng):
         asked["document"]["values"][key] = value(rng)
     if rng.random() < 0.1:
         asked["document"][rng.choice(("walker", "scene", "printer", "values", "more"))] = value(rng)
-    asked |= {"what": "stl", "copies": 1, "wish": "speed", "value": 40}
-    for key in ("what", "copies", "wish", "value"):
+    asked |= {"what": "stl", "copies": 1, "wish": "speed", "value": 40, "keys": ["legs.tilt_deg", "body.length_mm"]}
+    for key in ("what", "copies", "wish", "value", "keys"):
         if rng.random() < 0.2:
             asked[key] = value(rng)
     return json.dumps(asked).encode("utf-8", "surrogatepass")

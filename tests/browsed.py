@@ -1,5 +1,6 @@
 """Pages in a real browser, and the page of `walkergen app` by what a person does with it."""
 
+import json
 import os
 import re
 import shutil
@@ -53,19 +54,26 @@ def walkergen(folder, *words):
     return done.stdout
 
 
+UNFOLD = """
+const outer = (element) => element.parentElement.closest('details');
+for (let each = outer(arguments[0]); each; each = outer(each)) each.open = true;
+"""
+"""Opens the tables in which an element is."""
+
+
 class Page:
     """A page of a server of its own, in a folder of its own."""
 
-    def __init__(self, browser, folder: Path, *words) -> None:
+    def __init__(self, browser, folder: Path, *words, card="paper") -> None:
         self.browser, self.folder, self.words = browser, folder, words
         self.downloads = folder / "downloads"
         self.downloads.mkdir(exist_ok=True)
         browser.execute_cdp_cmd(
             "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(self.downloads)}
         )
-        self.start()
+        self.start(card)
 
-    def start(self):
+    def start(self, card="paper"):
         """Start the server and open its page."""
         self.server = subprocess.Popen(
             [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser", *self.words],
@@ -75,12 +83,16 @@ class Page:
         )
         line = self.server.stdout.readline()
         self.address = re.search(r"http://\S+", line)[0]
-        self.open()
+        self.open(card)
 
-    def open(self):
-        """Open the page afresh, as a new tab does."""
+    def open(self, card="paper"):
+        """Open the page afresh, as a new tab does, and choose a card of the first visit."""
         self.browser.get(self.address)
-        self.settle()
+        self.until(lambda: self.find("#form").text)
+        if card and self.find("#welcome").is_displayed():
+            self.click(f"#start-{card}")
+        if card:
+            self.settle()
 
     def stop(self):
         """End the server as Ctrl-C does."""
@@ -106,6 +118,7 @@ class Page:
 
     def click(self, selector):
         element = self.find(selector)
+        self.browser.execute_script(UNFOLD, element)
         self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
         element.click()
 
@@ -139,7 +152,9 @@ class Page:
         self.find("#file").send_keys(str(path))
 
     def speed(self):
-        return float(self.text("#speed").removesuffix(" mm/s"))
+        """Median speed that the sentence rounds, mm/s."""
+        row = self.browser.execute_script("return document.querySelector('#masses td').textContent")
+        return float(row.removesuffix(" mm/s"))
 
     def refusals(self):
         """Sentences beside controls, and those that belong to none."""
@@ -149,10 +164,11 @@ class Page:
     def take(self, what):
         """Take a file from the page; returns its path and the lines for a shell that it shows."""
         before = set(self.downloads.iterdir())
-        self.click(f'#take [data-what="{what}"]')
+        self.browser.execute_script("document.querySelector('#taken').textContent = ''")
+        self.click(f'[data-what="{what}"]')
         self.until(lambda: "in your downloads" in self.text("#taken"))
-        first, *lines = self.text("#taken").splitlines()
-        path = self.downloads / first.removesuffix(" is in your downloads.")
+        lines = json.loads(self.find("#taken").get_attribute("data-shells"))
+        path = self.downloads / self.text("#taken").removesuffix(" is in your downloads.")
         self.until(lambda: path.exists() and path not in before)
         return path, lines
 

@@ -48,6 +48,16 @@ def test_a_file_over_the_limit_is_refused_and_not_kept(doors, tmp_path, monkeypa
     assert files(tmp_path) == before
 
 
+def test_the_oldest_of_the_files_that_were_dropped_go(doors, monkeypatch):
+    monkeypatch.setattr("walkergen.app.server.MOST_UPLOADS", 2500)
+    names = []
+    for number in range(4):
+        names.append(doors.ask("upload", bytes([number]) * 1000, query="kind=stl").json["file"])
+        path = doors.server.place.uploads / names[-1]
+        os.utime(path, (number, number) if number < 3 else None)
+    assert {path.name for path in doors.server.place.uploads.glob("*.stl")} == set(names[2:])
+
+
 def test_a_dropped_file_that_somebody_changed_is_left_alone(doors):
     data = hostile.SOLIDS["b.stl"]
     name = doors.ask("upload", data, query="kind=stl").json["file"]
@@ -63,7 +73,7 @@ def test_all_that_pages_write_lies_in_one_folder(doors, tmp_path):
     doors.ask("keep", {"document": changed})
     doors.ask("upload", hostile.SOLIDS["b.stl"], query="kind=stl")
     for what in ("stl", "toml"):
-        assert doors.ask("take", {"document": changed, "what": what}).status == 200
+        assert doors.taken({"document": changed, "what": what}).status == 200
     names = files(tmp_path)
     assert len(names) >= 7
     assert all(name.startswith("out/app/") for name in names)
@@ -72,10 +82,10 @@ def test_all_that_pages_write_lies_in_one_folder(doors, tmp_path):
 
 def test_files_that_are_not_ours_are_left_alone(doors):
     asked = {"document": PAPER, "what": "stl"}
-    assert doors.ask("take", asked).status == 200
+    assert doors.taken(asked).status == 200
     (part,) = doors.folder.rglob("*.stl")
     part.write_bytes(b"mine")
-    answer = doors.ask("take", asked)
+    answer = doors.taken(asked)
     assert (answer.status, faults(answer)) == (422, [])
     assert "left alone" in answer.refused
     assert part.read_bytes() == b"mine"
@@ -105,11 +115,7 @@ def test_whatever_was_kept_a_page_opens(doors, data):
 
 @pytest.mark.parametrize("call", ["open", "write", "fsync", "replace", "mkdir"])
 def test_a_full_disk_refuses_in_words_and_leaves_no_half_file(doors, tmp_path, call):
-    asked = {
-        "upload": hostile.SOLIDS["b.stl"],
-        "keep": {"document": PAPER},
-        "take": {"document": PAPER, "what": "toml"},
-    }
+    asked = {"upload": hostile.SOLIDS["b.stl"], "keep": {"document": PAPER}}
     for door, message in asked.items():
         before = files(tmp_path)
         fault = system.broken(errno.ENOSPC)
@@ -139,8 +145,8 @@ def test_a_file_where_the_folder_should_be_refuses_in_words(doors, tmp_path):
     for door, message in (
         ("keep", {"document": PAPER}),
         ("upload", b"x"),
-        ("take", {"document": PAPER, "what": "stl"}),
+        ("taken", {"document": PAPER, "what": "stl"}),
     ):
-        answer = doors.ask(door, message, query="kind=stl")
+        answer = doors.taken(message) if door == "taken" else doors.ask(door, message, query="kind=stl")
         assert (answer.status, faults(answer)) == (422, [])
         assert "cannot be written" in answer.refused

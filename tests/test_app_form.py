@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from walkergen.app import form
+from walkergen.app import form, spans
 from walkergen.app.document import Document
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
@@ -27,10 +27,9 @@ def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
             low = -math.inf if control.low is None else control.low
             assert low <= control.value <= (math.inf if control.high is None else control.high)
         if control.slider:
-            low, high, logarithmic = control.slider
+            low, high = control.slider
             assert control.low <= low < high <= control.high
             assert low <= control.value <= high
-            assert not logarithmic or low > 0.0
 
 
 def test_limits_are_those_that_a_refusal_names():
@@ -72,3 +71,17 @@ def test_two_equal_legs_can_be_listed():
     pair = document().design()
     assert [limb.along for limb in listed.limbs] == [limb.along for limb in pair.limbs]
     assert [limb.thickness for limb in listed.limbs] == [limb.thickness for limb in pair.limbs]
+
+
+def test_sliders_end_where_a_walker_can_no_longer_be_built():
+    keys = ["legs.tilt_deg", "legs.contact_spacing_mm", "body.length_mm", "scene.contact.friction", "nosuch"]
+    ranges = spans.spans(document(), keys)
+    assert list(ranges) == keys[:3]
+    assert ranges["legs.contact_spacing_mm"][1] < 28.0  # the body's length; the key's own range goes on
+    for key, ends in ranges.items():
+        assert all(document(**{key: end}).design().limbs for end in ends)
+
+
+def test_a_tilt_beyond_its_slider_makes_it_longer():
+    (tilt,) = (control for control in form.groups(document(**{"legs.tilt_deg": 60.0}))[0].controls)
+    assert tilt.slider == (-60.0, 60.0)

@@ -31,7 +31,7 @@ def test_a_page_that_goes_ends_its_run(process):
     time.sleep(1.0)  # amidst its imports
     connection.close()
     assert until(lambda: not process.children(), 10.0)
-    for door in ("play", "design"):
+    for door in ("crowd", "design"):
         asked = {"document": LONG, "wish": "speed", "value": 60}
         connection = process.send(door, asked)
         running = connection.getresponse()
@@ -43,7 +43,7 @@ def test_a_page_that_goes_ends_its_run(process):
 
 @needs_proc
 @pytest.mark.slow
-@pytest.mark.parametrize("door", ["run", "design", "take"])
+@pytest.mark.parametrize("door", ["run", "design", "make"])
 def test_a_killed_server_leaves_no_process_and_no_half_file(process, tmp_path, door):
     asked = {"document": LONG, "wish": "speed", "value": 60, "what": "zip"}
     connection = process.send(door, asked)
@@ -87,6 +87,27 @@ def test_ten_tabs_start_four_runs_and_the_others_hear_why(process):
     for each in (*answers, *connections):
         each.close()
     assert until(lambda: not process.children(), 10.0)
+
+
+@needs_proc
+@pytest.mark.slow
+def test_work_whose_page_has_gone_makes_nobody_wait(process):
+    first = process.ask("walker", {"document": PAPER})
+    assert first.status == 200
+    for number in range(100):
+        process.send("outlook", {"document": document(body__length_mm=20.0 + 0.1 * number)}).close()
+    begun = time.monotonic()
+    assert process.ask("walker", {"document": PAPER}).body == first.body
+    assert time.monotonic() - begun < 10.0  # 0.1 s on an idle machine; 100 curves take 30
+
+
+@pytest.mark.slow
+def test_a_connection_on_which_nothing_comes_is_closed(process):
+    host, _, port = process.host.partition(":")
+    for begun in (b"", b"POST / HTTP/1.1\r\nHost: x\r\nX"):
+        with socket.create_connection((host, int(port)), 40.0) as connection:
+            connection.sendall(begun)
+            assert connection.recv(1) == b""
 
 
 @pytest.mark.slow

@@ -43,7 +43,7 @@ export function create() {
   /** Put the plate below a place, so that its lines stand still. */
   function under(start, moved) {
     const whole = (distance) => step * Math.round(distance / step);
-    lines.position.set(start.x + whole(moved.x), 0, start.z + whole(moved.z));
+    lines.position.set(start.x + whole(moved.x), lines.position.y, start.z + whole(moved.z));
   }
 
   return { lines, fit, under, spacing: () => step };

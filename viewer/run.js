@@ -11,21 +11,29 @@ function floats(base64) {
   return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
 }
 
-/** Run as the page's data hold it: { last, poseAt(time), lightsAt(time, slow) }, times in s. */
-export function unpack({ interval, poses: packedPoses, landings: packedLandings, closed, corners }) {
+/**
+ * Run as the page's data hold it: { last, poseAt(time), plateAt(time), lightsAt(time, slow) }, times
+ * in s; the plate's height over its mean is in mm.
+ */
+export function unpack({ interval, poses: packedPoses, landings: packedLandings, closed, corners, plate }) {
   const [poses, landings, contacts] = [floats(packedPoses), floats(packedLandings), bytesOf(closed)];
   const count = poses.length / 7;
+  const heights = plate ? floats(plate) : null;
   const wide = Math.ceil(corners.length / 8); // bytes of a pose: a bit for each corner
 
-  // Seven numbers, blended between samples: shift (mm) and quaternion (x, y, z, w).
-  function poseAt(time) {
+  // Numbers of a sample, blended between samples.
+  function at(time, values, wide) {
     const low = Math.min(Math.floor(time / interval), count - 2);
     const share = Math.min(Math.max(time / interval - low, 0), 1);
-    return Array.from({ length: 7 }, (_, i) => {
-      const [a, b] = [poses[7 * low + i], poses[7 * (low + 1) + i]];
+    return Array.from({ length: wide }, (_, i) => {
+      const [a, b] = [values[wide * low + i], values[wide * (low + 1) + i]];
       return a + share * (b - a);
     });
   }
+
+  // Shift (mm) and quaternion (x, y, z, w).
+  const poseAt = (time) => at(time, poses, 7);
+  const plateAt = (time) => (heights ? at(time, heights, 1)[0] : 0);
 
   // 0..1 for each corner; `slow`: how many times slower than it is the run is shown.
   function lightsAt(time, slow) {
@@ -41,5 +49,5 @@ export function unpack({ interval, poses: packedPoses, landings: packedLandings,
     return lit;
   }
 
-  return { last: (count - 1) * interval, poseAt, lightsAt };
+  return { last: (count - 1) * interval, poseAt, plateAt, lightsAt };
 }

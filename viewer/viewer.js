@@ -8,12 +8,14 @@ import {
   DirectionalLight,
   EdgesGeometry,
   Fog,
+  Line,
   LineBasicMaterial,
   LineSegments,
   Mesh,
   MeshBasicMaterial,
   MeshLambertMaterial,
   PerspectiveCamera,
+  Quaternion,
   Scene,
   SphereGeometry,
   Spherical,
@@ -34,6 +36,8 @@ const GROWN = 1.15; // change of size from which the view is fitted anew
 const KEY_STEP = Math.PI / 24;
 const LIGHT_SIZE = 0.035; // radius of a corner's light at its brightest, over the part's size
 const POINT_SIZE = 0.5; // radius of a marked point over that of a light
+const TRACED = 200; // places of a run that its trace goes through
+const LABEL = 20; // height of a length's words, pixels
 
 // Directions from the part to the camera.
 const VIEWS = {
@@ -69,7 +73,7 @@ function geometryOf(positions, marked) {
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
  * triangles' corners, nine numbers a triangle. Returns { show, replace, look, run, measure, point,
- * paint, colour, repainted, spacing }.
+ * scaled, paint, colour, repainted, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
@@ -94,8 +98,9 @@ export function create(canvas, parts) {
   const part = new Mesh(new BufferGeometry(), [material, fault]);
   const edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
   const ruler = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+  const trace = new Line(new BufferGeometry(), new LineBasicMaterial());
   for (const own of [material, fault, edges.material, ruler.material]) own.fog = false;
-  scene.add(part.add(edges, ruler));
+  scene.add(part.add(edges, ruler), trace);
 
   // Lights at the corners of the feet, and a point, seen through the part.
   const seenThrough = (color, opacity) => {
@@ -117,6 +122,7 @@ export function create(canvas, parts) {
   let centre = new Vector3();
   let seenSize = 1; // of the part for which the camera's distance was chosen
   let labels = []; // of lengths: element and place in the part
+  let scaleBar = null; // element that is as wide as a round length, which stands in it
   let edgesLater = 0;
   let waiting = 0; // for the next frame
 
@@ -131,14 +137,43 @@ export function create(canvas, parts) {
     [controls.minDistance, controls.maxDistance] = [0.5 * radius, radius * 20];
   }
 
-  // Words of the lengths stand beside their lines, whatever the view.
+  // Words of the lengths stand beside their lines, whatever the view, within the frame and apart.
   function placeLabels() {
     const { clientWidth: width, clientHeight: height } = canvas;
+    const placed = [];
     for (const { label, place } of labels) {
       const at = part.localToWorld(place.clone()).project(camera);
-      const [x, y] = [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
+      const half = label.offsetWidth / 2;
+      const within = (value, margin, whole) => Math.min(Math.max(value, margin), whole - margin);
+      const x = within(((at.x + 1) / 2) * width, half, width);
+      let y = within(((1 - at.y) / 2) * height, LABEL / 2, height);
+      const over = () => placed.find((own) => Math.abs(own.x - x) < own.half + half && Math.abs(own.y - y) < LABEL);
+      for (let tries = 0, own; (own = over()) && tries < labels.length; tries += 1) {
+        const below = own.y + LABEL;
+        y = below < height - LABEL / 2 ? below : own.y - LABEL;
+      }
+      placed.push({ x, y, half });
       label.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
     }
+  }
+
+  // The bar is a round length as it is seen at the part's place, a tenth to a third of the frame.
+  function placeScale() {
+    if (!scaleBar) return;
+    const { clientWidth: width, clientHeight: height } = canvas;
+    const distance = camera.position.distanceTo(controls.target);
+    const perPixel = (2 * distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height;
+    const most = (perPixel * width) / 4;
+    const power = 10 ** Math.floor(Math.log10(most));
+    const length = power * [5, 2, 1].find((factor) => factor * power <= most);
+    scaleBar.style.width = `${length / perPixel}px`;
+    scaleBar.firstElementChild.textContent = `${Number(length.toPrecision(1))} mm`;
+  }
+
+  /** Make an element as wide as a round length, which is told in its first child. */
+  function scaled(element) {
+    scaleBar = element;
+    draw();
   }
 
   // Once a frame, however much has changed since the last.
@@ -152,14 +187,16 @@ export function create(canvas, parts) {
     [scene.fog.near, scene.fog.far] = [distance, distance + PLATE * size.x * 0.75];
     renderer.render(scene, camera);
     placeLabels();
+    placeScale();
   }
 
-  /** Use these CSS colours for background, lines of the plate, edges of the part and its faults. */
-  function paint(background, lines, edge, faulty = edge) {
+  /** Use these CSS colours for background, lines of the plate, edges of the part, its faults and lengths. */
+  function paint(background, lines, edge, faulty = edge, lengths = edge) {
     renderer.setClearColor(background);
     scene.fog.color.setStyle(background);
     plate.lines.material.color.setStyle(lines);
-    for (const own of [edges.material, ruler.material, centreMark.material]) own.color.setStyle(edge);
+    for (const own of [edges.material, centreMark.material]) own.color.setStyle(edge);
+    for (const own of [ruler.material, trace.material]) own.color.setStyle(lengths);
     fault.color.setStyle(faulty);
     render(); // at once: paper waits for no frame
   }
@@ -257,6 +294,8 @@ export function create(canvas, parts) {
     material.color.setStyle(css);
     part.position.set(0, -geometry.boundingBox.min.y, 0);
     part.quaternion.identity();
+    trace.visible = false;
+    plate.lines.position.y = 0;
     for (const light of lights) light.visible = false;
     follow(0, 0);
     draw();
@@ -307,14 +346,31 @@ export function create(canvas, parts) {
     draw();
   }
 
-  /** Run of the part that is shown: { last, show(time, slow) }, times in s. */
+  /**
+   * Run of the part that is shown: { last, show(time, slow, larger) }, times in s; `larger`: how many
+   * times the plate's motion is exaggerated, the part riding on it.
+   */
   function run(packed) {
-    const { last, poseAt, lightsAt } = unpack(packed);
-    const showAt = (time, slow) => {
+    const { last, poseAt, plateAt, lightsAt } = unpack(packed);
+    const path = Array.from({ length: TRACED }, (_, k) => middleOf(poseAt((last * k) / (TRACED - 1))));
+    trace.geometry.dispose();
+    trace.geometry = new BufferGeometry().setFromPoints(path);
+    trace.visible = true;
+    const showAt = (time, slow, larger = 1) => {
       const pose = poseAt(time);
+      const height = plateAt(time);
+      pose[1] += (larger - 1) * height;
+      plate.lines.position.y = larger === 1 ? 0 : larger * height;
+      trace.geometry.setDrawRange(0, Math.max(2, Math.ceil((TRACED * time) / last)));
       stand(pose.slice(0, 3), pose.slice(3), packed.corners, lightsAt(time, slow));
     };
     return { last, show: showAt };
+  }
+
+  // Place on the plate below the middle of the part in a pose.
+  function middleOf(pose) {
+    const turned = new Quaternion().fromArray(pose.slice(3)).normalize();
+    return centre.clone().applyQuaternion(turned).add(new Vector3(...pose.slice(0, 3))).setY(0.02 * size.y);
   }
 
   /** Draw lengths on the part, each { from, to, text }; their words stand in `layer`. */
@@ -367,7 +423,7 @@ export function create(canvas, parts) {
   camera.position.add(new Vector3().fromArray(VIEWS.angle));
   resize();
   return {
-    show, replace, look, run, measure, point, paint, colour, repainted,
+    show, replace, look, run, measure, point, scaled, paint, colour, repainted,
     spacing: plate.spacing(),
   };
 }

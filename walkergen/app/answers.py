@@ -3,6 +3,7 @@
 Every number comes from the job that the command line calls for it.
 """
 
+import json
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import zip_longest
@@ -12,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.app import document as documents
+from walkergen.app import sentences
 from walkergen.app.document import Document
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import plain
@@ -61,6 +63,10 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
         "size_mm": list(design.size),
         "row": row,
         "speed": str(member.row.speed),
+        "sentence": sentences.speed(row)._asdict(),
+        "note": sentences.plain(member.row.note),
+        "motor": design.motor is not None,
+        "shaken": scene.drive.kind == "plate",
         "mass_g": float(member.mass.total),
         "caption": report.caption,
         "dimensions": list(_dimensions(design)),
@@ -71,17 +77,27 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
     return facts, member.mesh
 
 
+def packed(document: Document) -> bytes:
+    """Facts on the walker as a line of JSON, then the corners of its triangles, and which are of legs.
+
+    Raises WalkergenError, as `walker` does.
+    """
+    facts, mesh = walker(document)
+    corners, legs = triangles(mesh), of_legs(document, mesh)
+    head = json.dumps(facts | {"triangles": len(corners)}, allow_nan=False).encode()
+    head += b" " * (-(len(head) + 1) % 4) + b"\n"  # numbers begin at a multiple of 4 bytes
+    return head + corners.tobytes() + legs.tobytes()
+
+
 def outlook(document: Document) -> dict[str, Any]:
-    """Curve against tilt, what to measure next, what the printer makes of the walker, and words.
+    """Curve against tilt, what the printer makes of the walker, and words.
 
     Raises WalkergenError, as `walker` does.
     """
     design, scene = document.design(), document.ground()
-    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True)
     found = checking.check([design], [1], document.machine()).findings
     return {
         "curve": _curve(design, scene) if design.follows else None,
-        "shares": report.facts["rows"][0]["shares"],
         "findings": [_finding(finding) for finding in findings.listed(found)],
         "legs_at_fault": any(_of_legs(finding) for finding in found),
         "shell": documents.shell(documents.arguments(document, "export")),
@@ -89,12 +105,30 @@ def outlook(document: Document) -> dict[str, Any]:
     }
 
 
+def shares(document: Document) -> list[dict[str, Any]]:
+    """What is not known of the walker, each with its part of the spread of its speed, largest first.
+
+    Parts are those that knowing the one alone would remove; `alone` of none is what several make together.
+    Raises WalkergenError, as `walker` does.
+    """
+    design, scene = document.design(), document.ground()
+    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True)
+    alone = [
+        {"key": share["name"], "name": sentences.name(share["name"]), "part": max(share["first"], 0.0)}
+        for share in report.facts["rows"][0]["shares"]
+    ]
+    rest = 1.0 - sum(part["part"] for part in alone)
+    together = [{"key": "", "name": "several of them together", "part": rest}] if rest > 0.0 else []
+    return sorted(alone, key=lambda part: -part["part"]) + together
+
+
 def refusal(error: WalkergenError) -> list[dict[str, str]]:
-    """Mistakes, each with the key at fault where there is one."""
+    """Mistakes, each with the key at fault where there is one, in words for people who click."""
     keys = error.keys if isinstance(error, InputError) else ()
     texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in str(error).splitlines()]
     return [
-        {"key": key, "text": plain.line(text)} for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
+        {"key": key, "text": plain.line(sentences.plain(text))}
+        for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
     ]
 
 
@@ -128,7 +162,7 @@ def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
 def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]]:
     """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
-    count = prediction.POINTS if walker.body.plain else FEWER
+    count = prediction.POINTS if walker.body.plain and not walker.parts else FEWER
     curve = prediction.curve(walker, ground, "coulomb", low, high, count)
     return {
         "tilt_deg": curve.tilt_deg.tolist(),
@@ -160,7 +194,7 @@ def _is_sound(design: Design, tilt_deg: float) -> bool:
 
 
 def _finding(finding: Finding) -> dict[str, str]:
-    return {"level": finding.level, "text": finding.line}
+    return {"level": finding.level, "text": sentences.plain(finding.text)}
 
 
 def _of_legs(finding: Finding) -> bool:

@@ -15,11 +15,13 @@ import time
 from collections.abc import AsyncIterator, Coroutine, Sequence
 from typing import Any, TypeVar
 
-COMMAND = "walkergen.cli.child"
-"""Module that runs a command line as a child."""
+from walkergen.app import sentences
 
-PLAY = "walkergen.app.play"
-"""Module that simulates a second of a walker's run, to be played."""
+COMMANDS = "walkergen.cli.child"
+"""Module that runs command lines as a child."""
+
+RUN = "walkergen.app.running"
+"""Module that simulates a walker: a first number, a run to be played, then all that was asked for."""
 
 MOST = 4
 """Most children at once: a browser opens six connections to a server, for all its tabs together,
@@ -38,11 +40,11 @@ Running = set[asyncio.Future[Any]]
 Result = TypeVar("Result")
 
 
-async def run(running: Running, module: str, words: Sequence[str], sent: Any) -> AsyncIterator[Event]:
-    """Run a module's main with these words; `sent` reaches it as a line of JSON.
+async def run(running: Running, module: str, sent: Any) -> AsyncIterator[Event]:
+    """Run a module's main; `sent` reaches it as a line of JSON.
 
-    Yields {"progress": line} for what it says meanwhile, at last {"output": text} or {"refused":
-    lines}. Closing the iterator, or cancelling its task, ends the child.
+    Yields its events, each a line of JSON on its standard output, and where it fails {"refused": lines}.
+    Closing the iterator, or cancelling its task, ends the child.
     """
     task = asyncio.current_task()
     assert task is not None
@@ -56,54 +58,55 @@ async def run(running: Running, module: str, words: Sequence[str], sent: Any) ->
         return
     running.add(task)
     try:
-        async for event in _run(module, words, sent):
+        async for event in _run(module, sent):
             yield event
     finally:
         running.discard(task)
 
 
-async def _run(module: str, words: Sequence[str], sent: Any) -> AsyncIterator[Event]:
+async def _run(module: str, sent: Any) -> AsyncIterator[Event]:
     try:
         child = await asyncio.create_subprocess_exec(
             sys.executable,
             "-m",
             module,
-            *words,
             limit=LARGEST_LINE,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,  # its own workers end with it
         )
-    except (OSError, ValueError) as error:  # more or longer words than the system takes
-        reason = getattr(error, "strerror", None) or "its words are none of this system"
-        yield {"refused": [f"the command cannot be started: {reason}"]}
+    except OSError as error:
+        yield {"refused": [f"the command cannot be started: {error.strerror}"]}
         return
     assert child.stdin is not None
     assert child.stdout is not None
     assert child.stderr is not None
-    output = asyncio.ensure_future(child.stdout.read())
-    said: list[str] = []
+    errors = asyncio.ensure_future(child.stderr.read())
     try:
         with contextlib.suppress(ConnectionError):  # it ended before it listened: its words tell
             child.stdin.write(json.dumps(sent).encode() + b"\n")
             await child.stdin.drain()
-        async for line in child.stderr:
-            said.append(line.decode(errors="replace").rstrip())
-            yield {"progress": said[-1]}
+        async for line in child.stdout:
+            yield json.loads(line)
         code = await child.wait()
-        text = (await output).decode(errors="replace")
+        said = (await errors).decode(errors="replace").splitlines()
     finally:
-        output.cancel()
+        errors.cancel()
         await _end(child)
-    nearest = code == 1 and text.strip()  # a search that met no wish has an answer all the same
-    yield {"output": text} if code == 0 or nearest else {"refused": _mistakes(said, code)}
+    if code:
+        yield {"refused": _mistakes(said, code)}
 
 
 def _mistakes(said: Sequence[str], code: int) -> list[str]:
     """Lines with which a child refused."""
-    lines = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
+    lines = [sentences.plain(line.removeprefix("error: ")) for line in said if line.startswith("error: ")]
     return lines or [*said[-1:], f"the command ended with exit code {code}"]
+
+
+def say(event: Event) -> None:
+    """Say an event of this child to its server."""
+    print(json.dumps(event), flush=True)
 
 
 async def _end(child: asyncio.subprocess.Process) -> None:

@@ -9,6 +9,7 @@ import math
 import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -21,11 +22,14 @@ from walkergen.files.key_names import KINDS, TILTS
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
-from walkergen.walker.design import Design
+from walkergen.walker.design import MESHES, OUTLINES, Design
 from walkergen.walker.marks import digits_of
 
 MOST_KEYS = 500
 """Most keys that a page sets."""
+
+MOST_READ = 64
+"""Templates with values of their own that are kept as they were read."""
 
 SOURCE = "page"
 """Source of the values in messages, which the page leaves out."""
@@ -33,8 +37,9 @@ SOURCE = "page"
 FILE_KEYS = ("mesh", "outline")
 """Keys of a design that name files."""
 
-DROPPED = ("stl", "obj", "ply", "off", "3mf", "glb", "svg", "dxf")
-"""Kinds of files that may be dropped onto a page, as their names end."""
+DRAWINGS = tuple(ending.removeprefix(".") for ending in OUTLINES)
+DROPPED = (*(ending.removeprefix(".") for ending in MESHES), *DRAWINGS)
+"""Kinds of files that may be dropped onto a page, as their names end; those of drawings and pictures are outlines."""
 
 UPLOADED = re.compile(rf"[0-9a-f]{{16}}\.({'|'.join(DROPPED)})")
 """Name of a file that was dropped onto a page: the beginning of its hash, and its kind."""
@@ -50,6 +55,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "family": ("scene.", "printer."),
     "predict": ("scene.",),
     "simulate": ("scene.",),
+    "crowd": ("scene.",),
     "design": ("scene.", "printer."),
 }
 """Things beside a walker whose files and keys a command takes."""
@@ -113,8 +119,20 @@ class Document(NamedTuple):
         }
 
     def _read(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
-        path = templates.path_of(name, kind)
-        return assignments.read(path, model, self.own(prefix), SOURCE, prefix)
+        own = self.own(prefix)
+        if name in templates.names(kind):
+            read: Model = _of_template(name, kind, model, json.dumps(own), prefix)
+            return read
+        return assignments.read(templates.path_of(name, kind), model, own, SOURCE, prefix)
+
+
+@lru_cache(maxsize=MOST_READ)
+def _of_template(name: str, kind: str, model: type[Model], own: str, prefix: str) -> Model:
+    """Template in which keys have other values, by their JSON: a page asks several things of each document.
+
+    What is kept names no file that changes: those of a page are called by what is in them.
+    """
+    return assignments.read(templates.path_of(name, kind), model, json.loads(own), SOURCE, prefix)
 
 
 def read(data: Any, place: Place) -> Document:

@@ -5,6 +5,7 @@ Nothing here knows a key: what a table allows, and what it says of itself, is wh
 
 import ast
 import inspect
+import math
 import textwrap
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -34,9 +35,9 @@ UNITS = {
 }
 """Units by the endings of keys, the longest first where one ends in another."""
 
-WIDE, FACTOR = 100.0, 4.0
-"""End of a range over the value up to which a slider runs over the range whole; over a wider one it
-runs from the value's FACTORth to its FACTORfold, by factors."""
+WIDEST, TIMES, STEEPEST_DEG = 400.0, 3.0, 45.0
+"""Widest range of numbers of either sign that a slider spans whole; beyond, and of numbers of one sign,
+it ends at a round number of TIMES the value. Tilt up to which that of the tilt goes."""
 
 LETTERED = "name"
 """Template of a walker whose body is letters, on legs that stand under them."""
@@ -58,8 +59,8 @@ class Control(NamedTuple):
     low: float | None = None
     """Smallest number that the key may have."""
     high: float | None = None
-    slider: tuple[float, float, bool] | None = None
-    """Range of its slider, and whether that is logarithmic; None: a number alone."""
+    slider: tuple[float, float] | None = None
+    """Range of its slider, before `spans` cuts it to what can be built; None: a number alone."""
     choices: tuple[str, ...] = ()
     optional: bool = False
     """True where the key may be left out."""
@@ -95,10 +96,20 @@ def groups(document: Document) -> list[Group]:
         table.controls[:] = [control for control in table.controls if control not in tilts]
     for control in tilts:
         if control.key == tilt_key(design):
-            slider = _slider(control.low, control.high, design.tilt_deg)
-            tilt = control._replace(value=design.tilt_deg, slider=slider, optional=False)
+            steepest = max(STEEPEST_DEG, abs(design.tilt_deg))
+            tilt = control._replace(value=design.tilt_deg, slider=(-steepest, steepest), optional=False)
             return [Group("tilt", [tilt]), *tables]
     return tables
+
+
+def whole(document: Document) -> dict[str, Any]:
+    """All that a page's form is made of. Raises InputError for a document that is not sound."""
+    tables = [
+        {"title": group.title, "controls": [control._asdict() for control in group.controls]}
+        | {"absent": group.absent, "optional": group.optional}
+        for group in groups(document)
+    ]
+    return {"groups": tables, "legs": listed_legs(document), "shapes": shapes(document)}
 
 
 def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
@@ -200,13 +211,21 @@ def _limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
     return next((float(limit) for limit in limits if limit is not None), None)
 
 
-def _slider(low: float | None, high: float | None, value: float | None) -> Any:
-    """Range of a slider: the key's own or, where that is too wide to move in, about its value."""
+def _slider(low: float | None, high: float | None, value: float | None) -> tuple[float, float] | None:
+    """Range of a slider, about its value where the key's own is too wide to move in."""
     if low is None or high is None or value is None:
         return None
-    if low < 0.0 or high <= WIDE * value:
-        return low, high, False
-    return (max(low, value / FACTOR), min(high, value * FACTOR), True) if value else None
+    if low < 0.0:
+        reach = max(-low, high) if high - low <= WIDEST else _round(TIMES * max(abs(value), 1.0))
+        return max(low, -reach), min(high, reach)
+    top = min(high, _round(TIMES * value) if value > 0.0 else 10.0)
+    return max(low, 0.01 * top) if low else 0.0, top
+
+
+def _round(value: float) -> float:
+    """Round number, 1, 2 or 5 times a power of ten, at or above a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= 0.999 * value)
 
 
 @cache

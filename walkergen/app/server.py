@@ -9,19 +9,19 @@ import hashlib
 import json
 import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import RedirectResponse, Response
+from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 
-from walkergen.app import answers, children, form, pictures, statics, taking
+from walkergen.app import answers, children, crowding, form, pictures, sentences, spans, statics, taking
 from walkergen.app import document as documents
 from walkergen.app.document import Document, Place
+from walkergen.app.workers import Workers
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import output, reading, templates
 from walkergen.files.ledger import manifest
@@ -35,8 +35,11 @@ MOST_UPLOADED = 200_000_000
 MOST_HEARD = 5 * MOST_UPLOADED
 """Bytes of a message after which it is broken off, whoever sends it."""
 
-THREADS = 2
-"""Answers that are made at once: more would share the same core, and all be late."""
+MOST_UPLOADS = 2 * MOST_UPLOADED
+"""Sum of all files that were dropped and are kept, bytes: the oldest go."""
+
+SILENT_S = 20.0
+"""Time after which a message that has not ended, and goes on no more, is given up, s."""
 
 KEPT = "kept.json"
 """File in the server's folder with the document that was changed last."""
@@ -68,8 +71,8 @@ class Server(NamedTuple):
     """Document of the command line, with which a page begins."""
     running: children.Running
     """What has a child."""
-    threads: ThreadPoolExecutor
-    """Threads of all else that takes its time."""
+    workers: Workers
+    """Processes of all else that takes its time."""
     anew: bool = False
     """True where the command line says what a page is about: what was kept of others is not it."""
     once: str | None = None
@@ -82,9 +85,7 @@ def new(
     """Server with fresh secrets; `away` if other machines can reach it."""
     place = Place(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
-    return Server(
-        folder, hosts, secrets.token_urlsafe(18), place, first, set(), ThreadPoolExecutor(THREADS), anew, once
-    )
+    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), anew, once)
 
 
 def application(server: Server) -> Any:
@@ -93,11 +94,15 @@ def application(server: Server) -> Any:
         "start": _start,
         "walker": _walker,
         "outlook": _outlook,
+        "shares": _shares,
         "form": _form,
+        "spans": _spans,
         "keep": _keep,
         "run": _run,
-        "play": _play,
+        "crowd": _crowd,
+        "crowded": _crowded,
         "design": _design,
+        "make": _make,
         "take": _take,
         "upload": _upload,
     }
@@ -122,8 +127,26 @@ def application(server: Server) -> Any:
     return _guarded(Starlette(routes=outer, exception_handlers=handlers), server.hosts)
 
 
-def _no_door(_: Request, error: HTTPException) -> Response:
-    """Refusal of what is asked of no door, or not as doors are asked."""
+LOST = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>walkergen: the address is not whole</title>
+<style>body { font: 18px/1.5 system-ui, sans-serif; max-width: 34rem; margin: 3rem auto; padding: 0 1rem;
+color: #22282d; background: #fff; } code { overflow-wrap: anywhere; }
+@media (prefers-color-scheme: dark) { body { color: #e4e8ec; background: #15191d; } }</style></head>
+<body><main><h1>Almost there</h1>
+<p>walkergen runs here, but this address is not whole: it ends in a long secret word, so that no other page
+can reach your designs.</p>
+<p>Go to the terminal in which you started walkergen. It shows a line <code>the page: http://…</code>: open that
+address, to its last letter. Or end it there with Ctrl-C and start it again: it opens the page itself.</p>
+</main></body></html>
+"""
+"""Page of an address that leads nowhere."""
+
+
+def _no_door(request: Request, error: HTTPException) -> Response:
+    """Refusal of what is asked of no door, or not as doors are asked; a person reads a page."""
+    if request.method == "GET" and "text/html" in request.headers.get("accept", ""):
+        return HTMLResponse(LOST, error.status_code)
     return _refused([f"this server has no such door: {error.detail}"], error.status_code)
 
 
@@ -173,8 +196,10 @@ def _door(server: Server, door: Callable[[Server, Request], Awaitable[Response]]
             return _json({"refused": answers.refusal(error)}, 422)
         except (MemoryError, RecursionError):
             return _refused(["too large for this machine: ask for less"], 422)
+        except TimeoutError:
+            return _refused(["the message did not come to its end"], 408)
         except ClientDisconnect:  # nobody reads this
-            return Response(status_code=400)
+            return _refused(["nobody waits for this any more"], 400)
 
     return endpoint
 
@@ -182,7 +207,12 @@ def _door(server: Server, door: Callable[[Server, Request], Awaitable[Response]]
 async def _body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Message of a page. Raises InputError for one that is too long."""
     data, length = bytearray(), 0
-    async for piece in request.stream():  # to its end: who still sends hears no refusal
+    stream = request.stream()
+    while True:  # to its end: who still sends hears no refusal
+        try:
+            piece = await asyncio.wait_for(anext(stream), SILENT_S)
+        except StopAsyncIteration:
+            break
         length += len(piece)
         if length <= most:
             data += piece
@@ -213,12 +243,15 @@ async def _start(server: Server, request: Request) -> Response:
     names = {kind: templates.names(kind) for kind in templates.KINDS}
     listed = [row for row in templates.listing().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
-    kept = await _worked(server, _kept, server)
+    kept = await asyncio.to_thread(_kept, server)
     return _json(
         {
             **names,
             "walkers": server.place.walkers(),
             "about": about,
+            "titles": sentences.TITLES,
+            "table": sentences.TABLE,
+            "new": kept is None and not server.anew,
             "document": kept or server.first._asdict(),
             "fresh": server.first._asdict(),
         }
@@ -244,45 +277,47 @@ async def _keep(server: Server, request: Request) -> Response:
     document = documents.json_of(await _body(request)).get("document")
     documents.read(document, server.place)
     kept = manifest({"document": document})
-    await _worked(server, output.renew, server.folder / KEPT, kept)
+    await asyncio.to_thread(output.renew, server.folder / KEPT, kept)
     return _json({})
 
 
 async def _walker(server: Server, request: Request) -> Response:
     """Facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
     document, _ = await _asked(server, request)
-
-    def answer() -> bytes:
-        facts, mesh = answers.walker(document)
-        corners, legs = answers.triangles(mesh), answers.of_legs(document, mesh)
-        head = json.dumps(facts | {"triangles": len(corners)}, allow_nan=False).encode()
-        head += b" " * (-(len(head) + 1) % 4) + b"\n"  # numbers begin at a multiple of 4 bytes
-        return head + corners.tobytes() + legs.tobytes()
-
-    return Response(await _worked(server, answer), media_type="application/octet-stream")
+    packed = await _worked(server, request, answers.packed, document)
+    return Response(packed, media_type="application/octet-stream")
 
 
 async def _outlook(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json(await _worked(server, answers.outlook, document))
+    return _json(await _worked(server, request, answers.outlook, document))
+
+
+async def _shares(server: Server, request: Request) -> Response:
+    document, _ = await _asked(server, request)
+    return _json({"shares": await _worked(server, request, answers.shares, document)})
 
 
 async def _form(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-
-    def answer() -> dict[str, Any]:
-        groups = [
-            {"title": group.title, "controls": [control._asdict() for control in group.controls]}
-            for group in form.groups(document)
-        ]
-        return {"groups": groups, "legs": form.listed_legs(document), "shapes": form.shapes(document)}
-
-    return _json(await _worked(server, answer))
+    return _json(await _worked(server, request, form.whole, document))
 
 
-async def _worked(server: Server, work: Callable[..., Result], *given: Any) -> Result:
-    """Result of what takes its time, beside which the server listens on."""
-    return await asyncio.get_running_loop().run_in_executor(server.threads, work, *given)
+async def _spans(server: Server, request: Request) -> Response:
+    """Ranges in which the walker can be built, for sliders of these keys."""
+    document, asked = await _asked(server, request)
+    keys = asked.get("keys")
+    if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
+        raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
+    return _json({"spans": await _worked(server, request, spans.spans, document, keys)})
+
+
+async def _worked(server: Server, request: Request, work: Callable[..., Result], *given: Any) -> Result:
+    """Result of what takes its time. Raises ClientDisconnect where the page has gone meanwhile."""
+    result = await children.while_heard(request.receive, server.workers.answer(work, *given))
+    if result is None:
+        raise ClientDisconnect
+    return result
 
 
 class Streamed(Response):
@@ -309,40 +344,49 @@ class Streamed(Response):
 
 
 async def _run(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    words = await _worked(server, documents.arguments, document, "simulate", "--json")
-    return Streamed(children.run(server.running, children.COMMAND, words, None))
+    """Simulate the walker; if `short` only for a first number."""
+    document, asked = await _asked(server, request)
+    sent = {"document": document._asdict(), "short": asked.get("short") is True}
+    return Streamed(children.run(server.running, children.RUN, sent))
 
 
-async def _play(server: Server, request: Request) -> Response:
+async def _crowd(server: Server, request: Request) -> Response:
+    """Let walkers run in a dish; `crowded` then hands out what is played."""
     document, _ = await _asked(server, request)
-    return Streamed(children.run(server.running, children.PLAY, (), document._asdict()))
+    words = await _worked(server, request, crowding.words, document, server.folder / "crowds")
+    return Streamed(children.run(server.running, children.COMMANDS, [words]))
+
+
+async def _crowded(server: Server, request: Request) -> Response:
+    document, _ = await _asked(server, request)
+    return _json(await _worked(server, request, crowding.played, document, server.folder / "crowds"))
 
 
 async def _design(server: Server, request: Request) -> Response:
     """Search for a walker of a wished speed, as `walkergen design` does."""
     document, wish = await _asked(server, request)
-    words = await _worked(server, taking.search, document, wish, server.folder / "designs")
-    return Streamed(children.run(server.running, children.COMMAND, words, None))
+    words = await _worked(server, request, taking.search, document, wish, server.folder / "designs")
+    return Streamed(children.run(server.running, children.COMMANDS, [words]))
+
+
+async def _ordered(server: Server, request: Request) -> taking.Order:
+    document, asked = await _asked(server, request)
+    what, copies = asked.get("what"), asked.get("copies", 1)
+    return await _worked(server, request, taking.order, document, what, copies, server.folder)
+
+
+async def _make(server: Server, request: Request) -> Response:
+    """Make files by their commands, for `take` to hand out."""
+    order = await _ordered(server, request)
+    if not order.commands:
+        return Response(b"", media_type=Streamed.media_type)
+    return Streamed(children.run(server.running, children.COMMANDS, order.commands))
 
 
 async def _take(server: Server, request: Request) -> Response:
-    """Make files by their commands, and hand them out."""
-    document, asked = await _asked(server, request)
-    what, copies = asked.get("what"), asked.get("copies", 1)
-    order = await _worked(server, taking.order, document, what, copies, server.folder)
-    made = await children.while_heard(request.receive, _made(server, order))
-    return made or _refused(["the server has ended"], 503)
-
-
-async def _made(server: Server, order: taking.Order) -> Response:
-    for words in order.commands:
-        refused = None
-        async for event in children.run(server.running, children.COMMAND, words, None):
-            refused = event.get("refused", refused)
-        if refused:
-            return _refused(refused, 422)
-    name, data = await _worked(server, taking.collected, order)
+    """Hand out files that were made."""
+    order = await _ordered(server, request)
+    name, data = await _worked(server, request, taking.collected, order)
     shells = [documents.shell(words) for words in order.commands]
     headers = {"content-disposition": f'attachment; filename="{name}"', "walkergen-shell": json.dumps(shells)}
     return Response(data, media_type="application/octet-stream", headers=headers)
@@ -354,11 +398,11 @@ async def _upload(server: Server, request: Request) -> Response:
     data = await _body(request, MOST_UPLOADED)
     if kind not in documents.DROPPED:
         raise InputError(
-            f"{documents.SOURCE}: files of the kind {kind[:20]!r} are no bodies: drop an SVG or "
-            "DXF drawing, or a mesh (STL, OBJ, PLY, OFF, 3MF, GLB)"
+            f"{documents.SOURCE}: files of the kind {kind[:20]!r} are no bodies: drop an SVG or DXF drawing, "
+            "a picture (PNG, JPG), or a mesh (STL, OBJ, PLY, OFF, 3MF, GLB)"
         )
-    name = await _worked(server, _uploaded, server.place.uploads, kind, data)
-    return _json({"file": name, "key": "body.outline" if kind in ("svg", "dxf") else "body.mesh"})
+    name = await asyncio.to_thread(_uploaded, server.place.uploads, kind, data)
+    return _json({"file": name, "key": "body.outline" if kind in documents.DRAWINGS else "body.mesh"})
 
 
 def _uploaded(folder: Path, kind: str, data: bytes) -> str:
@@ -366,6 +410,12 @@ def _uploaded(folder: Path, kind: str, data: bytes) -> str:
     name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
     with output.Folder(folder, "") as target:
         target.write(name, data)
+    (folder / name).touch()
+    kept = 0
+    for path in sorted(folder.glob("*.*"), key=lambda path: path.stat().st_mtime, reverse=True):
+        kept += path.stat().st_size
+        if kept > MOST_UPLOADS and documents.UPLOADED.fullmatch(path.name) and path.name != name:
+            path.unlink()
     return name
 
 
@@ -374,5 +424,5 @@ async def _picture(server: Server, request: Request) -> Response:
     name = request.path_params["name"]
     if name not in templates.names("walkers"):
         return _refused(["no such picture"], 404)
-    text = await _worked(server, pictures.side_view, name)
+    text = await asyncio.to_thread(pictures.side_view, name)
     return Response(text, media_type="image/svg+xml")

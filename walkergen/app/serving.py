@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from walkergen.app import children
 from walkergen.app import server as servers
@@ -25,16 +26,39 @@ PLAIN_PORT = 80
 """Port that browsers leave out of an address."""
 
 
+IDLE_S = 10.0
+"""Time after which a connection on which no message has begun to be answered is closed, s."""
+
+
+class _Impatient(H11Protocol):
+    """Connection that is closed where nothing comes on it, or a message that does not get on."""
+
+    def connection_made(self, transport: Any) -> None:
+        super().connection_made(transport)
+        self.loop.call_later(IDLE_S, self._look, False)
+
+    def _look(self, idle_before: bool) -> None:
+        """Close what was idle at the last look too; what is answered meanwhile has its time."""
+        if self.transport.is_closing():
+            return
+        idle = self.cycle is None or self.cycle.response_complete
+        if idle and (idle_before or self.cycle is None):
+            self.transport.close()
+        else:
+            self.loop.call_later(IDLE_S, self._look, idle)
+
+
 class _Ending(uvicorn.Server):
     """Server that at its end first ends what runs for its pages, and says nothing any more."""
 
-    def __init__(self, config: uvicorn.Config, running: children.Running) -> None:
+    def __init__(self, config: uvicorn.Config, served: servers.Server) -> None:
         super().__init__(config)
-        self._running = running
+        self._served = served
 
     async def shutdown(self, sockets: Any = None) -> None:
         logging.getLogger("uvicorn.error").disabled = True
-        await children.end(self._running)
+        await children.end(self._served.running)
+        self._served.workers.end()
         await super().shutdown(sockets)
 
 
@@ -52,6 +76,7 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     served = servers.new(folder, _hosts(names, port), first, own, away, anew)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
     address = f"http://{_bracketed(host)}:{port}/{path}"
+    served.workers.begin()
     print(f"the page: {address}", flush=True)
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
     if browser and not away:
@@ -64,11 +89,11 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
         timeout_graceful_shutdown=1,
         ws="none",
         lifespan="off",
-        http="h11",
+        http=_Impatient,
         loop="asyncio",
     )
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
-        _Ending(config, served.running).run(sockets=[listening])
+        _Ending(config, served).run(sockets=[listening])
 
 
 def _hosts(names: Sequence[str], port: int) -> frozenset[str]:

@@ -19,15 +19,8 @@ from walkergen.jobs.make.design import box
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.walker.body import DRAWN
 
-FORMATS: Mapping[str, str] = {
-    "stl": "export",
-    "3mf": "export",
-    "plate": "plate",
-    "page": "family",
-    "toml": "",
-    "zip": "*",
-}
-"""Files that a page hands out, and the command that makes each."""
+FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
+"""Files that a page hands out."""
 
 WISHES = ("speed", "fastest", "least-sensitive", "persistence", "turning-radius")
 """Wishes of `design`; the second and third have no number."""
@@ -56,20 +49,18 @@ def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
     target = folder / f"{answers.part_name(document)}-{digest}"
     out = ("--out", str(target))
     made = {
-        "stl": [documents.arguments(document, "export", "--format", "stl", *out)],
-        "3mf": [documents.arguments(document, "export", "--format", "3mf", *out)],
-        "plate": [documents.arguments(document, "plate", "--copies", str(copies), *out)],
-        "page": [documents.arguments(document, "family", "--page", "--out", str(target / "family"))],
-        "toml": [],
+        "stl": documents.arguments(document, "export", "--format", "stl", *out),
+        "3mf": documents.arguments(document, "export", "--format", "3mf", *out),
+        "plate": documents.arguments(document, "plate", "--copies", str(copies), *out),
+        "page": documents.arguments(document, "family", "--page", "--out", str(target / "family")),
     }
-    wanted = [name for name in made if what in (name, "zip")]
-    return Order(document, what, target, [words for name in wanted for words in made[name]])
+    return Order(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
 
 
 def collected(asked: Order) -> tuple[str, bytes]:
     """Name and contents of what the commands of an order made: a file, or several in an archive.
 
-    Raises OutputError for settings that cannot be written.
+    Raises InputError where they have not run, OutputError for settings that cannot be written.
     """
     if asked.what in ("toml", "zip"):
         _write_settings(asked.document, asked.folder)
@@ -86,6 +77,8 @@ def collected(asked: Order) -> tuple[str, bytes]:
     )
     paths = sorted(path for path in folder.glob(patterns[asked.what]) if path.is_file())
     paths = [path for path in paths if not path.name.startswith(".")]
+    if not paths:
+        raise InputError(f"{documents.SOURCE}: these files are not made yet")
     if len(paths) == 1:
         return paths[0].name, paths[0].read_bytes()
     what = "" if asked.what == "zip" else f"-{asked.what}"

@@ -1,13 +1,75 @@
-"""The command line as a child of the page's server: it ends with it, and says how far it is."""
+"""Command lines as a child of the page's server: it ends with it, and says how far it is.
+
+A line of JSON for each thing that it says: {"progress": [what, done, total]} or {"output": text}.
+"""
+
+import io
+import json
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+from typing import Any
 
 from walkergen import cli
 from walkergen.app import children
 from walkergen.cli import show
+from walkergen.files.progress import Progress, part
 
-PAUSE_S = 0.5
-"""Time (s) between two lines that say how far a job is: a page shows the last one."""
+PAUSE_S = 0.2
+"""Time (s) between two lines that say how far a job is."""
+
+
+def main() -> int:
+    """Run the command lines that the server sent, one after another; returns the exit code."""
+    lines, stream = children.listen(), sys.stdout
+    tell = _teller(stream)
+    for number, words in enumerate(lines):
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a command leaves it ignored at its end
+        show.lines = _told(part(tell, number, len(lines)))  # type: ignore[assignment]
+        sys.argv = ["walkergen", *words]
+        with redirect_stdout(io.StringIO()) as output:
+            code = _run()
+        if code and not (code == 1 and output.getvalue().strip()):  # a search that met no wish has an answer
+            return code
+        _say(stream, {"output": output.getvalue()})
+    return 0
+
+
+def _run() -> int:
+    try:
+        cli.main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    return 0
+
+
+def _say(stream: Any, event: dict[str, Any]) -> None:
+    print(json.dumps(event), file=stream, flush=True)
+
+
+def _teller(stream: Any) -> Progress:
+    """Progress that is said as events, not too often."""
+    said = [0.0]
+
+    def tell(what: str, done: int, total: int) -> None:
+        if time.monotonic() - said[0] > PAUSE_S:
+            said[0] = time.monotonic()
+            _say(stream, {"progress": [what, done, total]})
+
+    return tell
+
+
+def _told(tell: Progress) -> Callable[[str], Any]:
+    """What stands in place of the lines that say how far a job is."""
+
+    @contextmanager
+    def lines(title: str) -> Iterator[Progress]:
+        yield tell
+
+    return lines
+
 
 if __name__ == "__main__":
-    children.listen()
-    show.FIRST_S = show.NEXT_S = PAUSE_S
-    cli.main()
+    sys.exit(main())

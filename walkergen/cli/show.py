@@ -97,12 +97,12 @@ def progress(title: str, wanted: bool, about_s: float | None = None) -> Iterator
         with caches.unannounced():
             yield lambda what, done, total: None
     else:
-        with _bar(title) if sys.stderr.isatty() else _lines(title) as update:
+        with _bar(title) if sys.stderr.isatty() else lines(title) as update:
             yield update
 
 
 @contextmanager
-def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
+def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
     """Say how far a job is in a line now and then, also while it says nothing itself."""
     begun, ended = time.monotonic(), threading.Event()
     state: list[tuple[str, int, int]] = []
@@ -113,7 +113,8 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
             if state:
                 pause = NEXT_S
                 what, done, total = state[0]
-                share = f", {done} of {total}" if done else ""
+                part = f"{done} %" if total == 100 else f"{done} of {total}"
+                share = f", {part}" if done else ""
                 passed = time.monotonic() - begun
                 rest = f"{_rest(passed, done, total)} left" if done else f"{passed:.0f} s so far"
                 try:

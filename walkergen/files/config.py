@@ -180,7 +180,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         return model.model_validate(data)
     except InputError as error:  # of parts that cannot be built, or of a file that a key names
         problems = str(error).splitlines()
-        at_fault = error.keys or [problem.split(" ", 1)[0] for problem in problems]  # with which each begins
+        at_fault = error.keys or [_key_of(problem, model) for problem in problems]
         lines = [
             f"{where(_split_key(key), source, text)}: {problem}"
             for key, problem in zip(at_fault, problems, strict=True)
@@ -194,6 +194,12 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         if len(mistakes) > MOST_MISTAKES:
             lines.append(f"{source}: and {len(mistakes) - MOST_MISTAKES} more mistakes")
         raise InputError("\n".join(lines), *at_fault) from None
+
+
+def _key_of(problem: str, model: type[Section]) -> str:
+    """Key with which a line on a mistake begins; "" where it begins with another word."""
+    word = problem.split(" ", 1)[0].rstrip(":")
+    return word if _field_at(_split_key(word), model) is not None else ""
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:

@@ -49,7 +49,7 @@ def local(workers: int | None = None) -> Iterator[WorkerPool]:
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"--workers {count}: must lie in 1..{MOST_WORKERS}")
     context = multiprocessing.get_context("spawn")
-    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_begin)
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=begin)
     try:
         with _ctrl_c_ignored():  # a process that starts takes over what is ignored
             for _ in range(count):
@@ -76,7 +76,7 @@ def _ctrl_c_ignored() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _begin() -> None:
+def begin() -> None:
     """Leave Ctrl-C to the parent, and end with it, even when it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()

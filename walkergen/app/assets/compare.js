@@ -1,7 +1,7 @@
 // A second design beside the first: its picture, its speed, and in what the two differ.
 
 import { byId } from './ask.js';
-import { make } from './form.js';
+import { make, nameOf } from './form.js';
 import { viewerOf } from './part.js';
 import { change, current } from './state.js';
 
@@ -11,13 +11,13 @@ let viewer = null;
 const flat = (document) => ({
   walker: document.walker, scene: document.scene, printer: document.printer, ...document.values,
 });
-const words = (value) => (value === undefined ? 'as the file has it' : typeof value === 'object' ? JSON.stringify(value) : value);
+const words = (value) => (value === undefined ? 'as it was' : typeof value === 'object' ? JSON.stringify(value) : value);
 
 function differences(one, other) {
   const [a, b] = [flat(one), flat(other)];
   return [...new Set([...Object.keys(a), ...Object.keys(b)])]
     .filter((key) => JSON.stringify(a[key]) !== JSON.stringify(b[key]))
-    .map((key) => `${key}: ${words(a[key])} here, ${words(b[key])} there`);
+    .map((key) => `${nameOf(key)}: ${words(a[key])} here, ${words(b[key])} there`);
 }
 
 /** Say anew how the design that is shown differs from the one that is held. */

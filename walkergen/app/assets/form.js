@@ -1,9 +1,11 @@
 // The form: a control for each key that the server names, in the order of its tables.
 
-import { ask, byId, lastOnly, upload } from './ask.js';
+import { ask, byId, lastOnly, settled, upload } from './ask.js';
 import { change, current, endDrag, isSet, set, without } from './state.js';
 
-const OPEN = new Set(['tilt', 'walker: body', 'walker: legs', 'walker: legs 1']);
+const NARROW = matchMedia('(max-width: 48rem)');
+const opens = (title) => title === 'tilt' || (!NARROW.matches && ['walker: body', 'walker: legs'].includes(title));
+const SPANS_MS = 500; // without a change after which ends of sliders are asked for
 const FAR = 1e5; // limits from which on nobody needs to be told of them
 let legs = []; // legs of the walker as a list
 
@@ -15,26 +17,50 @@ const make = (tag, properties = {}, ...children) => {
 
 const rounded = (value) => Number(value.toPrecision(4));
 
-// A slider runs from 0 to 1000; its number is linear or logarithmic in between.
+// Round numbers between two, at most six.
+function ticks(low, high) {
+  const rough = (high - low) / 5;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= 0.999 * rough);
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({ length: Math.floor(high / step - first + 1e-9) + 1 }, (_, k) => Number(((first + k) * step).toPrecision(6)));
+}
+
+/** Slider of a control beside its number, over a range; a number beyond it makes it longer. */
 function slider(control, number) {
-  const [low, high, logarithmic] = control.slider;
-  const toValue = (at) =>
-    logarithmic ? low * (high / low) ** (at / 1000) : low + ((high - low) * at) / 1000;
-  const toPlace = (value) =>
-    1000 * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
-  const step = 10 ** Math.floor(Math.log10((high - low) / 200));
-  const whole = (value) => (logarithmic ? Number(value.toPrecision(3)) : rounded(Math.round(value / step) * step));
-  const range = make('input', { type: 'range', min: 0, max: 1000, step: 'any', tabIndex: -1 });
+  const range = make('input', { type: 'range', step: 'any', tabIndex: -1 });
   range.setAttribute('aria-hidden', 'true'); // the number beside it says the same
-  const place = () => (range.value = toPlace(Number(number.value || control.value)));
-  place();
+  const marks = make('div', { className: 'ticks' });
+  marks.setAttribute('aria-hidden', 'true');
+  let step = 1;
+  const value = () => Number(number.value || control.value);
+  const span = (low, high) => {
+    [range.min, range.max] = [Math.min(low, value()), Math.max(high, value())];
+    const [bottom, top] = [Number(range.min), Number(range.max)];
+    step = 10 ** Math.floor(Math.log10((top - bottom) / 200));
+    number.step = Number(step.toPrecision(1));
+    range.value = value();
+    marks.replaceChildren(...ticks(bottom, top).map((tick) => {
+      const mark = make('span', { textContent: tick });
+      mark.style.left = `${(100 * (tick - bottom)) / (top - bottom)}%`;
+      return mark;
+    }));
+  };
+  span(...control.slider);
+  const place = () => {
+    const now = value();
+    if (now < Number(range.min) || now > Number(range.max)) span(Number(range.min), Number(range.max));
+    range.value = now;
+  };
   range.addEventListener('input', () => {
-    const value = whole(toValue(Number(range.value)));
-    number.value = value;
-    set(control.key, value);
+    const wanted = Number(range.value);
+    const whole = rounded(Math.min(Math.max(Math.round(wanted / step) * step, Number(range.min)), Number(range.max)));
+    number.value = whole;
+    set(control.key, whole);
   });
   range.addEventListener('change', endDrag);
-  return { range, place, step: logarithmic ? 'any' : step };
+  number.addEventListener('input', place);
+  return { range, marks, place, span };
 }
 
 function numberOf(control) {
@@ -88,12 +114,6 @@ function row(control) {
   const label = make('label', { htmlFor: id, textContent: control.name });
   const holder = make('div', { className: 'row' }, label);
   holder.dataset.key = control.key;
-  if (control.slider) {
-    const { range, place, step } = slider(control, input);
-    input.step = step;
-    holder.append(range);
-    holder.place = place;
-  }
   const near = control.low !== null && control.high !== null && control.high < FAR;
   const limits = near ? `${control.low} to ${control.high} ${control.unit}` : '';
   const help = [control.help, limits].filter(Boolean).join(' ');
@@ -108,7 +128,13 @@ function row(control) {
   back.setAttribute('aria-label', `${control.name}: as the file has it`);
   back.hidden = !isSet(control.key);
   back.addEventListener('click', () => set(control.key, undefined, 'shape'));
-  holder.append(input, unit, back, hint, why);
+  holder.append(input, unit, back);
+  if (control.slider) {
+    const { range, marks, place, span } = slider(control, input);
+    holder.append(range, marks);
+    Object.assign(holder, { place, span });
+  }
+  holder.append(hint, why);
   return holder;
 }
 
@@ -161,6 +187,7 @@ function bodyTools(shapes) {
 
 function groupOf(group, shapes, opened) {
   const details = make('details', { open: opened });
+  details.addEventListener('toggle', () => details.open && askSpans());
   details.dataset.title = group.title;
   details.append(make('summary', { textContent: group.title.replace('walker: ', '') }));
   if (group.absent) {
@@ -189,10 +216,21 @@ export const rebuild = lastOnly(async () => {
   legs = answer.legs;
   form.replaceChildren(
     ...answer.groups.map((group) =>
-      groupOf(group, answer.shapes, open.get(group.title) ?? OPEN.has(group.title))),
+      groupOf(group, answer.shapes, open.get(group.title) ?? opens(group.title))),
   );
   if (focused) byId(focused)?.focus();
+  askSpans();
 });
+
+// Sliders that are seen, and not held at the moment, run over what can be built.
+const askSpans = settled(async () => {
+  const rows = [...document.querySelectorAll('#form details[open] .row')].filter((row) => row.span && !row.matches(':active'));
+  if (!rows.length) return;
+  const asked = current();
+  const answer = await ask('spans', { document: asked, keys: rows.map((row) => row.dataset.key) });
+  if (answer.refused || asked !== current()) return;
+  for (const row of rows) if (answer.spans[row.dataset.key]) row.span(...answer.spans[row.dataset.key]);
+}, SPANS_MS);
 
 /** Show a number that was set elsewhere, as by dragging the marker of the chart. */
 export function showValue(key, value) {
@@ -236,4 +274,7 @@ export async function takeFile(file) {
   change({ ...current(), values }, 'shape');
 }
 
-export { make };
+/** Name of a key as its control has it. */
+export const nameOf = (key) => document.querySelector(`label[for="${CSS.escape(`key-${key}`)}"]`)?.textContent ?? key.replaceAll(/[._]/g, ' ');
+
+export { askSpans, make, ticks };

@@ -1,53 +1,87 @@
-// What takes seconds: runs, searches and files, each with its progress and a way to stop it.
+// What takes seconds: runs, searches and files, each with one bar, the time left and a way to stop it.
 
-import { askFile, byId, events } from './ask.js';
-import { make } from './form.js';
-import { tableRow } from './outlook.js';
+import { ask, askFile, byId, events } from './ask.js';
+import { playCrowd } from './dish.js';
+import { make, nameOf } from './form.js';
+import { showShort, tableRow } from './outlook.js';
 import { playRun } from './part.js';
 import { change, current, without } from './state.js';
 
-const refusedIn = (id, lines) => (byId(id).textContent = lines.join('\n'));
+const HONEST = 0.05; // share that must be done before the time left is told
+const WORDS = { kernels: 'getting ready', runs: 'running' };
 
-/** Do a job whose events the server sends; `work` gets its output. Starting again stops the first. */
-function jobOf({ start, stop, tell, name, message, work }) {
+// A bar and a line that say how far a job is.
+function barOf(bar, line) {
+  let [begun, from] = [0, null];
+  return {
+    begin() {
+      [begun, from] = [performance.now(), null];
+      bar.hidden = false;
+      bar.removeAttribute('value');
+      line.textContent = 'starting';
+    },
+    tell([what, done, total]) {
+      const share = total ? done / total : 0;
+      const now = performance.now();
+      if (done && !from) from = { share, now }; // what came before was getting ready
+      const passed = from ? (now - from.now) / 1000 : 0;
+      const gone = from ? share - from.share : 0;
+      const left = gone > HONEST && passed > 1 ? (passed * (1 - share)) / gone : null;
+      if (done) bar.value = share;
+      else bar.removeAttribute('value');
+      const time = left === null ? `${((now - begun) / 1000).toFixed(0)} s so far` : `about ${inWords(left)} left`;
+      line.textContent = `${WORDS[what] ?? what}: ${time}`;
+    },
+    end(words) {
+      bar.hidden = true;
+      line.textContent = words;
+    },
+  };
+}
+
+const inWords = (seconds) => (seconds < 100 ? `${Math.max(1, Math.round(seconds))} s` : `${Math.round(seconds / 60)} min`);
+
+/** Do a job whose events the server sends; `work` gets those with something in them. Starting again stops the first. */
+function jobOf({ start, stop, bar, tell, name, message, work, again = 'again' }) {
   let aborter = null;
-  const settle = () => {
+  const shown = barOf(byId(bar), byId(tell));
+  const first = byId(start).textContent;
+  const settle = (words) => {
     aborter = null;
     byId(stop).hidden = true;
+    shown.end(words);
   };
   byId(start).addEventListener('click', async () => {
     aborter?.abort();
     const own = (aborter = new AbortController());
     byId(stop).hidden = false;
-    byId(tell).textContent = 'starting';
+    shown.begin();
+    let words = '';
     try {
       for await (const event of events(name, message(), own.signal)) {
         if (aborter !== own) return;
-        if (event.progress) byId(tell).textContent = event.progress;
-        if (event.refused) refusedIn(tell, event.refused);
-        if (event.output) {
-          byId(tell).textContent = 'done';
-          work(JSON.parse(event.output));
-        }
+        if (event.progress) shown.tell(event.progress);
+        else if (event.refused) words = event.refused.join('\n');
+        else words = (await work(event)) ?? words;
       }
+      if (!words) byId(start).textContent = again;
     } catch (error) {
       if (own.signal.aborted) return;
-      byId(tell).textContent = 'the server has ended';
+      words = 'the server has ended';
       throw error;
     } finally {
-      if (aborter === own) settle();
+      if (aborter === own) settle(words);
     }
   });
   byId(stop).addEventListener('click', () => {
     aborter?.abort();
-    settle();
-    byId(tell).textContent = 'stopped';
+    settle('stopped');
   });
   return () => {
+    byId(start).textContent = first;
     if (!aborter) return false;
     aborter.abort();
-    settle();
-    byId(tell).textContent = 'stopped: the design has changed';
+    settle('stopped: the design has changed');
     return true;
   };
 }
@@ -61,31 +95,31 @@ const withError = (value, se) => {
 };
 
 // Rows of a run: what was measured, with errors or why there is no number, and what it was of.
-function showRun(facts) {
+function showRun({ facts, text, first }) {
   const { motion } = facts;
   const measured = (key, unit) => {
     const value = motion?.[`${key}_${unit}`] ?? null;
-    if (value === null) return motion?.refused?.[`${key}_${unit}`] ?? 'not in this model';
+    const { refused } = motion ?? {};
+    if (value === null) return (typeof refused === 'string' ? refused : refused?.[`${key}_${unit}`]) ?? 'not in this model';
     return `${withError(value, motion[`${key}_se_${unit}`])} ${UNITS[unit]}`;
   };
   const turns = [
     ['turning', measured('turning_bias', 'rad_s')],
-    ['persistence length', measured('persistence_length', 'mm')],
-    ['rotational diffusion', measured('rotational_diffusion', 'rad2_s')],
+    ['how far it keeps its way', measured('persistence_length', 'mm')],
+    ['how fast it loses its way', measured('rotational_diffusion', 'rad2_s')],
   ];
   const rows = [
-    ['speed', `${withError(facts.speed_mm_s, facts.speed_se_mm_s)} mm/s`],
-    ['95 %, with the model’s error', `${facts.speed_low_95_mm_s.toFixed(1)} to ${facts.speed_high_95_mm_s.toFixed(1)} mm/s`],
-    ...(turns.every(([, text]) => text === turns[0][1]) ? [['turning', turns[0][1]]] : turns),
-    ['of', `${facts.runs} runs, ${facts.simulated_s.toFixed(0)} s in all, computed in ${facts.wall_s.toFixed(1)} s`],
+    [first ? 'so far' : 'speed', text],
+    ...(first ? [] : turns.every(([, words]) => words === turns[0][1]) ? [['turning', turns[0][1]]] : turns),
+    ['of', `${facts.runs} runs, ${facts.simulated_s.toFixed(0)} s in all`],
   ];
-  byId('ran').tBodies[0].replaceChildren(...rows.map(([name, text]) => tableRow(name, text)));
+  byId('ran').tBodies[0].replaceChildren(...rows.map(([name, words]) => tableRow(name, words)));
 }
 
 function showDesigns(facts) {
   const rows = facts.rows.map((row) => {
     const keys = Object.keys(row).filter((key) => key.includes('.'));
-    const words = keys.map((key) => `${key} ${row[key]}`).join(', ');
+    const words = keys.map((key) => `${nameOf(key)} ${row[key]}`).join(', ');
     const button = make('button', { type: 'button', textContent: 'take this one' });
     button.addEventListener('click', () => {
       const chosen = Object.fromEntries(keys.map((key) => [key, row[key]]));
@@ -99,49 +133,71 @@ function showDesigns(facts) {
     return make('li', {}, `${words}: ${other}${speed} mm/s${row.met ? '' : ', not what was wished'} `, button);
   });
   byId('designs').replaceChildren(make('ol', {}, ...rows));
-  if (facts.stopped) byId('searching').textContent = facts.stopped;
+  return facts.stopped;
 }
 
+let making = null;
+
 async function take(what) {
-  byId('taken').textContent = 'making the files';
-  const copies = byId('copies').valueAsNumber;
-  const answer = await askFile({ document: current(), what, copies });
-  if (!answer.ok) return refusedIn('taken', (await answer.json()).refused.map(({ text }) => text));
-  const name = answer.headers.get('content-disposition').match(/filename="(.*)"/)[1];
-  const url = URL.createObjectURL(await answer.blob());
-  make('a', { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 60_000);
-  const lines = JSON.parse(answer.headers.get('walkergen-shell'));
-  byId('taken').textContent = [`${name} is in your downloads.`, ...lines].join('\n');
+  making?.abort();
+  const own = (making = new AbortController());
+  const shown = barOf(byId('making'), byId('taken'));
+  const message = { document: current(), what, copies: byId('copies').valueAsNumber };
+  shown.begin();
+  try {
+    let refused = null;
+    for await (const event of events('make', message, own.signal)) {
+      if (event.progress) shown.tell(event.progress);
+      refused = event.refused ?? refused;
+    }
+    if (refused) return shown.end(refused.join('\n'));
+    const answer = await askFile(message);
+    if (!answer.ok) return shown.end((await answer.json()).refused.map(({ text }) => text).join('\n'));
+    const name = answer.headers.get('content-disposition').match(/filename="(.*)"/)[1];
+    const url = URL.createObjectURL(await answer.blob());
+    make('a', { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 60_000);
+    byId('taken').dataset.shells = answer.headers.get('walkergen-shell');
+    shown.end(`${name} is in your downloads.`);
+  } catch (error) {
+    if (!own.signal.aborted) throw error;
+  }
 }
 
 /** Make the buttons work; returns what stops the jobs of a design that has changed. */
 export function startJobs() {
   const message = () => ({ document: current() });
   const stopRun = jobOf({
-    start: 'run', stop: 'stop', tell: 'progress', name: 'run', message,
-    work: (facts) => {
-      showRun(facts);
-      if (facts.model === 'space') byId('show').click();
-    },
+    start: 'run', stop: 'stop', bar: 'run-bar', tell: 'progress', name: 'run', message,
+    work: (event) => (event.played ? playRun(event.played) : showRun(event)),
   });
-  const stopPlay = jobOf({
-    start: 'show', stop: 'stop', tell: 'progress', name: 'play', message, work: playRun,
+  const stopCrowd = jobOf({
+    start: 'crowd', stop: 'stop-crowd', bar: 'crowd-bar', tell: 'crowding', name: 'crowd', message,
+    work: async () => playCrowd(await ask('crowded', message())),
   });
   const wish = byId('wish');
   jobOf({
-    start: 'find', stop: 'stop-search', tell: 'searching', name: 'design', work: showDesigns,
+    start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'design', again: 'find',
     message: () => ({ document: current(), wish: wish.value, value: byId('wished').valueAsNumber }),
+    work: ({ output }) => showDesigns(JSON.parse(output)),
   });
   wish.addEventListener('change', () => {
     const unit = wish.selectedOptions[0].dataset.unit ?? '';
     byId('wished-unit').textContent = unit;
     byId('wished').closest('label').hidden = !unit;
   });
-  for (const button of byId('take').querySelectorAll('button'))
+  for (const button of document.querySelectorAll('#take button, #take-more button'))
     button.addEventListener('click', () => take(button.dataset.what));
   return () => {
-    if (![stopRun(), stopPlay()].some(Boolean)) byId('progress').textContent = '';
+    if (!stopRun()) byId('progress').textContent = '';
+    if (!stopCrowd()) byId('crowding').textContent = '';
     byId('ran').tBodies[0].replaceChildren();
+    byId('dish').hidden = true;
   };
+}
+
+/** Short run of a walker whose speed nothing else tells; `settle` it again with every change. */
+export async function runShort(signal) {
+  for await (const event of events('run', { document: current(), short: true }, signal))
+    if (event.facts) showShort(event);
 }

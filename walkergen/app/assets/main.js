@@ -2,14 +2,16 @@
 
 import { ask, askWalker, byId, lastOnly, settled } from './ask.js';
 import { compare, startCompare } from './compare.js';
-import { make, rebuild, refuse, showValue, takeFile } from './form.js';
-import { startJobs } from './jobs.js';
-import { showOutlook, showSpeed, startChart } from './outlook.js';
+import { startDish } from './dish.js';
+import { askSpans, make, rebuild, refuse, showValue, takeFile } from './form.js';
+import { runShort, startJobs } from './jobs.js';
+import { showOutlook, showShares, showSpeed, startChart } from './outlook.js';
 import { markLegs, showPart, startPart } from './part.js';
 import * as state from './state.js';
 
 const SETTLED_MS = 150; // without a change after which what is slower is asked for
 const KEPT_MS = 800;
+const SHORT_MS = 1200; // before a short run tells what nothing else does
 
 let walker = null; // the last good one
 let stopJobs = () => {};
@@ -21,12 +23,17 @@ const refresh = lastOnly(async () => {
   byId('outlook').ariaBusy = String(document !== state.current());
   refuse(answer.refused ?? []);
   if (answer.refused) return;
+  if (carriesAnew(answer.facts)) return state.change({ ...document, scene: table }, 'shape', 'scene');
   walker = answer;
   showPart(answer);
   showSpeed(answer.facts);
   compare(answer.facts);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
 });
+
+// A motor that has just come to a shaken plate: such walkers run on a table.
+const carriesAnew = ({ motor, shaken, name }) =>
+  motor && shaken && arrived && !(walker?.facts.motor && walker.facts.name === name);
 
 const look = lastOnly(async () => {
   const document = state.current();
@@ -35,7 +42,22 @@ const look = lastOnly(async () => {
   if (answer.refused) return;
   showOutlook(answer);
   markLegs(answer.legs_at_fault);
+  await showMeasure();
 });
+
+// What to measure next is reckoned where somebody reads it.
+async function showMeasure() {
+  if (!byId('measure-next').open) return;
+  const answer = await ask('shares', { document: state.current() });
+  showShares(answer.shares ?? []);
+}
+
+let short = null; // run that tells what nothing else does
+const shortSoon = settled(() => {
+  if (!walker || walker.facts.sentence.sure) return;
+  short = new AbortController();
+  runShort(short.signal).catch(() => {});
+}, SHORT_MS);
 
 const lookSoon = settled(look, SETTLED_MS);
 const keepSoon = settled(() => ask('keep', { document: state.current() }), KEPT_MS);
@@ -46,46 +68,57 @@ function changed(document, why) {
   byId('redo').disabled = !state.canRedo();
   for (const button of byId('templates').children)
     button.ariaChecked = String(button.value === document.walker);
-  byId('about').textContent = about[document.walker] ?? document.walker;
+  const changedShape = Object.keys(document.values).some((key) => /^(body|legs?\b(?!\.tilt)|description)/.test(key));
+  byId('about').textContent = changedShape ? '' : about[document.walker] ?? document.walker;
   for (const [id, name] of [['scene', document.scene], ['printer', document.printer]])
     byId(`choose-${id}`).value = name;
   stopJobs();
+  short?.abort();
+  arrived ||= why !== 'begin';
   byId('findings').ariaBusy = 'true';
   refresh();
   lookSoon();
   keepSoon();
+  shortSoon();
+  askSpans();
   if (why === 'value') return;
   byId('form').ariaBusy = 'true';
   rebuildSoon();
 }
 
-let about = {};
+let [about, titles, table, arrived] = [{}, {}, '', false];
+const titled = (name) => (titles[name] ? `${titles[name]} (${name})` : name);
 
 function addTemplates(names) {
   for (const name of names) {
     const button = make('button', { type: 'button', value: name, title: about[name] ?? name });
     button.setAttribute('role', 'radio');
     if (about[name]) button.append(make('img', { src: `picture/${name}.svg`, alt: '', width: 72, height: 36 }));
-    button.append(make('span', { textContent: name }));
-    button.addEventListener('click', () => {
-      const values = Object.fromEntries(
-        Object.entries(state.current().values).filter(([key]) => /^(scene|printer)\./.test(key)));
-      state.change({ ...state.current(), walker: name, values }, 'shape');
-    });
+    button.append(make('span', { textContent: titles[name] ?? name }));
+    if (titles[name]) button.append(make('small', { textContent: name }));
+    button.addEventListener('click', () => begin(name));
     byId('templates').append(button);
   }
+}
+
+// Begin with another walker, on a plate that it runs on.
+function begin(name) {
+  const now = state.current();
+  const values = Object.fromEntries(Object.entries(now.values).filter(([key]) => /^(scene|printer)\./.test(key)));
+  const scene = now.scene === table ? fresh.scene : now.scene;
+  state.change({ ...now, walker: name, scene, values }, 'shape');
 }
 
 // Choice of the scene's or the printer's file; its keys begin afresh.
 function addChoice(kind, names) {
   const select = make('select', { id: `choose-${kind}` });
-  select.append(...names.map((name) => new Option(name, name)));
+  select.append(...names.map((name) => new Option(titled(name), name)));
   select.addEventListener('change', () => {
     const values = state.without(state.current().values, `${kind}.`);
     const run = kind === 'scene' ? fresh.values : {};
     state.change({ ...state.current(), [kind]: select.value, values: { ...values, ...run } }, 'shape');
   });
-  byId('drop').after(make('label', { className: 'choice' }, `${kind} `, select));
+  byId('choices').prepend(make('label', {}, { scene: 'where it runs', printer: 'printer' }[kind], select));
 }
 
 let fresh = null;
@@ -97,7 +130,36 @@ function keys(event) {
   else state.undo();
 }
 
+// The first visit: three pictures to choose from, which a button shows again.
+function startWelcome(isNew) {
+  const show = (shown) => {
+    byId('welcome').hidden = !shown;
+    byId('another').ariaExpanded = String(shown);
+  };
+  const chosen = (name) => {
+    begin(name);
+    show(false);
+  };
+  byId('another').addEventListener('click', () => show(byId('welcome').hidden));
+  byId('start-paper').addEventListener('click', () => chosen(fresh.walker));
+  byId('start-name').addEventListener('click', async () => {
+    chosen('name');
+    await formed('key-body.text');
+    byId('key-body.text').select();
+  });
+  byId('start-shape').addEventListener('click', () => byId('file').click());
+  byId('file').addEventListener('change', () => show(false));
+  show(isNew);
+}
+
+// Wait until the form has a control.
+async function formed(id) {
+  while (!byId(id)) await new Promise((done) => setTimeout(done, 50));
+  byId(id).closest('details').open = true;
+}
+
 function listenForFiles() {
+  byId('choose-file').addEventListener('click', () => byId('file').click());
   byId('file').addEventListener('change', () => {
     const [file] = byId('file').files;
     if (file) takeFile(file);
@@ -112,7 +174,7 @@ function listenForFiles() {
 
 async function start() {
   const answer = await ask('start', {});
-  ({ about, fresh } = answer);
+  ({ about, fresh, titles, table } = answer);
   addTemplates(answer.walkers);
   addChoice('printer', answer.printers);
   addChoice('scene', answer.scenes);
@@ -124,6 +186,9 @@ async function start() {
   startPart();
   startChart();
   startCompare(() => walker);
+  startDish();
+  startWelcome(answer.new && !state.remembered());
+  byId('measure-next').addEventListener('toggle', showMeasure);
   stopJobs = startJobs();
   state.listen(changed);
   state.begin(state.remembered() ?? answer.document);

@@ -2,7 +2,7 @@
 // of it. The marker on the curve is a slider of the tilt.
 
 import { byId } from './ask.js';
-import { make } from './form.js';
+import { make, ticks } from './form.js';
 import { endDrag, set } from './state.js';
 
 const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [420, 260, 46, 12, 12, 38];
@@ -18,15 +18,6 @@ function add(parent, tag, attributes, text = '') {
   element.textContent = text;
   parent.append(element);
   return element;
-}
-
-// Ticks at 1, 2 or 5 times a power of ten, at most six of them.
-function ticks(low, high) {
-  const rough = (high - low) / 5;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
-  const first = Math.ceil(low / step);
-  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, k) => (first + k) * step);
 }
 
 function scaleOf() {
@@ -61,13 +52,20 @@ function drawBand(chart, name, low, high) {
   add(chart, 'polygon', { class: `band ${name}`, points: [...points(low), ...points(high).reverse()].join(' ') });
 }
 
+// Below zero it runs backward.
+function drawBackward(chart) {
+  const y = scale.y(0);
+  if (HEIGHT - BOTTOM - y > 14) add(chart, 'text', { x: WIDTH - RIGHT - 4, y: HEIGHT - BOTTOM - 4, 'text-anchor': 'end' }, 'runs backward');
+  add(chart, 'line', { class: 'zero', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y });
+}
+
 function drawMarker(chart) {
   const { tilt_deg: tilt, row } = walker;
   const [x, y] = [scale.x(tilt), scale.y(row.speed_mm_s)];
   const group = add(chart, 'g', {
     id: 'marker', tabindex: 0, role: 'slider', 'aria-label': 'tilt of the legs, degrees',
     'aria-valuemin': scale.low, 'aria-valuemax': scale.high, 'aria-valuenow': tilt,
-    'aria-valuetext': `${tilt} degrees: ${walker.speed}`,
+    'aria-valuetext': `${tilt} degrees: ${walker.sentence.text}`,
   });
   const [low, high] = [row.speed_low_95_mm_s, row.speed_high_95_mm_s].map(scale.y);
   add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
@@ -83,9 +81,11 @@ function drawChart() {
   if (!curve || !walker) return;
   scale = scaleOf();
   drawAxes(chart);
+  chart.classList.toggle('unsure', !walker.sentence.sure);
   drawBand(chart, 'share95', curve.low_95, curve.high_95);
   drawBand(chart, 'share68', curve.low_68, curve.high_68);
   add(chart, 'polyline', { class: 'predicted', points: points(curve.speed).join(' ') });
+  drawBackward(chart);
   drawMarker(chart);
   if (focused) byId('marker').focus();
 }
@@ -126,41 +126,57 @@ function listen() {
 const three = (value) => (value === null ? 'none' : Number(value.toPrecision(4)).toString());
 const tableRow = (name, value) => make('tr', {}, make('th', { scope: 'row', textContent: name }), make('td', { textContent: value }));
 
+const range = (low, high) => (low === null || high === null ? 'unknown' : `${low.toFixed(0)} to ${high.toFixed(0)} mm/s`);
+
+function say({ text, sure }) {
+  byId('speed').textContent = text;
+  byId('speed').classList.toggle('unsure', !sure);
+}
+
 /** Show the speed and the masses of a walker. */
 export function showSpeed(facts) {
   walker = facts;
   const { row } = facts;
   const legs = row.m_g === null ? [] : [tableRow('m, of one leg', `${three(row.m_g)} g`), tableRow('j', `${three(row.j_g_mm2)} g mm²`)];
-  byId('speed').textContent = `${row.speed_mm_s.toFixed(1)} mm/s`;
-  byId('bounds').textContent =
-    `68 %: ${row.speed_low_68_mm_s.toFixed(0)} to ${row.speed_high_68_mm_s.toFixed(0)}, ` +
-    `95 %: ${row.speed_low_95_mm_s.toFixed(0)} to ${row.speed_high_95_mm_s.toFixed(0)} mm/s` +
-    (row.note ? `; ${row.note}` : '');
-  byId('bounds').title = facts.caption;
+  const drawn = row.nominal_mm_s === undefined ? [] : [tableRow('speed as drawn', `${three(row.nominal_mm_s)} mm/s`)];
+  say(facts.sentence);
   byId('masses').tBodies[0].replaceChildren(
+    tableRow('speed, the median of prints', `${three(row.speed_mm_s)} mm/s`), ...drawn,
+    tableRow('68 % of the prints', range(row.speed_low_68_mm_s, row.speed_high_68_mm_s)),
+    tableRow('95 % of the prints', range(row.speed_low_95_mm_s, row.speed_high_95_mm_s)),
+    tableRow('theory (eq. 15 of the paper)', `${three(row.theory_mm_s)} mm/s`),
     tableRow('mass, as a balance shows it', `${three(facts.mass_g)} g`),
     tableRow('M, of the body', `${three(row.M_g)} g`), tableRow('J', `${three(row.J_g_mm2)} g mm²`),
     ...legs,
-    tableRow('theory (eq. 15)', `${three(row.theory_mm_s)} mm/s`),
   );
+  byId('caption').textContent = [facts.note, facts.caption].filter(Boolean).join('. ');
   drawChart();
 }
 
-/** Show what follows more slowly: the curve, what to measure, what the printer makes of it. */
+/** Say what a short run tells of a walker whose speed nothing else does. */
+export function showShort({ text }) {
+  say({ text, sure: true });
+}
+
+/** Show what follows more slowly: the curve, what the printer makes of it, words. */
 export function showOutlook(outlook) {
   curve = outlook.curve;
   drawChart();
-  byId('shares').replaceChildren(
-    ...outlook.shares
-      .filter((share) => share.total > 0.005)
-      .map((share) => make('li', { textContent: `${share.name}: ${(100 * share.total).toFixed(0)} % of the variance` })),
-  );
   byId('findings').replaceChildren(
     ...(outlook.findings.length ? outlook.findings : [{ level: 'good', text: 'It prints as drawn.' }])
       .map(({ level, text }) => make('li', { className: level, textContent: level === 'good' ? text : `${level}: ${text}` })),
   );
   byId('shell').textContent = outlook.shell;
   byId('python').textContent = outlook.python;
+}
+
+/** Show what makes prints differ, by its part. */
+export function showShares(shares) {
+  byId('shares').replaceChildren(
+    ...shares
+      .filter(({ part }) => part > 0.005)
+      .map(({ name, part }) => make('li', {}, `${name}: ${Math.round(100 * part)}`)),
+  );
 }
 
 export { listen as startChart, tableRow };

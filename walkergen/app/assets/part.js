@@ -20,7 +20,7 @@ export function viewerOf(canvas, positions) {
   const viewer = walkergenViewer.create(canvas, [positions]);
   if (!viewer) return null;
   const paint = () =>
-    viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'), colourOf('fault'));
+    viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'), colourOf('fault'), colourOf('ink'));
   paint();
   viewer.repainted(paint);
   return viewer;
@@ -48,6 +48,7 @@ function draw() {
 export function showPart(walker) {
   if (!viewer && !shown) {
     viewer = viewerOf(byId('canvas'), walker.positions);
+    viewer?.scaled(byId('scale'));
     byId('no-webgl').hidden = Boolean(viewer);
   }
   shown = walker;
@@ -62,31 +63,33 @@ export function markLegs(atFault) {
   draw();
 }
 
-// A run that plays in the view, a hundred times slower than it is.
-const SLOW = 100;
+// A run that plays in the view, at first as fast as it is.
+const LARGER = 20; // times that the plate's motion is shown on wish
 let run = null;
 let frame = null;
 let before = null;
 
+const pace = () => Number(byId('pace').value);
+
 function standAt(time) {
   byId('time').value = time;
-  byId('time-shown').textContent = `${(1000 * time).toFixed(1)} ms`;
-  run.show(time, SLOW);
+  byId('time-shown').textContent = pace() < 10 ? `${time.toFixed(2)} s` : `${(1000 * time).toFixed(1)} ms`;
+  run.show(time, pace(), byId('exaggerate').checked ? LARGER : 1);
 }
 
 function step(now) {
-  const passed = before === null ? 0 : (now - before) / 1000 / SLOW;
+  const passed = before === null ? 0 : (now - before) / 1000 / pace();
   before = now;
   const time = Number(byId('time').value) + passed;
   standAt(Math.min(time, run.last));
-  if (time >= run.last) pause();
+  if (time >= run.last) pause('again');
   else frame = requestAnimationFrame(step);
 }
 
-function pause() {
+function pause(word = 'play') {
   cancelAnimationFrame(frame);
   [frame, before] = [null, null];
-  byId('play').textContent = 'play';
+  byId('play').textContent = word;
 }
 
 function stopPlaying() {
@@ -102,15 +105,18 @@ function play() {
   frame = requestAnimationFrame(step);
 }
 
-/** Play a second of the walker's run, as the server packed it. */
+/** Play seconds of the walker's run, as the server packed them. */
 export function playRun(packed) {
   if (!viewer) return;
   byId('printed').checked = false;
   draw();
+  viewer.measure([], byId('layer'));
   run = viewer.run(packed);
   byId('player').hidden = false;
+  byId('exaggerated').hidden = !packed.plate;
   byId('time').max = run.last;
-  byId('played').textContent = `A second of ${packed.words}, ${SLOW} times slower. Corners glow when they land.`;
+  byId('pace').value = '1';
+  byId('played').textContent = `${packed.words}. The line shows where it went; corners glow when they land.`;
   standAt(0);
   play();
 }
@@ -124,6 +130,7 @@ export function startPart() {
   }
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
   byId('play').addEventListener('click', play);
+  for (const id of ['pace', 'exaggerate']) byId(id).addEventListener('change', () => run && standAt(Number(byId('time').value)));
   byId('time').addEventListener('input', () => {
     pause();
     standAt(Number(byId('time').value));

@@ -23,8 +23,8 @@ RATE = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
 
 
-def run(design: Design, scene: Scene, before: str = "") -> dict[str, Any]:
-    """Simulate a second of a walker's run in space and pack what a viewer plays of it.
+def run(design: Design, scene: Scene, before: str = "", seconds: float = SECONDS) -> dict[str, Any]:
+    """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
 
     `before` stands in messages before the scene's name. Raises InputError for a scene in which
     walkers do not move in space, or not at all.
@@ -37,7 +37,7 @@ def run(design: Design, scene: Scene, before: str = "") -> dict[str, Any]:
             "viewer plays runs in space: choose a scene with a plane to run on, or "
             "legs.model = 'space'"
         )
-    short = scene.run.model_copy(update={"seconds": SECONDS})
+    short = scene.run.model_copy(update={"seconds": seconds})
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
         raise InputError(f"{before}{scene.name}: the run ended at once ({motion.outcome.value})")
@@ -62,7 +62,8 @@ def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]: 
     """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
 
     A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
-    (s), its corner and its impulse over the largest. Both are little-endian float32.
+    (s), its corner and its impulse over the largest; a plate that moves has a height (mm) for each pose.
+    All are little-endian float32.
     """
     R = motion.rotations
     shift = motion.places - R @ O
@@ -71,7 +72,8 @@ def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]: 
     impulse = np.hypot(along, upward)
     landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
     corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
-    return {
+    moving = {"plate": _text(motion.plate)} if np.ptp(motion.plate) > 0.0 else {}
+    return moving | {
         "interval": float(motion.times[1]),
         "poses": _text(rows),
         "landings": _text(landings),

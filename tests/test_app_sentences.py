@@ -1,0 +1,56 @@
+"""Words of the page: speeds in a sentence, and no key of a file or flag of a shell."""
+
+import pytest
+
+from walkergen.app import sentences
+from walkergen.files import templates
+
+
+def row(middle, low, high, by="table"):
+    """Row of a prediction by its median and the ends of 68 %."""
+    ends = {"speed_low_68_mm_s": low, "speed_high_68_mm_s": high}
+    return {"speed_mm_s": middle, **ends, "speed_low_95_mm_s": None, "speed_high_95_mm_s": None, "speed_by": by}
+
+
+@pytest.mark.parametrize(
+    ("asked", "kind", "words"),
+    [
+        (row(56.8, 39.3, 73.4), "forward", "about 57 mm/s to the right; half of the prints run between 45 and 68."),
+        (row(-12.0, -20.0, -6.0), "backward", "runs backward, about 12 mm/s to the left; half"),
+        (row(0.4, -2.0, 3.0), "stands", "stands, as far as can be told: between 2.0 to the left and 3.0 to the right."),
+        (row(9.5, 5.0, 15.0), "forward", "about 9.5 mm/s"),
+        (row(9.96, 5.0, 15.0), "forward", "about 10 mm/s"),
+        (row(50.0, None, None), "forward", "is not known"),
+        (row(None, None, None), "unknown", "let it run"),
+    ],
+)
+def test_a_speed_is_a_sentence(asked, kind, words):
+    speed = sentences.speed(asked)
+    assert speed.kind == kind
+    assert words in speed.text
+
+
+def test_a_speed_by_the_theory_alone_is_not_sure():
+    assert not sentences.speed(row(57.0, 39.0, 78.0, "theory")).sure
+    assert all(sentences.speed(row(57.0, 39.0, 78.0, by)).sure for by in ("table", "surrogate", "runs", "statics"))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("legs.tilt_deg = 89: must be >= -85 and <= 85", "tilt of the legs = 89: must be between -85 and 85"),
+        ("raise material.youngs_modulus_sd_gpa to 0.6", "raise Young's modulus sd of the material to 0.6"),
+        ("set thin_walls = true; or 0.45 mm would do", "set thin walls: yes; or 0.45 mm would do"),
+        ("legs[2].along_mm = 9: lies beyond", "along of leg 2 = 9: lies beyond"),
+        ("bounds are wide; family --simulate puts runs in its place", "bounds are wide"),
+        ("a leg of 0.4 mm, well-known", "a leg of 0.4 mm, well-known"),
+    ],
+)
+def test_sentences_hold_no_key_and_no_flag(text, words):
+    assert sentences.plain(text) == words
+
+
+def test_every_walker_and_scene_has_a_plain_name():
+    for kind in ("walkers", "scenes"):
+        for name in templates.names(kind):
+            assert sentences.title(name).endswith(f" ({name})")

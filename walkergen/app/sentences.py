@@ -1,0 +1,147 @@
+"""What a page says in words for people who click: speeds in a sentence, no keys of files, no flags of a shell."""
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, Literal, NamedTuple
+
+from walkergen.files import config, key_names, words
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Leg
+
+QUARTILE = 0.6745
+"""Distance of the quartiles of a normal distribution from its middle, over that of the ends of 68 %."""
+
+TITLES: Mapping[str, str] = {
+    "koumakis2016": "the paper's walker",
+    "name": "a name",
+    "maker-large": "twice as large",
+    "bristle": "a brush of legs",
+    "bristlebot": "a brush with a motor",
+    "coinbot": "with a coin motor",
+    "polar-disc": "a disc",
+    "rotator": "a disc that turns",
+    "spinner": "a disc that spins",
+    "two-materials": "feet of rubber",
+    "unequal-legs": "unlike legs",
+    "lane-90hz": "the paper's plate, a lane",
+    "lane-90hz-fitted": "the paper's lane, as its theory was fitted",
+    "lane-90hz-walls": "the paper's plate, a lane between walls",
+    "plane-90hz": "the paper's plate, open",
+    "plane-noisy": "an open plate that is noisy, as in a laboratory",
+    "table-motor": "a table; the walker has a motor",
+}
+"""Plain names of walkers and scenes, by those of their files."""
+
+TABLE = "table-motor"
+"""Scene of walkers that carry a motor."""
+
+Kind = Literal["forward", "backward", "stands", "unknown"]
+
+
+class Speed(NamedTuple):
+    """Speed of a walker in a sentence."""
+
+    text: str
+    kind: Kind
+    sure: bool
+    """False where the theory alone tells it, until a run is there."""
+
+
+def speed(row: Mapping[str, Any]) -> Speed:
+    """Speed of a row of predictions: its median, and what half of the prints do.
+
+    The quartiles follow from the ends of 68 %, to either side as of a normal distribution.
+    """
+    middle, low, high = (row[f"{key}_mm_s"] for key in ("speed", "speed_low_68", "speed_high_68"))
+    sure = row["speed_by"] != "theory"
+    if middle is None:
+        return Speed("Nothing tells how fast it runs: let it run.", "unknown", False)
+    doubt = "" if sure else " This is the bare theory: a short run tells more."
+    if low is None or high is None:
+        return Speed(f"{_ahead(middle)}; how much prints differ is not known.{doubt}", _kind(middle), sure)
+    if low <= 0.0 <= high:
+        return Speed(f"stands, as far as can be told: {_between(low, high)}.{doubt}", "stands", sure)
+    quarter, most = (middle + QUARTILE * (end - middle) for end in (low, high))
+    return Speed(f"{_ahead(middle)}; half of the prints run {_between(quarter, most)}.{doubt}", _kind(middle), sure)
+
+
+def _kind(value: float) -> Kind:
+    return "forward" if value >= 0.0 else "backward"
+
+
+def _ahead(value: float) -> str:
+    if value < 0.0:
+        return f"runs backward, about {_size(value)} mm/s to the left"
+    return f"about {_size(value)} mm/s to the right"
+
+
+def _size(value: float) -> str:
+    return words.fixed(abs(value), 0 if abs(value) >= 9.95 else 1)
+
+
+def _between(low: float, high: float) -> str:
+    """Ends of a range of speeds; to the left are those below zero."""
+    if low >= 0.0:
+        return f"between {_size(low)} and {_size(high)}"
+    if high <= 0.0:
+        return f"between {_size(high)} and {_size(low)} to the left"
+    return f"between {_size(low)} to the left and {_size(high)} to the right"
+
+
+def run(facts: Mapping[str, Any]) -> str:
+    """What runs of a walker say, in a sentence, by the facts of `simulate`."""
+    value, error = facts["speed_mm_s"], facts["speed_se_mm_s"]
+    if value is None:
+        return "It came to no end that has a speed."
+    low, high = facts["speed_low_95_mm_s"], facts["speed_high_95_mm_s"]
+    way = "to the right" if value >= 0.0 else "to the left, backward"
+    told = words.with_error(abs(value), error) if error else _size(value)
+    bounds = "" if low is None or high is None else f"; with the error of the simulator {_between(low, high)} (95 %)"
+    return f"As drawn it ran {told} mm/s {way}{bounds}."
+
+
+def name(key: str) -> str:
+    """What is not known, by its key or by words, without its unit."""
+    return re.sub(r" \([^)]*\)$", "", key_names.label(key)) if "." in key else key
+
+
+def title(name: str) -> str:
+    """Plain name of a template beside its own, or the name."""
+    return f"{TITLES[name]} ({name})" if name in TITLES else name
+
+
+def plain(text: str) -> str:
+    """Text without keys of files and flags of a shell: keys in words, clauses with a flag left out."""
+    clauses = re.split(r"(?<=[;:,.]) ", text)
+    kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|`|walkergen ", clause)]
+    text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
+    text = re.sub(r">= (\S+) and <= (\S+)", r"between \1 and \2", text)
+    text = re.sub(r"([\w.\[\]]+) = (true|false)\b", lambda key: f"{key[1]}: {_yes(key[2])}", text)
+    return re.sub(r"[A-Za-z_]\w*(?:\[\d+\])?(?:\.[A-Za-z_]\w*(?:\[\d+\])?)*", _in_words, text)
+
+
+def _yes(word: str) -> str:
+    return "yes" if word == "true" else "no"
+
+
+def _in_words(key: re.Match[str]) -> str:
+    """Key in words without its unit; other words as they are."""
+    known = key[0].removeprefix("scene.").removeprefix("printer.")
+    if ("." not in known and "_" not in known) or re.sub(r"\[\d+\]", "", known) not in _keys():
+        return key[0]
+    return name(known) if "." in known else known.removesuffix(_ending(known)).replace("_", " ")
+
+
+def _ending(key: str) -> str:
+    return next((end for end in key_names.UNITS if key.endswith(end)), "")
+
+
+@cache
+def _keys() -> frozenset[str]:
+    """All keys of files, and their last names where these are more than a word."""
+    paths = [".".join(path) for model in (Design, Scene, Printer) for path in config.keys(model)]
+    paths += [f"legs.{name}" for name in Leg.model_fields]
+    return frozenset([*paths, *(name for path in paths if "_" in (name := path.rpartition(".")[2]))])

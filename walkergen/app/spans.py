@@ -1,0 +1,55 @@
+"""Ranges of sliders that a walker can be built in, found by trying."""
+
+import time
+from collections.abc import Sequence
+
+from walkergen.app import form
+from walkergen.app.document import Document
+from walkergen.errors import WalkergenError
+from walkergen.walker import solids
+
+TRIES = 7
+"""Halvings of what is not known of an end: it errs by less than a hundredth of the range."""
+
+LEAST = 0.05
+"""Least share of its range that a slider keeps: one that cannot move would say nothing."""
+
+PATIENCE_S = 0.6
+"""Time of a core after which sliders that are left keep the range of their key, s: solids of some bodies take long."""
+
+
+def spans(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Ends of the ranges in which a walker can be built, by the keys of its sliders, all else as it is.
+
+    Keys of a scene or a printer change no walker. Raises InputError for a document that is not sound.
+    """
+    controls = {control.key: control for group in form.groups(document) for control in group.controls}
+    end, ranges = time.process_time() + PATIENCE_S, {}
+    for key in keys:
+        control = controls.get(key)
+        if control is None or control.slider is None or key.startswith(("scene.", "printer.")):
+            continue
+        if time.process_time() > end:
+            break
+        low, high = (_end(document, key, float(control.value), far) for far in control.slider)
+        if high - low > LEAST * (control.slider[1] - control.slider[0]):
+            ranges[key] = (low, high)
+    return ranges
+
+
+def _end(document: Document, key: str, near: float, far: float) -> float:
+    """Value nearest to `far` of those that were tried from a sound one on."""
+    if _is_sound(document, key, far):
+        return far
+    for _ in range(TRIES):
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if _is_sound(document, key, middle) else (near, middle)
+    return near
+
+
+def _is_sound(document: Document, key: str, value: float) -> bool:
+    try:
+        solids.mass_of(document._replace(values={**document.values, key: value}).design().unmarked)
+    except WalkergenError:
+        return False
+    return True

@@ -1,0 +1,206 @@
+"""Processes that answer what pages ask of shapes and numbers: one that takes too long ends alone.
+
+A page that has gone ends the work for it; a shape that fills the memory, or that nobody can build in the
+time, is refused. Each process keeps what it has built, so that the next step of a slider is quick.
+"""
+
+import asyncio
+import contextlib
+import importlib
+import importlib.util
+import multiprocessing
+import os
+import queue
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from walkergen.app.document import SOURCE
+from walkergen.errors import InputError, WalkergenError
+from walkergen.points import worker_pool
+
+FIRST, MOST = 2, 6
+"""Processes at the start, and at most: others begin where work takes long, so that no page waits for another's."""
+
+BUSY_S = 0.3
+"""Time for which work waits for a process before another one begins."""
+
+LONGEST_S, READY_S = 30.0, 120.0
+"""Longest time of a core for an answer, and by the clock for a process to begin, s."""
+
+BUSIER = 4.0
+"""Times longer by the clock that an answer may take, as on a machine that is busy."""
+
+GRACE_S = 0.5
+"""Time that work for a page that has gone may go on, which is cheaper than another process."""
+
+LOOK_S = 0.05
+
+METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+NEEDED = ["walkergen.app.answers", "walkergen.app.form", "walkergen.app.taking", "walkergen.app.crowding"]
+"""Modules that answers need: where processes can be copied, one imports them for all."""
+
+MOST_BYTES = 6 * 2**30
+"""Addresses that a process may use: where a system has such a limit."""
+
+NOBODY = InputError("nobody waits for this any more")
+
+Result = TypeVar("Result")
+
+
+class Worker(NamedTuple):
+    """Process, and the way to it."""
+
+    process: Any
+    connection: Connection
+    ready: list[Any]
+    """What it said when it had begun; empty until then."""
+
+
+class Workers:
+    """Processes that make answers, begun when they are needed."""
+
+    def __init__(self) -> None:
+        self._idle: queue.LifoQueue[Worker] = queue.LifoQueue()
+        self._threads = ThreadPoolExecutor(MOST)
+        self._count = 0
+        self._counting = threading.Lock()
+
+    def begin(self) -> None:
+        """Start the first processes, which import while the page loads."""
+        for _ in range(FIRST):
+            self._count += 1
+            self._idle.put(_begun())
+
+    async def answer(self, work: Callable[..., Result], *given: Any) -> Result:
+        """Result of work in a process; cancelling it ends the work. Raises WalkergenError."""
+        gone = threading.Event()
+        try:
+            running = self._threads.submit(self._answer, work, given, gone)
+            return await asyncio.wrap_future(running)
+        except asyncio.CancelledError:
+            gone.set()
+            raise
+
+    def _answer(self, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
+        worker = self._taken()
+        try:
+            answer = _asked(worker, work, given, gone)
+        except BaseException:
+            _end(worker)
+            with self._counting:
+                self._count -= 1
+            raise
+        self._idle.put(worker)
+        if isinstance(answer, BaseException):
+            raise answer
+        return answer
+
+    def _taken(self) -> Worker:
+        """Idle process, or another one where all are at work for long."""
+        while True:
+            with self._counting:
+                few = self._count < FIRST
+                if few:
+                    self._count += 1
+            if few:
+                return _begun()
+            with contextlib.suppress(queue.Empty):
+                return self._idle.get(timeout=BUSY_S)
+            with self._counting:
+                more = self._count < MOST
+                if more:
+                    self._count += 1
+            if more:
+                return _begun()
+
+    def end(self) -> None:
+        """End all processes that are idle; those at work end with this one."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        while not self._idle.empty():
+            _end(self._idle.get())
+
+
+def _begun() -> Worker:
+    context: Any = multiprocessing.get_context(METHOD)
+    if METHOD == "forkserver":
+        context.set_forkserver_preload(NEEDED)
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_serve, args=(theirs,), daemon=True)
+    process.start()
+    theirs.close()
+    return Worker(process, ours, [])
+
+
+def _end(worker: Worker) -> None:
+    worker.process.kill()
+    worker.process.join()
+    worker.connection.close()
+
+
+def _asked(worker: Worker, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
+    """What a process answers, or the error that it raised. Raises InputError where it does not answer, and is lost."""
+    late = InputError(f"{SOURCE}: this takes longer than {LONGEST_S:g} s: make the shape simpler, or smaller")
+    try:
+        if not worker.ready:
+            worker.ready.append(_heard(worker, READY_S, late))
+        if gone.is_set():
+            return NOBODY
+        worker.connection.send((work, given))
+        return _heard(worker, BUSIER * LONGEST_S, late, gone)
+    except (EOFError, OSError):
+        raise InputError(f"{SOURCE}: too large for this machine: make the shape simpler, or ask for less") from None
+
+
+def _heard(worker: Worker, longest: float, late: InputError, gone: threading.Event | None = None) -> Any:
+    """What a process says next. Raises InputError where it takes too long, EOFError where it has ended."""
+    begun, spent = time.monotonic(), _spent(worker)
+    while not worker.connection.poll(LOOK_S):
+        passed = time.monotonic() - begun
+        if gone is not None and gone.is_set() and passed > GRACE_S:
+            raise NOBODY
+        if passed > longest or _spent(worker) - spent > LONGEST_S:
+            raise late
+    return worker.connection.recv()
+
+
+def _spent(worker: Worker) -> float:
+    """Time of a core that a process has taken, s; by the clock where the system does not tell."""
+    try:
+        times = Path(f"/proc/{worker.process.pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    except OSError:
+        return time.monotonic()
+    return sum(map(int, times)) / os.sysconf("SC_CLK_TCK")
+
+
+def _serve(connection: Connection) -> None:
+    """Answer until the server ends."""
+    worker_pool.begin()
+    if importlib.util.find_spec("resource"):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        limit = MOST_BYTES if most == resource.RLIM_INFINITY else min(MOST_BYTES, most)
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_AS, (limit, most))
+    for name in NEEDED:
+        importlib.import_module(name)
+    with contextlib.suppress(EOFError, OSError):
+        connection.send("ready")
+        while True:
+            work, given = connection.recv()
+            connection.send(_result(work, given))
+
+
+def _result(work: Callable[..., Any], given: Any) -> Any:
+    """What work gives, or the error that it raises."""
+    try:
+        return work(*given)
+    except WalkergenError as error:
+        return error
+    except (MemoryError, RecursionError):
+        return InputError(f"{SOURCE}: too large for this machine: ask for less")
