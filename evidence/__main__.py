@@ -1,9 +1,10 @@
 """Commands of the evidence, run from a checkout: `python -m evidence NAME`; `make evidence` runs them all."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+from pydantic import Field
 
 from walkergen import cli, request
 from walkergen.cli import build
@@ -90,10 +91,28 @@ class CrowdsPublishedRequest(request.Request):
         return size
 
 
+class ShapesRequest(request.Request):
+    """Build, check and run sixty shapes that people might bring: drawings, meshes, names."""
+
+    only: Annotated[
+        list[Literal["drawings", "meshes", "names"]],
+        request.Words,
+        Flag("Kinds: drawings,meshes,names.", "KINDS", takes="str | Iterable[str]"),
+    ] = Field(["drawings", "meshes", "names"])
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Try them."""
+        from evidence.shapes import make
+
+        return make.make(self.only, self.out or Path("out") / "shapes", progress)
+
+
 REQUESTS: dict[str, type[request.Request]] = {
     "validate": ValidateRequest,
     "crowd-checks": CrowdChecksRequest,
     "crowds-published": CrowdsPublishedRequest,
+    "shapes": ShapesRequest,
 }
 
 commands = typer.Typer(

@@ -212,3 +212,12 @@ def test_a_command_takes_a_text_and_says_what_it_made():
     assert shown.exit_code == 0
     assert "note: ANNA: joined 4 pieces by a base plate" in shown.stderr
     assert "note: ANNA: legs found" in shown.stderr
+
+
+def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
+    disc = Design.model_validate({"body": {"outline": "disc"}, "marks": {"kind": "text", "text": "→"}})
+    plain, marked = solids.build(disc.unmarked), solids.build(disc)
+    assert len(marked.walker.triangles) > len(plain.walker.triangles)
+    floor = marked.body.vertices[np.isclose(marked.body.vertices[:, 1], 1.5 - disc.marks.depth_mm)]
+    tip = floor[np.argmax(floor[:, 0])]
+    assert tip[2] == pytest.approx(0.5 * (floor[:, 2].min() + floor[:, 2].max()), abs=0.3)

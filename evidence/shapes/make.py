@@ -1,0 +1,135 @@
+"""Shapes put to the test: each is built, checked for a printer and run for a moment; what fails gets its remedy."""
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from evidence.shapes import drawings, meshes, texts
+from walkergen import inputs
+from walkergen.errors import WalkergenError
+from walkergen.files import report, templates
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress, silent
+from walkergen.files.report import Report
+from walkergen.jobs.make.check import make as checks
+from walkergen.jobs.run.simulate.report import SimulationReport
+from walkergen.jobs.run.simulate.request import SimulateRequest
+from walkergen.printing import findings
+from walkergen.printing.printers import Printer
+from walkergen.walker.design import Design
+
+KINDS = ("drawings", "meshes", "names")
+
+SCENE, PRINTER, TILT_DEG, SECONDS, RUNS = "plane-90hz", "prusa-mk3s", 10.0, 0.5, 2
+"""What every shape is run and printed with."""
+
+REMEDIES: Mapping[str, Mapping[str, Any]] = {
+    "comb.svg": {"body.base": True},
+    "ball-4.stl": {"body.base": True},
+    "tower.stl": {"body.base": True},
+    "pyramid.stl": {"body.base": True},
+    "cone.stl": {"body.base": True},
+    "block-in-inches.stl": {"body.scale_mm": 25.4},
+}
+"""What the message names for shapes that do not stand as they are, taken at its word."""
+
+
+class Row(NamedTuple):
+    """Shape and what became of it."""
+
+    kind: str
+    shape: str
+    stands: str
+    """yes, or why not."""
+    legs: str
+    warnings: int | None
+    """Warnings of the check before printing."""
+    speed_mm_s: float | None
+    speed_se_mm_s: float | None
+    """Speed forward of the runs, and its standard error."""
+    remedy: str
+    """Keys set, for shapes that do not stand as they are."""
+
+    @property
+    def good(self) -> bool:
+        """True for a shape that stands, prints without errors and runs forward."""
+        return self.speed_mm_s is not None and self.speed_mm_s > 0.0
+
+
+def make(kinds: Sequence[str], folder: Path, progress: Progress) -> Report:
+    """Try the shapes of some kinds, and write the table."""
+    rows: list[Row] = []
+    with tempfile.TemporaryDirectory() as home:
+        cases = [(kind, source) for kind in kinds for source in _sources(kind, Path(home))]
+        for number, (kind, source) in enumerate(cases, start=1):
+            rows += _tried(kind, source)
+            progress(rows[-1].shape, number, len(cases))
+    good = sum(row.good for row in rows if not row.remedy)
+    columns = [
+        report.text("kind", "kind"),
+        report.text("shape", "shape"),
+        report.text("with", "remedy"),
+        report.text("stands", "stands"),
+        report.text("legs", "legs"),
+        report.number("warnings", "warnings"),
+        report.with_error("speed\n(mm/s)", "speed_mm_s", "speed_se_mm_s"),
+    ]
+    title = f"{good} of {len(cases)} shapes stand, print and run forward as they are"
+    table = report.table("shapes", rows, columns, title)
+    written = Report(
+        name="shapes", title="Shapes that people bring", tables=[table], facts={"good": good}, folder=folder
+    )
+    with Folder(folder, "") as target:
+        written.write(target, pictures=False)
+    return written
+
+
+def _sources(kind: str, home: Path) -> Iterator[Path | str]:
+    """Files of a kind, written; or texts."""
+    if kind == "names":
+        yield from texts.EVERY
+        return
+    for name, data in {"drawings": drawings, "meshes": meshes}[kind].every().items():
+        (home / name).write_bytes(data)
+        yield home / name
+
+
+def _tried(kind: str, source: Path | str) -> list[Row]:
+    """Row of a shape as it is, and one with its remedy where it needs one."""
+    name = source if isinstance(source, str) else source.name
+    first = _row(kind, name, source, {})
+    if first.good or name not in REMEDIES:
+        return [first]
+    return [first, _row(kind, name, source, REMEDIES[name])]
+
+
+def _row(kind: str, name: str, source: Path | str, keys: Mapping[str, Any]) -> Row:
+    remedy = ", ".join(f"{key} = {str(value).lower()}" for key, value in keys.items())
+    try:
+        design = _design(source, keys).variant(tilt_deg=TILT_DEG)
+        checked = checks.check([design], [1], templates.load(PRINTER, "printers", Printer))
+        findings.refuse(checked.findings, strict=False)
+        warnings = sum(finding.level == "warning" for finding in checked.findings)
+        asked = SimulateRequest.asked({"design": design, "scene": SCENE, "seconds": SECONDS, "runs": RUNS})
+        speed, error = _speed(asked.run(silent))
+    except WalkergenError as mistake:
+        return Row(kind, name, str(mistake).splitlines()[0].replace(str(source), name), "", None, None, None, remedy)
+    return Row(kind, name, "yes", design.notes[-1].partition(": ")[2], warnings, speed, error, remedy)
+
+
+def _design(source: Path | str, keys: Mapping[str, Any]) -> Design:
+    """Walker of one word, with keys set as on a command line. Raises InputError."""
+    asked = inputs.of(keys, {}, ["design"])
+    if isinstance(source, Path) and keys:  # of a file that does not stand by itself
+        own = {"body.mesh" if source.suffix == ".stl" else "body.outline": str(source)}
+        return asked._replace(values={**own, **keys}).design("koumakis2016")
+    if isinstance(source, str):
+        return asked._replace(values={"body.text": source, **keys}).design("koumakis2016")
+    return asked.design(source)
+
+
+def _speed(result: SimulationReport) -> tuple[float | None, float | None]:
+    """Speed along the run and its standard error, mm/s."""
+    summary = result.simulated.point.summary
+    return summary.speed_mm_s, summary.speed_se_mm_s
