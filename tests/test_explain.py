@@ -144,6 +144,12 @@ def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
     assert simplest(held).walker.scene.legs.model == "auto"
 
 
+@pytest.mark.parametrize("more", [{"uncertain": True}, {"tilt": "5,10"}])
+def test_effects_are_left_out_of_one_walker_alone(more):
+    with pytest.raises(InputError, match=r"--effects 0\.01: (not with|means one walker)"):
+        SimulateRequest.asked({"effects": "auto:1%"} | more, shell=True).run(lambda *_: None)
+
+
 def test_the_share_is_written_as_auto():
     assert parse_effects("auto:1%") == pytest.approx(0.01)
     assert parse_effects(0.02) == 0.02

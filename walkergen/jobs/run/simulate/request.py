@@ -72,7 +72,7 @@ class SimulateRequest(request.Request):
             trajectories.check(self.trajectory)
         given = self.inputs()
         if self.uncertain:
-            self.refuse("not with --uncertain", "error", "trajectory")
+            self.refuse("not with --uncertain", "error", "trajectory", "effects")
             given.refuse(("scene.run.runs",), "not with --uncertain; leave one of them out")
         else:
             self.refuse("only --uncertain writes a folder", "out")
@@ -84,7 +84,7 @@ class SimulateRequest(request.Request):
         members = given.members(given.design(self.design), self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs, or"
-            self.refuse(why, "trajectory", "error", "uncertain")
+            self.refuse(why, "trajectory", "error", "effects", "uncertain")
             return self._several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
             return self._uncertain(scene, members[0], progress)  # type: ignore[return-value]
