@@ -5,12 +5,12 @@ well. By day `walkergen selftest`, in the README's tour, runs its own in space; 
 """
 
 import pytest
-from hard import bounces, cascades, extremes, friction, landings, steps, symmetries
+from hard import balls, bounces, cascades, extremes, friction, landings, steps, symmetries
 
 from walkergen.jobs.trust.selftest.case import SPACE
 from walkergen.jobs.trust.selftest.catalogue import CASES
 
-MODULES = bounces, cascades, extremes, friction, landings, steps, symmetries
+MODULES = balls, bounces, cascades, extremes, friction, landings, steps, symmetries
 PLANAR = [case for module in MODULES for case in module.CASES]
 QUICK = [case for case in CASES if case.runs_on != SPACE]
 IN_SPACE = [case for case in CASES if case.runs_on == SPACE]
@@ -49,7 +49,8 @@ def test_hard_case_in_space(case, model):
     check(case, model)
 
 
-def test_names_are_unique_and_every_section_is_covered():
+def test_names_are_unique_sources_named_and_every_section_is_covered():
     cases = [*PLANAR, *CASES]
     assert len({case.name for case in cases}) == len(cases)
+    assert all(len(case.source) > 10 for case in cases)
     assert {case.section for case in cases} >= {"7", *(f"6.{number}" for number in range(1, 16))}

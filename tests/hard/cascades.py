@@ -113,7 +113,7 @@ def _closed_form(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("chatter: sum of the impacts", "6.10", ("relaxed",), _sum_of_impacts),
-    Case("chatter: finite work", "6.10", ("relaxed",), _finite_work),
-    Case("chatter: closed form of the tail", "6.10", ("relaxed",), _closed_form),
+    Case("chatter: sum of the impacts", "6.10", "the impacts one by one", ("relaxed",), _sum_of_impacts),
+    Case("chatter: finite work", "6.10", "finite work of a geometric series", ("relaxed",), _finite_work),
+    Case("chatter: closed form of the tail", "6.10", "geometric series", ("relaxed",), _closed_form),
 ]

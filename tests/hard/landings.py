@@ -1,5 +1,6 @@
 """Hard cases of landings: both feet in one instant, feet that swing, starts in or on the plate."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -8,7 +9,8 @@ import numpy as np
 
 from hard import COMPLIANT, EVERY, THREE_COORDINATES, drawn, energy_error, fall_time, lift, with_legs
 from walkergen.jobs.trust.selftest.case import Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, plan_of, shaken
+from walkergen.jobs.trust.selftest.scenes import HALF, STILL, Array, advance, plan_of, shaken
+from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import LOOSE, chain_of
 from walkergen.simulation.compliant.flight import clear_time
 from walkergen.simulation.model import Plan
@@ -90,6 +92,31 @@ def _a_rounding_apart(model: str) -> Iterator[Check]:
             1e-6,
             "rounding, grown by an impact; one foot at a time would make some 1 rad/s",
         )
+
+
+def _within_a_step(model: str) -> Iterator[Check]:
+    """Check two feet that land 0.3 and 0.7 of a step apart, either first: against steps 256 times finer."""
+    coarse, speed = 16e-6, 50.0
+    for e, part in itertools.product((0.0, 0.5), (0.3, -0.3, 0.7, -0.7)):
+        ends = []
+        for step in (coarse, coarse / 16.0, coarse / 256.0):
+            contact = {"restitution": e, "friction": 0.25}
+            plan = plan_of(model, 10.0, drive=STILL, run={"step_us": 1e6 * step}, contact=contact)
+            state = plan.start(0.0, 0.0, 0.0)
+            state[PITCH] += part * coarse * speed / (2.0 * HALF)
+            state[V_Y] = -speed
+            lift(plan, state, 0.01 + 0.4 * coarse * speed)
+            _, tally = advance(plan, state, 5e-4)
+            ends.append(state)
+        errors = [float(np.abs(end - ends[-1])[[X, Y, PITCH]].max()) for end in ends[:-1]]
+        title = f"e = {e:g}, {part:g} of a step apart"
+        yield exactly(f"{title}: both feet struck", tally.counts[record.IMPACTS] >= 2)
+        if e:
+            reason = "landings are located and flights exact: what a gap of 1e-9 mm may be"
+            yield Check(f"{title}: end after 0.5 ms by 16 us, mm", errors[0], 1e-8, reason)
+        else:
+            falls = math.log2(errors[0] / errors[1]) / 4.0
+            yield Check(f"{title}: order of the steps below 2", 2.0 - falls, 0.4, "landings lie anywhere in a step")
 
 
 def _swinging(model: str) -> Iterator[Check]:
@@ -181,9 +208,16 @@ def _far_apart(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("start in touch and 1e-12 mm inside", "6.9", EVERY, _starts),
-    Case("feet a rounding apart land as one", "6.8", EVERY, _a_rounding_apart),
-    Case("feet far apart come to rest", "6.10", THREE_COORDINATES, _far_apart),
-    Case("landing on both feet", "6.10", EVERY, _both_feet),
-    Case("long flights pass over no touch", "6.8", COMPLIANT, _swinging),
+    Case("start in touch and 1e-12 mm inside", "6.9", "continuity in the start", EVERY, _starts),
+    Case("feet a rounding apart land as one", "6.8", "continuity in the pitch", EVERY, _a_rounding_apart),
+    Case(
+        "feet far apart come to rest",
+        "6.10",
+        "geometric series of alternating blows (docs/physics.md 5)",
+        THREE_COORDINATES,
+        _far_apart,
+    ),
+    Case("landing on both feet", "6.10", "Stronge 1990: no gain; mirror symmetry", EVERY, _both_feet),
+    Case("two feet land within a step", "6.8", "the same landings by steps 256 times finer", COMPLIANT, _within_a_step),
+    Case("long flights pass over no touch", "6.8", "the same flight by small steps", COMPLIANT, _swinging),
 ]

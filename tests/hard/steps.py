@@ -102,6 +102,6 @@ def _sinking(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("rebounds shorter than a step", "6.15", COMPLIANT, _short_rebounds),
-    Case("feet do not sink", "6.15", COMPLIANT, _sinking),
+    Case("rebounds shorter than a step", "6.15", "the same runs by a tenth of the step", COMPLIANT, _short_rebounds),
+    Case("feet do not sink", "6.15", "Signorini: no foot below the plate", COMPLIANT, _sinking),
 ]

@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 
 from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
-from walkergen.jobs.trust.selftest.case import Case, Check
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, design_of, plan_of, scene_of, shaken
 from walkergen.jobs.trust.selftest.scenes import masses as masses_of
+from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import chain_of, mobility_of
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y, mirrored
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import ANGLE_FRONT, PHASE, PITCH, SPIN, V_X, V_Y, X, Y, mirrored
 from walkergen.walker import mass as masses
 
 SHORT = 0.012
@@ -122,7 +124,7 @@ def _moving_plate(model: str) -> Iterator[Check]:
         )
 
 
-def _scaled(model: str, scale: float) -> Plan:
+def _scaled(model: str, scale: float, step_us: float | None = 10.0) -> Plan:
     """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
     one = design_of(model, 10.0)
     tables = {
@@ -130,9 +132,8 @@ def _scaled(model: str, scale: float) -> Plan:
         for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
     }
     design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
-    scene = scene_of(
-        model, drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}, run={"step_us": 10.0 * math.sqrt(scale)}
-    )
+    run = {} if step_us is None else {"step_us": step_us * math.sqrt(scale)}
+    scene = scene_of(model, drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}, run=run)
     return prepare(scene, design, masses_of(design))
 
 
@@ -146,13 +147,51 @@ def _scales(model: str) -> Iterator[Check]:
         lift(plan, state, 0.05 * scale)
         advance(plan, state, SHORT * math.sqrt(scale))
         ends[scale] = state[[X, Y, PITCH]] / (scale, scale, 1.0)
-    exact = model in THREE_COORDINATES
-    limit, reason = 1e-8, GROWN
-    if not exact:
-        limit, reason = 1e-4, "contact tolerances of the hinged chain are in mm and do not scale"
+    limit, reason = 1e-10, GROWN
     for scale in (1e-3, 1e3):
         apart = float(np.abs(ends[scale] - ends[1.0]).max())
         yield Check(f"lengths x {scale:g}: end of the run, scaled", apart, limit, reason)
+
+
+def _powers_of_two(model: str) -> Iterator[Check]:
+    """Check lengths x 4^n and times x 2^n: the scaled problem has the scaled result to the last bit.
+
+    Every length of the code, of steps and tolerances too, must then be in units of walker and plate.
+    """
+    start = None
+    for power in (0, -5, -4, -1, 1, 4, 5):
+        length, seconds = 4.0**power, 2.0**power
+        plan = _scaled(model, length, step_us=None)
+        state = plan.start(0.0625 * length, 0.0, 1.0)
+        state[PITCH] += 4e-3
+        state[V_X] = 12.0 * seconds
+        lift(plan, state, 0.0625 * length)
+        outcome, tally = advance(plan, state, 0.25 * seconds)
+        state[[X, Y]] /= length
+        state[[V_X, V_Y]] /= seconds
+        state[[SPIN, *range(ANGLE_FRONT + 1, len(state))]] *= seconds
+        if start is None:
+            start = state
+            yield exactly("it runs and lands", outcome is Outcome.OK and tally.counts[record.IMPACTS] > 20)
+        else:
+            apart = float(np.abs(state - start).max())
+            yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", apart, 0.0, "exact: powers of two")
+
+
+def _far(model: str) -> Iterator[Check]:
+    """Check a start 2^30 mm along the plate: only its place may know of it."""
+    for e, mu, law in ((0.9, 0.1, "poisson"), (0.5, 2.0, "stronge"), (0.0, 0.25, "newton")):
+        contact = {"restitution": e, "friction": mu, "law": law}
+        plan = plan_of(model, 10.0, drive=shaken(1.8), contact=contact)
+        here, far = _dropped(plan), _dropped(plan)
+        far[X] += 2.0**30
+        for state in (here, far):
+            _, tally = advance(plan, state, 0.2)
+        off = abs(far[X] - 2.0**30 - here[X])
+        limit = 1.2e-7 * max(20.0 * tally.counts[record.IMPACTS], 0.2 / 5e-6)
+        yield Check(f"{law}: way in 0.2 s, mm", off, limit, "rounding of 1e9 mm, 1.2e-7 mm, in each step or event")
+        far[X] = here[X]
+        yield Check(f"{law}: all else", float(np.abs(far - here).max()), 0.0, "exact: nothing else knows the place")
 
 
 def _tolerance(model: str) -> Iterator[Check]:
@@ -191,12 +230,20 @@ def _frozen_joints(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("upright walker, level drop: no drift", "6.1", EVERY, _upright),
-    Case("almost upright", "6.1", EVERY, _almost_upright),
-    Case("lengths x 1e-3 and x 1e3", "6.5", EVERY, _scales),
-    Case("contact tolerances change nothing", "6.10", THREE_COORDINATES, _tolerance),
-    Case("mirror image runs backwards", "6.13", EVERY, _mirror),
-    Case("shift by whole periods", "6.13", EVERY, _shift),
-    Case("landing on a moving plate", "6.13", EVERY, _moving_plate),
-    Case("stiff hinges: inverse mass of the braced walker", "6.14", COMPLIANT, _frozen_joints),
+    Case("upright walker, level drop: no drift", "6.1", "mirror symmetry", EVERY, _upright),
+    Case("almost upright", "6.1", "continuity in the tilt", EVERY, _almost_upright),
+    Case("lengths x 1e-3 and x 1e3", "6.5", "dimensional analysis", EVERY, _scales),
+    Case("lengths x 4^n, times x 2^n", "6.5", "dimensional analysis", THREE_COORDINATES, _powers_of_two),
+    Case("1e9 mm from the origin", "6.13", "translation along the plate", EVERY, _far),
+    Case("contact tolerances change nothing", "6.10", "the limit of no tolerance", THREE_COORDINATES, _tolerance),
+    Case("mirror image runs backwards", "6.13", "mirror symmetry", EVERY, _mirror),
+    Case("shift by whole periods", "6.13", "periodicity of the drive", EVERY, _shift),
+    Case("landing on a moving plate", "6.13", "Galileo: relative speeds alone count", EVERY, _moving_plate),
+    Case(
+        "stiff hinges: inverse mass of the braced walker",
+        "6.14",
+        "rigid bodies: parallel axes",
+        COMPLIANT,
+        _frozen_joints,
+    ),
 ]

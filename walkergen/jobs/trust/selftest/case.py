@@ -32,6 +32,8 @@ class Case(NamedTuple):
     name: str
     section: str
     """Section of docs/physics.md ("6.7"), or "geometry"."""
+    source: str
+    """Where the right value comes from, outside this code: a law, a closed form, a publication."""
     runs_on: tuple[str, ...]
     """Models on which the case runs, or parts of them."""
     check: Callable[[str], Iterator[Check]]

@@ -1,5 +1,6 @@
 """Hard cases of a single impact."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -11,7 +12,7 @@ from walkergen.jobs.trust.selftest.case import IMPACT_LAW, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import LEG, design_of, masses
 from walkergen.theory import speed
 from walkergen.theory.impact import Impact, Kind, Law, determinant, energy_change, resolve
-from walkergen.theory.tensors import InverseMass, feet
+from walkergen.theory.tensors import InverseMass, feet, rigid
 
 ROUNDING = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
 
@@ -81,6 +82,43 @@ def _jamming(model: str) -> Iterator[Check]:
     )
     just_out = resolve(H, (-0.5, -1.0), e, H[2] / -H[1] * (1 - 1e-12))
     yield exactly("finite at the border of jamming", math.isfinite(just_out.F_y))
+
+
+def _rod(angle: float) -> exact.Tensor:
+    """Inverse mass at the lower end of a rod of 1 g and 2 mm, `angle` (rad) from the plate."""
+    H = rigid(1.0, 1.0 / 3.0, np.array([math.cos(angle), -math.sin(angle)]))
+    return float(H.xx), float(H.xy), float(H.yy)
+
+
+def _painleve(model: str) -> Iterator[Check]:
+    """Check a rod whose slip presses its end ever harder down: the slip stops in a tangential impact.
+
+    Forces alone have no solution there, or two; the impulse is unique, however slowly the end approaches.
+    """
+    angles = np.radians(np.linspace(20.0, 85.0, 6501))
+    least = [xx[2] / abs(xx[1]) for xx in map(_rod, angles)]
+    yield Check(
+        "least friction that jams a rod, against 4/3", abs(min(least) - 4.0 / 3.0), 1e-7, "angles 0.01 deg apart"
+    )
+    there = math.degrees(angles[int(np.argmin(least))] - math.atan(2.0))
+    yield Check("where: tan = 2, deg", abs(there), 0.01, "angles 0.01 deg apart")
+    for mu, degrees in itertools.product((2.0, 10.0), (50.0, 63.4, 72.0, 80.0)):
+        xx, xy, yy = H = _rod(math.radians(degrees))
+        if mu * xy <= yy:
+            continue
+        worst = gain = 0.0
+        for e, w in itertools.product((0.0, 0.5, 1.0), (1e-300, 1e-12, 1.0)):
+            stop = 1.0 / (mu * xx - xy)  # impulse at which the slip of 1 mm/s has stopped
+            stuck = (xx * yy - xy * xy) / xx
+            expected = (1.0 + e) * (stop + (w + (mu * xy - yy) * stop) / stuck)
+            for law in (Law.POISSON, Law.STRONGE):
+                out = resolve(H, (1.0, -w), e, mu, law)
+                gain = max(gain, energy_change((1.0, -w), out))
+                if law == Law.POISSON:
+                    worst = max(worst, abs(out.F_y / expected - 1.0), abs(out.v_x))
+        title = f"mu = {mu:g}, {degrees:g} deg"
+        yield Check(f"{title}: normal impulse against the closed form", worst, 1e-12, ROUNDING)
+        yield Check(f"{title}: energy gained, of 0.5 at most", gain, 1e-14, "rounding of the works' sum")
 
 
 def _singular(model: str) -> Iterator[Check]:
@@ -207,14 +245,29 @@ def _any_speed(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("one impact at any speed", "6.3", IMPACT_LAW, _any_speed),
-    Case("upright walker: closed-form speeds", "6.1", IMPACT_LAW, _upright_factors),
-    Case("no friction: one impact", "6.2", IMPACT_LAW, _no_friction),
-    Case("jamming: one impact", "6.2", IMPACT_LAW, _jamming),
-    Case("impact law in exact fractions", "6.3", IMPACT_LAW, _agrees_with_exact),
-    Case("nearly singular tensor", "6.3", IMPACT_LAW, _singular),
-    Case("stationary speed at any e and friction", "6.3", IMPACT_LAW, _stationary),
-    Case("energy in one impact", "6.4", IMPACT_LAW, _energy),
-    Case("legs of any mass: tensor", "6.5", IMPACT_LAW, _light_and_heavy_legs),
-    Case("mirror image: one impact", "6.13", IMPACT_LAW, _mirror),
+    Case(
+        "one impact at any speed",
+        "6.3",
+        "dimensional analysis: an impact is homogeneous in speed",
+        IMPACT_LAW,
+        _any_speed,
+    ),
+    Case("upright walker: closed-form speeds", "6.1", "mirror symmetry", IMPACT_LAW, _upright_factors),
+    Case("no friction: one impact", "6.2", "Coulomb at mu = 0", IMPACT_LAW, _no_friction),
+    Case("jamming: one impact", "6.2", "Painleve's tangential impact, solved by hand", IMPACT_LAW, _jamming),
+    Case("painleve: a rod that slides and jams", "6.2", "Painleve 1895: mu >= 4/3 at tan = 2", IMPACT_LAW, _painleve),
+    Case("impact law in exact fractions", "6.3", "exact rational arithmetic", IMPACT_LAW, _agrees_with_exact),
+    Case("nearly singular tensor", "6.3", "exact rational arithmetic", IMPACT_LAW, _singular),
+    Case(
+        "stationary speed at any e and friction",
+        "6.3",
+        "Koumakis et al. 2016, eq. 15: no horizontal impulse",
+        IMPACT_LAW,
+        _stationary,
+    ),
+    Case("energy in one impact", "6.4", "Stronge 1990; Poisson: no gain at e <= 1", IMPACT_LAW, _energy),
+    Case(
+        "legs of any mass: tensor", "6.5", "limit of a light rod on a hinge, by hand", IMPACT_LAW, _light_and_heavy_legs
+    ),
+    Case("mirror image: one impact", "6.13", "mirror symmetry", IMPACT_LAW, _mirror),
 ]

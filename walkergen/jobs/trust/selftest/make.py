@@ -30,6 +30,7 @@ class Result(NamedTuple):
 
     section: str
     case: str
+    source: str
     model: str
     method: str
     checks: tuple[Check, ...]
@@ -79,7 +80,7 @@ def run_job(job: Job) -> Result:
 
 def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> Result:
     case, method = job.case, METHODS[job.model]
-    return Result(case.section, case.name, job.model, method, checks, error, seconds)
+    return Result(case.section, case.name, case.source, job.model, method, checks, error, seconds)
 
 
 def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:

@@ -9,8 +9,8 @@ from walkergen.files.report import Report, Table
 from walkergen.jobs.trust.selftest.case import Check
 from walkergen.jobs.trust.selftest.make import Result
 
-KEYS = ("section", "case", "on", "checks", "tightest", "value", "limit", "margin")
-WORDS = ("section", "case", "on", "tightest")
+KEYS = ("section", "case", "on", "source", "checks", "tightest", "value", "limit", "margin")
+WORDS = ("section", "case", "on", "source", "tightest")
 
 
 def of(results: Sequence[Result], whole: bool) -> Report:
@@ -34,7 +34,7 @@ def of(results: Sequence[Result], whole: bool) -> Report:
 
 def _rows(result: Result) -> Iterator[tuple[str, ...]]:
     """Rows of what fails; of the tightest check where nothing does."""
-    start = (result.section, result.case, result.model, str(len(result.checks)))
+    start = (result.section, result.case, result.model, result.source, str(len(result.checks)))
     if result.error:
         yield (*start, result.error, "", "", "FAILED")
         return

@@ -97,7 +97,8 @@ Limit = tuple[float, str]
 
 
 def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit) -> Iterator[Check]:
-    """Checks of any motion, however extreme: it ends as physics may, finite, over the plate, its energy accounted for.
+    """Checks of any motion, however extreme: it ends as physics may, finite, over the plate, its energy accounted for,
+    in a plane none of it given by friction or dampers.
 
     Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
     exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
@@ -115,4 +116,8 @@ def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Lim
     yield exactly(f"{about}: a physical end ({outcome.value}), finite", physical and finite)
     error = record.energy_error(sums, plan.energy(state) - before, before)
     yield Check(f"{about}: energy unaccounted for", error, *tolerance)
+    if plan.resolved.model != "space":  # there springs along the plate keep part of it
+        given = -min(0.0, float(sums[record.FRICTION_LOSS]), float(sums[record.DAMPING_LOSS]))
+        exchanged = max(abs(before), float(np.abs(sums[record.PLATE_WORK : record.DAMPING_LOSS + 1]).max()))
+        yield Check(f"{about}: energy that friction or dampers give", given / exchanged, *tolerance)
     yield Check(f"{about}: foot below the plate, mm", -lowest, *deepest)

@@ -169,11 +169,23 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("space: no friction, no push along the plate", "7", SPACE, _smooth),
-    Case("space: friction, jamming and beyond", "7", SPACE, _rough),
-    Case("space: landing without slip", "7", SPACE, _without_slip),
-    Case("space: undamped smooth feet keep their energy", "7", SPACE, _lossless),
-    Case("space: feet a hundred times softer and stiffer", "7", SPACE, _stiffness),
-    Case("space: stiff hinges and twist are braced legs", "7", SPACE, _frozen),
-    Case("space: wall and plate in one step", "7", SPACE, _corner_of_lane),
+    Case("space: no friction, no push along the plate", "7", "Newton: momentum along a smooth plate", SPACE, _smooth),
+    Case("space: friction, jamming and beyond", "7", "first law: energy book; Coulomb's cone", SPACE, _rough),
+    Case("space: landing without slip", "7", "continuity in the slip", SPACE, _without_slip),
+    Case(
+        "space: undamped smooth feet keep their energy",
+        "7",
+        "first law: no loss without damper or slip",
+        SPACE,
+        _lossless,
+    ),
+    Case(
+        "space: feet a hundred times softer and stiffer",
+        "7",
+        "first law: energy book; static stiffness",
+        SPACE,
+        _stiffness,
+    ),
+    Case("space: stiff hinges and twist are braced legs", "7", "rigid bodies: parallel axes", SPACE, _frozen),
+    Case("space: wall and plate in one step", "7", "mirror symmetry; first law", SPACE, _corner_of_lane),
 ]

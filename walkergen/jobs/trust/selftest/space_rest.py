@@ -144,8 +144,8 @@ def _rights_itself(model: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("space: a spin stops", "7", SPACE, _spin),
-    Case("space: stands without creep", "7", SPACE, _stands),
-    Case("space: 1e5 s at rest", "7", SPACE, _long_rest),
-    Case("space: rights itself, or topples", "7", SPACE, _rights_itself),
+    Case("space: a spin stops", "7", "Coulomb: torque mu m g r on a ring", SPACE, _spin),
+    Case("space: stands without creep", "7", "statics: a body at rest stays", SPACE, _stands),
+    Case("space: 1e5 s at rest", "7", "statics: below 1 g nothing lifts off", SPACE, _long_rest),
+    Case("space: rights itself, or topples", "7", "statics: C over the edge of its feet", SPACE, _rights_itself),
 ]
