@@ -130,7 +130,7 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
         return {"lane_speed": along, "speed": none}
     if not frame.headed:
         moved, lag = moments.direction(track, step), frame.first_lag
-        products = np.conj(moved[:-lag]) * moved[lag:]
+        products = moments.kept(np.conj(moved[:-lag]) * moved[lag:], track.free(lag + step))
         motion = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
         return {"lane_speed": along, "speed": motion, "motion_speed": motion}
     assert track.heading is not None
@@ -140,7 +140,7 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
     ones, unit = np.ones(len(moved)), 1.0 / (shortened * interval)
     ahead = _Series(moved.real, ones, unit, speeds.real)
     heading = np.exp(1j * track.heading)
-    turned = np.angle(heading[1:] * np.conj(heading[:-1]))
+    turned = moments.kept(np.angle(heading[1:] * np.conj(heading[:-1])), track.free(1))
     return {
         "lane_speed": along,
         "speed": ahead,

@@ -19,8 +19,9 @@ Complex = npt.NDArray[np.complex128]
 SIGNIFICANT = 3.0
 """Standard errors by which a rate or an offset must differ from 0 to be inverted or reported."""
 
-DECAYED = 0.2
-"""Share of the direction that must be lost at the longest fitted lag for a rate to be known."""
+DECAYED, DECAYED_FREE = 0.2, 0.05
+"""Share of the direction that must be lost at the longest fitted lag for a rate to be known, in the open and
+between walls, where that lag is short and its pairs are many."""
 
 FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
@@ -85,6 +86,7 @@ TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_
 
 IN_A_LANE = "along a lane, where direction does not turn"
 HEADINGS_KNOWN = "headings are known: see body_speed"
+NO_HEADINGS = "no headings in the file (theta, theta_deg)"
 """Reasons of refusals that no better film would change; tables leave such lines out."""
 
 
@@ -108,6 +110,18 @@ class Frame(NamedTuple):
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
     """Errors of the correlation: of its real parts by lag, then of its imaginary parts."""
+    walls: bool = False
+    """Whether sums are of free motion between walls, so that more time shows no longer lags."""
+
+    @property
+    def decayed(self) -> float:
+        """Share of the direction that must be lost at the longest lag."""
+        return DECAYED_FREE if self.walls else DECAYED
+
+    @property
+    def advice(self) -> str:
+        """What would show longer lags."""
+        return "a larger box tells it" if self.walls else "film for longer"
 
     @property
     def first_lag(self) -> int:

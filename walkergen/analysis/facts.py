@@ -53,6 +53,15 @@ def of(motion: Motion) -> dict[str, Any]:
         "parallel": _points(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
         "orthogonal": _points(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
     }
+    if motion.walls is not None:
+        rate, length_mm, width_mm = motion.walls.contacts, *motion.walls.extent
+        facts["walls"] = {
+            "contacts_per_s": rate.value,
+            "contacts_se_per_s": rate.se,
+            "along_share": motion.walls.along,
+            "length_mm": length_mm,
+            "width_mm": width_mm,
+        }
     if motion.by_plate_speed:
         facts["by_plate_speed"] = [
             {

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import doubts, motion, track_files
+from walkergen.analysis import doubts, motion, track_files, walls
 from walkergen.analysis.speeds import TRACKS
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
@@ -125,7 +125,7 @@ def _column(table: Columns, name: str) -> Array:
 def _film(path: Path) -> _Film:
     """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
     read = track_files.read(path, track_files.Units())
-    measured = motion.analyse(read)
+    measured = motion.analyse(read, found=walls.of(read))
     plates = {track.particle: math.nan if track.plate_speed is None else track.plate_speed for track in read.tracks}
     speeds = {walker.particle: walker.of("speed") for walker in measured.walkers}
     mean = measured.estimates["speed"]

@@ -16,11 +16,11 @@ from scipy import special
 from walkergen.analysis.estimates import (
     ACROSS,
     ALONG,
-    DECAYED,
     FEWEST_SAMPLES,
     HEADED,
     HEADINGS_KNOWN,
     IN_A_LANE,
+    NO_HEADINGS,
     SIGNIFICANT,
     TURNING,
     UNITS,
@@ -172,7 +172,7 @@ def _meaningless(frame: Frame) -> dict[str, str]:
         return dict.fromkeys((*names, *also), IN_A_LANE)
     if frame.headed:
         return {"motion_speed": HEADINGS_KNOWN}
-    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
+    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), NO_HEADINGS)
 
 
 class _Numbers(NamedTuple):
@@ -212,20 +212,20 @@ def _unresolved(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_
         window = frame.grid.step * frame.interval
         reason = numbers.below("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
         refused |= dict.fromkeys(("speed", "motion_speed", *TURNING), reason)
-    return refused | _unresolved_spread(numbers, frame.interval, fitted, longest_s)
+    return refused | _unresolved_spread(numbers, frame, fitted, longest_s)
 
 
 def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
     """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
     rate = numbers.values["persistence_rate"]
-    lost = rate * longest_s > DECAYED
+    lost = rate * longest_s > frame.decayed
     if lost and numbers.positive("persistence_rate"):
         return {}
-    reason = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
+    reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
     if lost and frame.memory_open:
         reason = (
             f"{longest_s:.3g} s do not tell how fast direction is lost where rates of turning may "
-            "last for a while: film for longer"
+            f"last for a while: {frame.advice}"
         )
     at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
     if math.isfinite(at_least) and at_least > 0:
@@ -233,10 +233,11 @@ def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -
     return dict.fromkeys(("persistence_time", "persistence_length"), reason)
 
 
-def _unresolved_spread(numbers: _Numbers, first_s: float, fitted: Fitted, longest_s: float) -> dict[str, str]:
+def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_s: float) -> dict[str, str]:
     """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
     if math.isnan(fitted.spreads[0].offset):
         return {}  # nothing was fitted, which is reason enough
+    first_s = frame.interval
     if not fitted.run:
         refused = _noise_and_diffusion(numbers)
         reason = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
@@ -254,10 +255,10 @@ def _unresolved_spread(numbers: _Numbers, first_s: float, fitted: Fitted, longes
     smooth = fitted.spreads[0].smooth_rate
     if smooth:
         refused["translational_diffusion"] = f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
-    turned = numbers.values["msd_rate"] * longest_s > DECAYED
+    turned = numbers.values["msd_rate"] * longest_s > frame.decayed
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
     if not (turned and numbers.positive(*needed)):
-        reason = f"{fitted.regime(longest_s)}: film for longer"
+        reason = f"{fitted.regime(longest_s)}: {frame.advice}"
         refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     return refused
 

@@ -81,6 +81,27 @@ def crossed(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array
     return total, pairs
 
 
+def squares_from(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array]:
+    """The same as `squares`, of pairs whose first sample may be followed for that lag: `reach` samples or less."""
+    sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
+    for place, lag in enumerate(lags):
+        moved = (position[lag:] - position[:-lag])[reach[:-lag] >= lag]
+        square = (moved**2).sum(axis=1)
+        known = ~np.isnan(square)
+        sums[place], counts[place] = square[known].sum(), known.sum()
+    return sums, counts
+
+
+def products_from(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Array]:
+    """The same as `products`, of pairs whose first sample may be followed for that lag: `reach` samples or less."""
+    sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
+    for place, lag in enumerate(lags):
+        each = (np.conj(series[:-lag]) * series[lag:])[reach[: len(series)][:-lag] >= lag]
+        known = ~np.isnan(each)
+        sums[place], counts[place] = each[known].sum(), known.sum()
+    return sums, counts
+
+
 def spread_out(longest: int, count: int, shortest: int = 1) -> Lags:
     """At most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
     if longest < shortest:

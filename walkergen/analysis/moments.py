@@ -111,12 +111,23 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
         size -= max(1, size // 50)
     pieces = []
     for track, length in zip(tracks, lengths, strict=True):
-        edges = np.linspace(0, length, max(length // max(size, 1), 1) + 1).astype(int)
+        edges = _even(track, max(length // max(size, 1), 1))
         for first, last in itertools.pairwise(edges):
             window = slice(first, last + 1)  # neighbours share a position but no displacement
             heading = None if track.heading is None else track.heading[window]
-            pieces.append(track._replace(position=track.position[window], heading=heading))
+            reach = None if track.reach is None else track.reach[window]
+            pieces.append(track._replace(position=track.position[window], heading=heading, reach=reach))
     return pieces
+
+
+def _even(track: Track, count: int) -> npt.NDArray[np.int64]:
+    """Samples between so many pieces of a track: of equal length or, between walls, of equal times of free motion."""
+    last, free = len(track.position) - 1, track.free(1)
+    if free is None or not free.any():
+        return np.linspace(0, last, count + 1).astype(np.int64)
+    passed = np.cumsum(free)
+    inner = np.searchsorted(passed, np.linspace(0, passed[-1], count + 1)[1:-1])
+    return np.unique(np.concatenate([[0], inner, [last]]))
 
 
 def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
@@ -127,14 +138,14 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
-    square, square_pairs = lagged.squares(track.position, grid.square_lags)
+    square, square_pairs = squares(track, grid.square_lags)
     headings, lane = direction(track, grid.step), track.position.shape[1] == 1
     times = np.arange(len(track.position), dtype=float)
     about_mean = np.zeros_like(square)
     if lane:
         drift = mean_step * times[:, None]
         about_mean, _ = lagged.squares(track.position - drift, grid.square_lags)
-    turn, turn_pairs = lagged.products(headings * np.exp(-1j * mean_step * times[: len(headings)]), grid.turn_lags)
+    turn, turn_pairs = _products(track, headings * np.exp(-1j * mean_step * times[: len(headings)]), grid)
     return Moments(
         run(track),
         _sum_and_number(ahead(track, mean_step, 0)),
@@ -150,6 +161,26 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
         _histogram(forward, bins_along),
         _histogram(sideways, bins_across),
     )
+
+
+def squares(track: Track, lags: lagged.Lags) -> tuple[Array, Array]:
+    """Sums of squared displacements and numbers of pairs by lag, mm^2, of free motion where there are walls."""
+    if track.reach is None:
+        return lagged.squares(track.position, lags)
+    return lagged.squares_from(track.position, lags, track.reach)
+
+
+def _products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
+    """Sums of products of headings, or of displacements, and numbers of pairs by lag, of free motion alike."""
+    if track.reach is None:
+        return lagged.products(series, grid.turn_lags)
+    span = 0 if track.heading is not None else grid.step
+    return lagged.products_from(series, grid.turn_lags, track.reach - span)
+
+
+def kept(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.NDArray[Any]:
+    """Values that begin at free samples, the last axis by sample; NaN elsewhere."""
+    return values if free is None else np.where(free[: values.shape[-1]], values, np.nan)
 
 
 def planar(track: Track) -> Complex:
@@ -175,7 +206,7 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
     """
     none = np.zeros(0)
     position = planar(track)
-    moved = position[step:] - position[:-step]
+    moved = kept(position[step:] - position[:-step], track.free(step))
     if track.position.shape[1] == 1:
         return moved.real[~np.isnan(moved)], none
     if track.heading is None:
@@ -203,7 +234,8 @@ def carried(track: Track, step: int) -> Complex:
     assert track.heading is not None
     unit = np.exp(1j * track.heading[::step])
     moved: Complex = np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))
-    return moved
+    free = track.free(step)
+    return kept(moved, None if free is None else free[::step])
 
 
 def ahead(track: Track, turning: float, out: int) -> Complex:
@@ -223,7 +255,10 @@ def ahead(track: Track, turning: float, out: int) -> Complex:
         moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
         for first in (0, 2 * out + 1)
     ]
-    return np.stack(values)
+    free = track.free(1 + 2 * out)  # from the first heading to the last
+    if free is not None:
+        free = np.concatenate([np.zeros(out, dtype=bool), free])
+    return kept(np.stack(values), free)
 
 
 def _sum_and_number(values: Complex) -> Complex:
@@ -235,7 +270,7 @@ def _sum_and_number(values: Complex) -> Complex:
 def _turned(track: Track) -> Array:
     if track.heading is None:
         return np.zeros(2)
-    turns = np.diff(track.heading)
+    turns = kept(np.diff(track.heading), track.free(1))
     turns = np.angle(np.exp(1j * turns[~np.isnan(turns)]))
     return np.array([turns.sum(), float(len(turns))])
 

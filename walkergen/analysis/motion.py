@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import between, estimates, judgement, lagged, moments, spreads, turning
+from walkergen.analysis import between, estimates, judgement, lagged, moments, spreads, turning, walls
 from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
+from walkergen.analysis.walls import Walls
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
@@ -32,6 +33,8 @@ FITTED = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
 MISFIT = 0.01
 """Probability of a misfit below which the law of the squared displacement is doubted."""
+FOLLOWED = 0.2
+"""Share of the free places between walls from which no wall can be reached within the longest lag."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
 
@@ -84,16 +87,19 @@ class Motion(NamedTuple):
     scale_se: float | None = 0.0
     """Error of all lengths together, as a share of them (that of `Tracks`), beside the errors of
     the estimates; None when it is not known."""
+    walls: Walls | None = None
+    """Walls between which the walkers ran; None where none were found. All numbers are then of free motion."""
 
 
 LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
 
 
-def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
+def analyse(tracks: Tracks, lag_s: float | None = None, found: Walls | None = None) -> Motion:
     """Compute the statistics of all tracks; displacements along and across the body span `lag_s`.
 
     `lag_s` (s) is by default LAG_S, or one sample where that is longer.
+    Between walls that were `found` all numbers are of free motion.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin
     (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
@@ -106,12 +112,14 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
             f"--lag-ms {1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
             f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
         )
-    whole = _analyse(tracks, lag_s)
+    if found is not None:
+        tracks = walls.kept_off(tracks, found)
+    whole = _analyse(tracks, lag_s, found)
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
         return whole
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
-    analyses = [_analyse(tracks._replace(tracks=group), lag_s) for group in groups]
+    analyses = [_analyse(tracks._replace(tracks=group), lag_s, found) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
@@ -122,12 +130,15 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     )
 
 
-def _analyse(tracks: Tracks, lag_s: float) -> Motion:
+def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
     groups, length = moments.samples(tracks.tracks)
     if not groups:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
+    lags = length // FITTED
+    if found is not None:
+        lags = min(lags, int(grid.square_lags[-1]))
     on_plane = headed and not tracks.lane
     turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
     mean_steps = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
@@ -147,7 +158,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     slopes = [_exponents(grid.square_lags, square) for square in squares]
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
-    fitted = grid.square_lags <= length // FITTED
+    fitted = grid.square_lags <= lags
     times = [walker.seconds for walker in turnings]
     if tracks.lane:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
@@ -162,10 +173,10 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
+        found is not None,
     )
     frame, numbers = judgement.choose(both, frame)
-    longest = length // FITTED
-    numbers, fit = _with_fit(numbers, both, frame, longest)
+    numbers, fit = _with_fit(numbers, both, frame, lags)
     alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = between.compare(alone)
     if headed:
@@ -177,12 +188,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
     unlike = judgement.numbers(without_one, frame)
     judged = judgement.judge(
-        numbers[0],
-        numbers[1:],
-        frame,
-        fit,
-        _with_fit(unlike, without_one, frame, longest)[0][1:],
-        longest * tracks.interval,
+        numbers[0], numbers[1:], frame, fit, _with_fit(unlike, without_one, frame, lags)[0][1:], lags * tracks.interval
     )
     if in_pieces:
         judged |= _means(alone, together, frame)
@@ -201,7 +207,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=[*_poor(fit), *_unlike(judged)],
+        doubts=[*([found.said] if found else []), *_poor(fit), *_unlike(judged)],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
@@ -210,6 +216,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         parallel=_density(grid.bins[0], [sample.density_along for sample in both]),
         orthogonal=_density(grid.bins[1], [sample.density_across for sample in both]),
         walkers=alone,
+        walls=found,
     )
 
 
@@ -257,9 +264,21 @@ def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
     along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
     # Displacements without headings must not share a position, whose noise would correlate them.
     first = 1 if headed else step + 1
-    turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(length // FITTED, 32, first)
-    squares = lagged.spread_out(max(longest // 4, 1), 64)
+    last, most = length // FITTED, max(longest // 4, 1)
+    reach = [track.reach for track in tracks.tracks if track.reach is not None]
+    if reach:  # walls end the pairs that are free, not the tracks
+        most = min(most, max(_followed(reach, 1 if headed else 2 * step + 1), 1))
+        last = min(last, most - (0 if headed else step))
+    turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(last, 32, first)
+    squares = lagged.spread_out(most, 64)
     return Grid(step, squares, turns, (_bins(along, step), _bins(across, step)))
+
+
+def _followed(reach: Sequence[npt.NDArray[np.int64]], least: int) -> int:
+    """Lag over which many enough of the places that are free for `least` may be followed between walls, samples."""
+    free = np.concatenate(reach)
+    free = free[free >= least]
+    return int(np.quantile(free, 1.0 - FOLLOWED)) if len(free) else 0
 
 
 def _bins(values: Array, step: int) -> Array:

@@ -21,6 +21,12 @@ class Track(NamedTuple):
     """Peak speed of the plate, mm/s; None when the file does not say."""
     start: int = 0
     """Sample, of all tracks together, at which this one begins."""
+    reach: npt.NDArray[np.int64] | None = None
+    """Samples after each one within which no wall can be reached, shape (times,); None without walls."""
+
+    def free(self, span: int) -> npt.NDArray[np.bool_] | None:
+        """True for samples after which no wall can be reached within `span` more; None without walls."""
+        return None if self.reach is None else self.reach >= span
 
 
 class Tracks(NamedTuple):

@@ -18,6 +18,9 @@ from walkergen.numerics.quantity import Quantity
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
 
+WALLED = 16
+"""The same between walls, where some pieces hold no free motion."""
+
 BRIDGED = 0.6
 """Correlation of headings across a gap, at least, for the turn within it to be known: of normal
 turns one in 500 is then beyond a half turn, and taken for one the other way round."""
@@ -45,12 +48,14 @@ def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
     Samples are `interval` s apart. Turns count as far as they are known: those across a gap where
     headings are as correlated as BRIDGED over its length.
     """
-    units = {track.particle: np.exp(1j * track.heading) for track in tracks if track.heading is not None}
-    size = max((len(unit) - 1 for unit in units.values()), default=0) // PIECES
+    headed = [track for track in tracks if track.heading is not None]
+    units = {track.particle: moments.direction(track, 1) for track in headed}
+    pieces = WALLED if any(track.reach is not None for track in headed) else PIECES
+    size = max((len(unit) - 1 for unit in units.values()), default=0) // pieces
     if not size:
         return []
     longest = _longest_known(list(units.values()), size)
-    every = [_turning(name, unit, size, longest, interval) for name, unit in units.items()]
+    every = [_turning(track, units[track.particle], size, longest, interval) for track in headed]
     return [turning for turning in every if turning is not None]
 
 
@@ -68,7 +73,7 @@ def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
     return int(bridged[-1]) if len(bridged) else 1
 
 
-def _turning(particle: int, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
+def _turning(track: Track, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
     """Turning of one walker by its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
     steps = np.diff(seen)
@@ -80,6 +85,8 @@ def _turning(particle: int, unit: moments.Complex, size: int, longest: int, inte
     expected = turns[steps == 1].mean() * steps
     turns = expected + np.angle(np.exp(1j * (turns - expected)))
     near = steps <= longest
+    if track.reach is not None:
+        near &= track.reach[seen[:-1]] >= steps
     turns, steps, first, last = (turns[near], steps[near], seen[:-1][near], seen[1:][near])
     piece = np.searchsorted(np.linspace(0, len(unit) - 1, count + 1), last) - 1
     fresh = np.append(True, first[1:] != last[:-1])
@@ -93,7 +100,7 @@ def _turning(particle: int, unit: moments.Complex, size: int, longest: int, inte
     rate = float(turned.sum()) / whole
     squares = float((seconds * (turned / seconds - rate) ** 2).sum())
     noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / whole)
-    return Turning(particle, rate, squares, len(turned), whole, noise)
+    return Turning(track.particle, rate, squares, len(turned), whole, noise)
 
 
 def scatter(turnings: Sequence[Turning]) -> Quantity:

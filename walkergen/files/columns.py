@@ -192,7 +192,7 @@ def _names(stream: Iterator[str], source: str) -> tuple[list[str], Iterator[str]
     row = cells(first, source, 2)
     if len(row) == len(names) + 1 and row[-1].strip() and len(names) < MOST_COLUMNS:
         # Commas within numbers would make as many cells: R quotes row names, and has decimal points
-        if not (first.lstrip().startswith('"') or any("." in cell for cell in row)):
+        if not (first.lstrip().startswith('"') or any("." in cell for cell in row[1:])):
             told = f"{len(row)} cells, the header has {len(names)}: are the first ones names of rows, as R's? "
             raise InputError(f"{source}:2: {told}Give them a name in the header; else {SEPARATE}")
         names = ["", *names]

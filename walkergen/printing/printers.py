@@ -1,15 +1,22 @@
 """Printers, their beds and processes, as templates/printers/*.toml describe them."""
 
+from collections.abc import Mapping
 from functools import partial
 from operator import eq
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from walkergen.errors import InputError
 from walkergen.files.config import Name, Section
+from walkergen.printing import profile_file
 
 CLEARANCE_MM = 0.2
 """Gap on every side between a printed wall and a part that goes in by hand. Assumed, as usual."""
+
+NARROWEST, WIDEST = 0.6, 2.5
+"""Widths of a line over that of the nozzle, between which a nozzle lays it down."""
 
 
 class Printer(Section):
@@ -52,3 +59,34 @@ class Printer(Section):
         if self.origin == "centre":
             return -0.5 * self.bed_width_mm, -0.5 * self.bed_depth_mm
         return 0.0, 0.0
+
+    @classmethod
+    def of_file(cls, path: Path) -> dict[str, Any] | None:
+        """What a slicer's profile says of its printer; None for a TOML file."""
+        return profile_file.read(path) if path.suffix.lower() in profile_file.ENDINGS else None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_wide_as_the_nozzle(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "line_width_mm" not in data and isinstance(data.get("nozzle_mm"), (int, float)):
+            return {**data, "line_width_mm": float(data["nozzle_mm"])}
+        return data
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        """Raise InputError for lines that the nozzle does not lay down."""
+        if not NARROWEST <= self.line_width_mm / self.nozzle_mm <= WIDEST:
+            low, high = NARROWEST * self.nozzle_mm, WIDEST * self.nozzle_mm
+            raise InputError(
+                f"line_width_mm = {self.line_width_mm:g}: nozzle_mm = {self.nozzle_mm:g} lays down lines of "
+                f"{low:.3g} to {high:.3g}; change one of them",
+                "line_width_mm",
+            )
+        return self
+
+    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Data in which lines keep their width over that of a nozzle set anew."""
+        nozzle = data.get("nozzle_mm")
+        if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):
+            return {**data, "line_width_mm": round(self.line_width_mm / self.nozzle_mm * nozzle, 3)}
+        return data

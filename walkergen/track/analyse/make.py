@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from walkergen.analysis import motion, track_files
+from walkergen.analysis import motion, track_files, walls
 from walkergen.analysis.track_files import Units
+from walkergen.dish import Dish
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.track.analyse import report
@@ -11,22 +12,31 @@ from walkergen.track.analyse.report import AnalysisReport
 
 
 def analyse(
-    path: Path, units: Units, lag_s: float | None, folder: Path | None, pictures: bool, progress: Progress
+    path: Path,
+    units: Units,
+    lag_s: float | None,
+    arena: Dish | None,
+    folder: Path | None,
+    pictures: bool,
+    progress: Progress,
 ) -> AnalysisReport:
     """Read tracks, measure their motion and, if there is a folder, write tables and figures.
 
-    Writes analysis.csv, analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, or at
-    several plate speeds plate_speed.csv in place of these curves, figures as PNG and PDF,
-    manifest.json. Raises InputError before anything is written.
+    Motion is that between the walls of an `arena`, or those that the tracks show. Writes analysis.csv,
+    analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, or at several plate speeds
+    plate_speed.csv in place of these curves, figures as PNG and PDF, manifest.json. Raises InputError
+    before anything is written.
     """
     progress("reading", 0, 3)
     read = track_files.read(path, units)
     progress("measuring", 1, 3)
-    measured = motion.analyse(read, lag_s)._replace(scale_se=read.scale_se)
+    measured = motion.analyse(read, lag_s, walls.of(read, arena))._replace(scale_se=read.scale_se)
     analysis = report.of(read, measured, path.name, folder)
     if folder is not None:
         with Folder(folder) as target:
             progress("drawing", 2, 3)
             analysis.write(target, pictures)
-            target.finish({"file": path.name, **units._asdict(), "lag_s": measured.lag_s})
+            target.finish(
+                {"file": path.name, **units._asdict(), "lag_s": measured.lag_s, "arena": arena and arena.words}
+            )
     return analysis

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from walkergen.analysis import doubts, facts
 from walkergen.analysis.between import Alone
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, WRITTEN, with_error
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, NO_HEADINGS, UNITS, WRITTEN, with_error
 from walkergen.analysis.facts import OF_WALKERS
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks
@@ -76,6 +76,8 @@ def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
     hidden = len(motion.walkers) - MOST_WALKERS
     counted = [f"and {hidden} more walkers in walkers.csv"] if hidden > 0 else []
+    headless = sum(number.refused == NO_HEADINGS for number in motion.estimates.values())
+    counted += [f"{NO_HEADINGS}, which {headless} more numbers need"] if headless else []
     draw = partial(_draw, tracks=tracks, motion=motion, title=title)
     return AnalysisReport(
         name="analysis",
@@ -108,7 +110,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
         Column("value ± standard error", lambda row: _with_scale(estimates[row[0]], motion)),
         Column("95 %", lambda row: _bounds(estimates[row[0]])),
     ]
-    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN)]
+    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN, NO_HEADINGS)]
     yield Table("analysis", rows, ESTIMATES, columns, "Motion", read=readable)
     yield _walkers(motion)
     yield from _curves(motion)

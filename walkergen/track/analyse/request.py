@@ -13,6 +13,7 @@ from walkergen.files.progress import Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
+    from walkergen.dish import Dish
     from walkergen.track.analyse.report import AnalysisReport
 
 NAME = "tracks"
@@ -42,6 +43,13 @@ class AnalyseRequest(request.Request):
     lane: Annotated[bool, Flag("Ignore y: the walkers ran in a lane along x.")] = False
     lag_ms: Annotated[
         float | None, Flag("Lag of displacements along and across the body, ms; 40 by default.", "MS")
+    ] = None
+    arena: Annotated[
+        str | None,
+        Flag(
+            "Walls about single walkers, mm: disc:120, ring:160,60 or rectangle:200x100, or open; sought by default.",
+            "ARENA",
+        ),
     ] = None
     dish: Annotated[
         str | None,
@@ -76,6 +84,12 @@ class AnalyseRequest(request.Request):
             except InputError as error:  # a person knows nothing of that file
                 raise InputError(str(error).replace(str(path), NAME), "tracks") from None
 
+    def _walls(self) -> "Dish | None":
+        """Dish whose walls are told; an endless one where there are none."""
+        from walkergen import dish
+
+        return None if self.arena is None else dish.OPEN if self.arena == "open" else dish.parse(self.arena)
+
     def _measured(self, path: Path, progress: Progress) -> "AnalysisReport":
         """Measure what the tracks of a file are of."""
         from walkergen.files import output
@@ -83,14 +97,14 @@ class AnalyseRequest(request.Request):
         if self.dish is None:
             self.refuse("is of a crowd: give --dish, or", "body", "middle", "runs")
         else:
-            self.refuse("is of single walkers, not of a --dish", "lag_ms")
+            self.refuse("is of single walkers, not of a --dish", "lag_ms", "arena")
         units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.track.analyse import make
 
             lag_s = None if self.lag_ms is None else 1e-3 * self.lag_ms
-            return make.analyse(path, units, lag_s, folder, self.pictures, progress)
+            return make.analyse(path, units, lag_s, self._walls(), folder, self.pictures, progress)
         from walkergen.crowd import filmed
 
         crowd = filmed.asked(self.dish, self.body, self.middle, self.runs)

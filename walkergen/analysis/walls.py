@@ -1,0 +1,204 @@
+"""Walls about walkers: found by the hull of their tracks, and kept out of what is measured of free motion.
+
+A walker at a wall is slowed and turned by it. What is measured between two times therefore counts only where
+the first place is so far from every wall that none could be reached in between, even straight on at the
+highest speed. That is decided before the walker goes on: stretches that were cut where a wall was reached
+would be those of walkers that turned away in time, and their persistence too short.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import lagged
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.dish import Dish
+from walkergen.files import words
+from walkergen.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+
+BAND, DEEP = 0.05, 0.15
+"""Depths below the hull of the tracks, as shares of its width, of a band along it and of its inside."""
+
+FEWEST_PLACES, FEWEST_VISITS, INSIDE = 100, 4, 0.1
+"""Places, visits of the band from inside, and share of the places that are inside, from which a hull may be a
+wall: a walker on a circle is hardly ever inside."""
+
+CROWDED = 2.1
+"""Share of the places in the band over that of the area, from which walkers are held there: walkers that slide
+along a wall have 2.2 or more, free ones 1.9 or less (films of 40 to 400 s of five kinds)."""
+
+PRESSED, HARDLY_INSIDE = 3.6, 0.01
+"""The same, and the share that is inside, of walkers that hardly leave their walls."""
+
+EVEN, STANDS = 0.8, ((32, 0.4), (16, 0.65))
+"""The same of walkers that a wall turns back at once, if besides their squared displacement stands still: from
+these parts of the longest track on it is such a share of that of unrelated places. Free walkers' is not."""
+
+LAGS, LAST = 12, 8
+"""Number of lags at which it must stand still, up to this part of the longest track."""
+
+VELOCITY_S = 0.04
+"""Time over which displacements are velocities, s."""
+
+FASTEST = 0.995
+"""Share of displacements below the speed with which walls may be reached."""
+
+TOUCHING, AWAY, SMALLEST = 0.5, 3.0, 0.01
+"""Depths below which a walker is at a wall, and from which it has left it: ways of its velocity, or shares of the
+width where these ways are smaller than the last."""
+
+MISTAKEN, MOST_PEELS = 0.002, 5
+"""Share of the places that may lie beyond the hull, and most rounds in which its corners are left out."""
+
+STILL = 1e-9
+"""Share of the extent below which a displacement is none."""
+
+
+class Walls(NamedTuple):
+    """Walls about walkers."""
+
+    edges: Array
+    """Edges of the hull: outward normals and their distances from the origin, mm, shape (edges, 3)."""
+    dish: Dish | None
+    """Dish whose walls were told; None where the hull of the tracks tells them."""
+    middle: Array
+    """Middle of the hull, mm."""
+    closest: float
+    """Distance from a told dish's wall at which places end, mm: a walker is no point."""
+    speed: float
+    """Speed with which walls may be reached, mm/s."""
+    contacts: Quantity
+    """Runs into a wall, 1/s, with the error of Poisson's law."""
+    along: float
+    """Share of the time in which a walker was at a wall."""
+    extent: tuple[float, float]
+    """Length along x and width along y of the places, mm."""
+
+    @property
+    def said(self) -> str:
+        """Walls, and what is measured between them, in words."""
+        size = " x ".join(words.number(width, 3) for width in self.extent)
+        source = f"of --arena {self.dish.words}" if self.dish else f"about {size} mm, by the hull of the tracks"
+        return (
+            f"walls {source}: run into {words.with_error(*self.contacts.pair)} times a second, "
+            f"{words.number(100 * self.along, 2)} % of the time along them; numbers are of free motion, from places "
+            "from which no wall could be reached meanwhile"
+        )
+
+    def distance(self, places: Array) -> Array:
+        """Distance of places, shape (n, 2), from the nearest wall, mm; below 0 beyond it."""
+        if self.dish is not None:
+            return _within(self.dish, places - self.middle) - self.closest
+        depths = [offset - places @ normal for normal, offset in _edges(self.edges)]
+        return np.asarray(np.min(depths, axis=0))
+
+
+def of(tracks: Tracks, dish: Dish | None = None) -> Walls | None:
+    """Walls about walkers on a plane: those of a dish, or else those that their tracks show; None where there are none.
+
+    None in a lane, and of a periodic dish.
+    """
+    if tracks.lane or (dish is not None and dish.period):
+        return None
+    step = max(round(VELOCITY_S / tracks.interval), 1)
+    ways = np.concatenate([np.hypot(*_moved(track, step).T) for track in tracks.tracks])
+    ways = ways[~np.isnan(ways)]
+    places = np.concatenate([track.position for track in tracks.tracks])
+    places = places[~np.isnan(places).any(axis=1)]
+    narrow = float(np.ptp(places, axis=0).min()) if len(places) >= FEWEST_PLACES else 0.0
+    if narrow <= STILL * np.abs(places).max(initial=0.0) or not len(ways) or not np.median(ways) > 0.0:
+        return None
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    speed = float(np.quantile(ways, FASTEST)) / (step * tracks.interval)
+    closest = 0.0 if dish is None else float(np.quantile(_within(dish, places - middle), 1.0 - FASTEST))
+    extent = (float(np.ptp(places[:, 0])), float(np.ptp(places[:, 1])))
+    edges, area, girth = _hull(places)
+    walls = Walls(edges, dish, middle, closest, speed, Quantity("wall_contacts", "per_s", None), 0.0, extent)
+    depths = [walls.distance(track.position) for track in tracks.tracks]
+    if dish is None and not _held(tracks, places, depths, narrow, area, girth):
+        return None
+    size = max(float(np.median(ways)), SMALLEST * narrow)
+    contacts = sum(_visits(depth, TOUCHING * size, AWAY * size) for depth in depths)
+    seconds = len(places) * tracks.interval
+    rate = Quantity("wall_contacts", "per_s", contacts / seconds, math.sqrt(max(contacts, 1)) / seconds)
+    return walls._replace(contacts=rate, along=float((np.concatenate(depths) < TOUCHING * size).sum()) / len(places))
+
+
+def _held(tracks: Tracks, places: Array, depths: Sequence[Array], narrow: float, area: float, girth: float) -> bool:
+    """Whether the hull of tracks, with its area and girth, holds walkers back."""
+    band = BAND * narrow
+    visits = sum(_visits(depth, band, DEEP * narrow) for depth in depths)
+    depth = np.concatenate(depths)
+    depth = depth[~np.isnan(depth)]
+    inside = float((depth > DEEP * narrow).mean())
+    crowded = float((depth < band).mean()) * area / (band * girth - math.pi * band**2)
+    if visits < FEWEST_VISITS or inside < (HARDLY_INSIDE if crowded > PRESSED else INSIDE):
+        return False
+    return crowded > CROWDED or (crowded > EVEN and _stands_still(tracks, places))
+
+
+def _stands_still(tracks: Tracks, places: Array) -> bool:
+    """Whether the squared displacement of walkers is that of unrelated places, from short lags on."""
+    longest = max(len(track.position) for track in tracks.tracks)
+    lags = lagged.spread_out(longest // LAST, LAGS, max(longest // STANDS[0][0], 1))
+    squares, pairs = np.sum([lagged.squares(track.position, lags) for track in tracks.tracks], axis=0)
+    share = squares / np.maximum(pairs, 1.0) / (2.0 * float(places.var(axis=0).sum()))
+    return all((share[lags >= longest // part] > least).all() for part, least in STANDS)
+
+
+def _visits(depth: Array, near: float, away: float) -> int:
+    """Number of times at which a walker comes to a wall after it was away from it."""
+    states = np.where(depth < near, 1, np.where(depth > away, -1, 0))
+    states = states[states != 0]
+    return int((np.diff(states) > 0).sum())
+
+
+def kept_off(tracks: Tracks, walls: Walls) -> Tracks:
+    """Tracks that know for how many samples no wall can be reached from each place."""
+    frame = walls.speed * tracks.interval
+    kept = []
+    for track in tracks.tracks:
+        reach = (
+            np.floor(walls.distance(track.position) / frame) - 1.0
+        )  # noise may have moved the place by a frame's way
+        kept.append(track._replace(reach=np.where(np.isnan(reach), -1, reach).astype(np.int64)))
+    return tracks._replace(tracks=tuple(kept))
+
+
+def _moved(track: Track, step: int) -> Array:
+    """Displacements over `step` samples before each sample, shape (times, 2), mm; NaN where one is unknown."""
+    moved = np.full(track.position.shape, np.nan)
+    moved[step:] = track.position[step:] - track.position[:-step]
+    return moved
+
+
+def _hull(places: Array) -> tuple[Array, float, float]:
+    """Edges of the convex hull of places but for a few outermost, perhaps mistaken ones, its area and its girth."""
+    from scipy.spatial import ConvexHull
+
+    fewest = (1.0 - MISTAKEN) * len(places)
+    hull = ConvexHull(places)
+    for _ in range(MOST_PEELS):
+        inner = np.delete(places, hull.vertices, axis=0)
+        if len(inner) < fewest:
+            break
+        places, hull = inner, ConvexHull(inner)
+    return np.asarray(hull.equations * (1.0, 1.0, -1.0)), float(hull.volume), float(hull.area)
+
+
+def _edges(edges: Array) -> Iterator[tuple[Array, float]]:
+    return ((edge[:2], float(edge[2])) for edge in edges)
+
+
+def _within(dish: Dish, places: Array) -> Array:
+    """Distance of places about the middle of a dish from its nearest wall, mm."""
+    if dish.kind == "rectangle":
+        return np.asarray(np.min(0.5 * np.array(dish.sizes) - np.abs(places), axis=1))
+    radius = np.hypot(*places.T)
+    outer = 0.5 * dish.sizes[0] - radius
+    return np.asarray(np.minimum(outer, radius - 0.5 * dish.sizes[1]) if dish.kind == "ring" else outer)
