@@ -33,9 +33,9 @@ import walkergen
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.run.simulate import uncertain as prints
 from walkergen.lab.fit import learn
 from walkergen.lab.fit.job import Job
+from walkergen.points import draws as prints
 from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation.experiments import Walker

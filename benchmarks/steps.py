@@ -1,4 +1,4 @@
-"""What the own step leaves off: speeds by it and by a tenth of it, and by the table of `predict`.
+"""What the own step leaves off: speeds by it and by a tenth of it.
 
 The paper's walker over tilts, labels and friction, on the plane and in the lane, and the templates
 of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
@@ -17,8 +17,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-import numpy as np
-
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
@@ -27,10 +25,8 @@ from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.plan import prepare
-from walkergen.theory import prediction, surrogate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -60,10 +56,6 @@ class Row(NamedTuple):
     fine_se: float
     stated: float
     """Largest error (95 %) that is stated of the own step."""
-    table: float
-    """Speed of the same print by the table behind `predict`; NaN where that does not reach."""
-    median: float
-    """Speed that `predict` tells, the median of all that is not known of print and contact."""
 
 
 SETTINGS = (
@@ -138,17 +130,7 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     stated = resolution.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
     known = [math.nan if value is None else value for value in (*speeds, stated)]
-    return Row(code, name(one), *known, *predicted(scene, design, mass))
-
-
-def predicted(scene: Scene, design: Design, mass: MassProperties) -> tuple[float, float]:
-    """Speeds (mm/s) by the table, of the nominal print and as the median; NaN outside it."""
-    row = prediction.predict(design, mass, scene)
-    if row.speed_by != "table":
-        return math.nan, math.nan
-    tabled = surrogate.of(scene, design, mass)
-    nominal = tabled.at(tabled.place).at(np.zeros(1))
-    return float(nominal[0]) * scene.drive.peak_speed, row.speed_mm_s
+    return Row(code, name(one), *known)
 
 
 def kept(path: Path, code: str) -> dict[str, Row]:
@@ -167,10 +149,9 @@ def line(row: Row) -> str:
     """Row of the Markdown table."""
     error = math.hypot(row.own_se, row.fine_se)
     stated = "none" if math.isnan(row.stated) else f"{row.stated:.1f}"
-    table, median = ("" if math.isnan(one) else f"{one:.1f}" for one in (row.table, row.median))
     return (
         f"| {row.setting} | {row.own:.1f} ± {row.own_se:.1f} | {row.fine:.1f} ± {row.fine_se:.1f} "
-        f"| {row.own - row.fine:+.1f} ± {error:.1f} | {stated} | {table} | {median} |"
+        f"| {row.own - row.fine:+.1f} ± {error:.1f} | {stated} |"
     )
 
 
@@ -184,8 +165,8 @@ def main() -> None:
     code = f"{kernels.digest()} {options.finer:g} {options.runs} {options.seconds:g}"
     rows = kept(options.out, code)
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    print(f"| setting | own step | step / {options.finer:g} | difference | stated | table | median |")
-    print("|---|--:|--:|--:|--:|--:|--:|")
+    print(f"| setting | own step | step / {options.finer:g} | difference | stated |")
+    print("|---|--:|--:|--:|--:|")
     for one in SETTINGS:
         row = rows.get(name(one)) or measured(one, code, options)
         if name(one) not in rows:

@@ -108,6 +108,13 @@ def mechanisms(folder: Path) -> bytes:
     return figures.png(preview_figure(parts, "Walkers of other mechanisms, as templates"), 150)
 
 
+def surrogate(folder: Path) -> bytes:
+    """Picture of the surrogate beside direct runs, from their table."""
+    from evidence.tables import held_out
+
+    return held_out.picture(held_out.read())
+
+
 def page(folder: Path) -> bytes:
     """Picture of a family's page in a browser."""
     return browser(folder, (folder / "report.html").as_uri(), *WINDOW)
@@ -200,6 +207,14 @@ PICTURES = (
         (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
         0,
         "figure6.png",
+    ),
+    Picture(
+        "surrogate.png",
+        "",
+        (*STYLE, "docs/surrogate.csv", "evidence/tables/held_out.py"),
+        2,
+        surrogate,
+        shown="python -m evidence.tables.held_out",
     ),
     Picture(
         "crowd.png",

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from walkergen.app import server as servers
 from walkergen.app.document import Document
@@ -61,8 +61,8 @@ class Answer(NamedTuple):
 class Doors:
     """Application of a server whose folder is out/app below a folder, called without a socket."""
 
-    last: Any = None
-    """Server before this one, whose processes end with it."""
+    begun: ClassVar[list[Any]] = []
+    """Servers of this one and the one before; processes of earlier ones end."""
 
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
@@ -70,9 +70,9 @@ class Doors:
         first = Document(walker, PAPER["scene"], PAPER["printer"], servers.START)
         self.server = servers.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = servers.application(self.server)
-        if Doors.last is not None:
-            Doors.last.workers.end()
-        Doors.last = self.server
+        Doors.begun.append(self.server)
+        while len(Doors.begun) > 2:
+            Doors.begun.pop(0).workers.end()
 
     def taken(self, message):
         """Answer with files, once they are made; the refusal where they cannot be."""

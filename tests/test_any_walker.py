@@ -87,9 +87,9 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="20mm" '
             f'viewBox="0 0 {wide} 20"><rect width="{wide}" height="20"/></svg>'
         )
-        from walkergen.walker import body
+        from walkergen.walker import forming
 
-        body._shape.cache_clear()
+        forming.shape.cache_clear()
         design = design_of(TWO, body={"outline": str(path), "thickness_mm": 2.0})
         keys.append(experiments.facts(Scene(), design))
     assert keys[0] != keys[1]

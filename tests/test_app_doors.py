@@ -8,7 +8,7 @@ import time
 
 import hostile
 import pytest
-from app_doors import HOST, MAKING, PAPER, QUICK, Doors, document, faults, files, messages
+from app_doors import HOST, MAKING, PAPER, QUICK, Doors, faults, files, messages
 
 from walkergen.app import sentences
 
@@ -283,10 +283,3 @@ def test_a_page_starts_what_the_command_line_starts_and_no_more(doors, key, valu
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 2
     assert sentences.plain(done.stderr.split(": ", 2)[-1].strip()) in line
-
-
-def test_a_value_too_long_for_a_command_line_is_refused_in_its_words(doors):
-    points = [[0.001 * k, 0.0] for k in range(2000)]
-    answer = doors.ask("run", {"document": document(scene__plate__points=points)})
-    assert (answer.status, faults(answer)) == (422, [])
-    assert "at most 10000" in answer.refused

@@ -74,6 +74,7 @@ def test_a_drop_is_filmed(run, tmp_path):
         (("drop", "--roll-deg", "90"), "--roll-deg 90.0: must be a number >= 0 and <= 20"),
         (("drop", "--drops", "0"), "--drops 0: must be a number >= 2"),
         (("drop", "--movie", "a.mp4"), "--movie 'a.mp4': must end in .gif"),
+        (("pluck", "--measured", "1.7", "--measured-sd", "0.1"), "is it in kHz?"),
         (("pluck", "--decrement", "0.3"), "--decrement 0.3: needs --decrement-sd"),
     ],
 )

@@ -116,7 +116,7 @@ def test_what_is_too_fine_is_left_out_by_name_and_what_cannot_stand_says_why(mon
 
 @pytest.fixture(scope="module")
 def bristles(tmp_path_factory):
-    return wg.family(BRISTLE, tmp_path_factory.mktemp("bristle"), tilt=[0, 20], pictures=False)
+    return wg.family(BRISTLE, tmp_path_factory.mktemp("bristle"), tilt=[0, 20], model="theory", pictures=False)
 
 
 def stood(corners):

@@ -220,4 +220,4 @@ def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
     assert len(marked.walker.triangles) > len(plain.walker.triangles)
     floor = marked.body.vertices[np.isclose(marked.body.vertices[:, 1], 1.5 - disc.marks.depth_mm)]
     tip = floor[np.argmax(floor[:, 0])]
-    assert tip[2] == pytest.approx(0.5 * (floor[:, 2].min() + floor[:, 2].max()), abs=0.3)
+    assert tip[2] == pytest.approx(0.5 * (floor[:, 2].min() + floor[:, 2].max()), abs=0.5)  # a letter of the font

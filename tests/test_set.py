@@ -41,7 +41,7 @@ WRONG = {
 OUTSIDE = {
     "design": ("body.length_mm=-5", "body.length_mm = -5: must be a number >= 1e-06"),
     "scene": ("scene.contact.restitution=1.5", "scene.contact.restitution = 1.5: must be a number"),
-    "printer": ("printer.nozzle_mm=9", "printer.nozzle_mm = 9: must be a number >= 0.05 and <= 3"),
+    "printer": ("printer.margin_mm=-9", "printer.margin_mm = -9: must be a number >= 0"),
 }
 PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
 
@@ -67,7 +67,7 @@ def refused(run, *words):
 
 
 def predicted(run, *words):
-    result = run("predict", *words, "--json")
+    result = run("predict", *words, "--model", "theory", "--json")
     assert result.exit_code == 0, (words, result.exception)
     return result.stdout
 

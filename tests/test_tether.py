@@ -173,4 +173,4 @@ def test_planar_models_refuse_it_and_benches_and_ladders_leave_it_out():
     assert not resolve(without_space(scene), design, mass).on(tether.NAME)
     assert resting.resting(scene).tether == Scene().tether
     with pytest.raises(UnknownError, match=r"tether\.stiffness_n_per_m = 1"):
-        surrogate.of(scene, design, mass)
+        surrogate.of(scene.variant(**{"legs.model": "space"}), design, mass)

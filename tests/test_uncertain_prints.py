@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.errors import InputError
-from walkergen.jobs.run.simulate import prints, uncertain
+from walkergen.jobs.run.simulate import prints
+from walkergen.points import draws as uncertain
 from walkergen.theory.uncertain import Input, draws
 
 KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))

@@ -79,6 +79,7 @@ def family(
     max_parts: int = 5000,
     prusaslicer: bool = False,
     weights: Name | None = None,
+    model: Literal["best", "theory"] = "best",
     simulate: bool = False,
     seconds: float | None = None,
     runs: int | None = None,
@@ -199,11 +200,15 @@ def predict(
     set: Mapping[str, Any] = {},
     weights: Name | None = None,
     uncertain: bool = False,
+    model: Literal["best", "theory"] = "best",
+    why: bool = False,
     progress: Progress | None = None,
 ) -> PredictReport:
     """Predict the speed of walkers, without writing any file.
 
-    With --uncertain it says, for each, which input to measure next to narrow the bounds.
+    As designed, and with the bounds of your print. By the surrogate of the model in space where that is sure, else
+    by a simulation of seconds, which is kept. With --uncertain it says, for each, which input to measure next to
+    narrow the bounds.
     """
 
 def sweep(
@@ -401,6 +406,7 @@ def analyse(
     y_down: bool = False,
     lane: bool = False,
     lag_ms: float | None = None,
+    arena: str | None = None,
     dish: str | None = None,
     body: str | float | None = None,
     middle: str | None = None,

@@ -58,6 +58,10 @@ class Dish(NamedTuple):
         return f"{self.kind}:{mark.join(f'{size:g}' for size in self.sizes)}"
 
 
+OPEN = Dish("periodic", (LARGEST,))
+"""Ground without walls."""
+
+
 def parse(text: str, source: str = "--arena") -> Dish:
     """Dish from a person's words, as in "disc:120". Raises InputError, beginning with `source`."""
     kind, _, rest = text.partition(":")

@@ -252,12 +252,10 @@ class Prediction(Section):
     """What predictions assume beside contact and print."""
 
     model_sd: Annotated[float, Field(ge=0, le=3)] = 0.15
-    """Structural error of the model in space, one standard deviation: a share of a fast walker's
-    speed, of a slow one's this share of a quarter of the plate's (`discrepancy.LINEAR_BELOW`).
+    """Structural error of the model in space, one standard deviation, a share of the speed.
 
-    The default is the size of what that model leaves open (docs/physics.md section 7): feet three
-    times as stiff or soft, or damped along the plate too, and walls change speeds by 8 to 9 %
-    each, 15 % together.
+    The default is the size of what that model leaves open (docs/physics.md section 4): feet three times as stiff or
+    soft, or damped along the plate too, change speeds by 8 to 9 % each, and independent programs differ by 3 to 35 %.
     """
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
     """Speed at which the theory's feet meet the plate over its peak speed (the paper: "of the same

@@ -1,1 +1,1 @@
-"""Job of `make calibrate-models`: simulated speeds from which the theory's own error is read."""
+"""Rows that the surrogate learns from, its training, its test on settings that it has not seen; the paper's contact."""

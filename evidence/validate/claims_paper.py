@@ -92,7 +92,9 @@ def predicted(effort: Effort) -> Iterator[Claim]:
         scene = templates.load(name, "scenes", Scene)
         design = paper_design(10.0)
         row = prediction.predict(design, solids.mass_of(design), scene)
-        ours = Quantity("speed", "mm_s", row.speed_mm_s, 0.5 * (row.speed_high_68_mm_s - row.speed_low_68_mm_s))
+        ours = Quantity(
+            "speed", "mm_s", row.speed_mm_s, 0.5 * ((row.speed_high_68_mm_s or 0.0) - (row.speed_low_68_mm_s or 0.0))
+        )
         circumstances = f"predicted, with half of its 68 % bounds, {name}"
         why = "The contact was inferred from the paper's speeds."
         yield _of_fact("speed at 10 deg", circumstances, ours, why, fitted=True)

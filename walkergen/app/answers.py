@@ -50,7 +50,7 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
     Raises WalkergenError for what cannot be built or predicted.
     """
     design, scene = document.design(), document.ground()
-    report = predicting.predict(design, [design], scene, "coulomb")
+    report = predicting.predict(design, [design], scene, "coulomb", model="known")
     (member,) = report.members
     row = member.row._asdict()
     facts = {
@@ -112,7 +112,7 @@ def shares(document: Document) -> list[dict[str, Any]]:
     Raises WalkergenError, as `walker` does.
     """
     design, scene = document.design(), document.ground()
-    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True)
+    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
     alone = [
         {"key": share["name"], "name": sentences.name(share["name"]), "part": max(share["first"], 0.0)}
         for share in report.facts["rows"][0]["shares"]
@@ -159,19 +159,17 @@ def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
 
 
 @lru_cache(maxsize=MOST_CURVES)
-def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]]:
+def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]] | None:
     """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
     count = prediction.POINTS if walker.body.plain and not walker.parts else FEWER
     curve = prediction.curve(walker, ground, "coulomb", low, high, count)
-    return {
-        "tilt_deg": curve.tilt_deg.tolist(),
-        "speed": curve.speed.tolist(),
-        "low_95": curve.bounds[0].tolist(),
-        "low_68": curve.bounds[1].tolist(),
-        "high_68": curve.bounds[2].tolist(),
-        "high_95": curve.bounds[3].tolist(),
-    }
+    known = np.isfinite(curve.speed)  # at other tilts a run has yet to tell
+    if known.sum() < 2:
+        return None
+    columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), curve.bounds, strict=True))
+    columns |= {"tilt_deg": curve.tilt_deg, "speed": curve.speed}
+    return {name: values[known].tolist() for name, values in columns.items()}
 
 
 def _end(design: Design, far: float) -> float:

@@ -47,7 +47,7 @@ class Speed(NamedTuple):
     text: str
     kind: Kind
     sure: bool
-    """False where the theory alone tells it, until a run is there."""
+    """False where a run has yet to tell it."""
 
 
 def speed(row: Mapping[str, Any]) -> Speed:
@@ -56,16 +56,12 @@ def speed(row: Mapping[str, Any]) -> Speed:
     The quartiles follow from the ends of 68 %, to either side as of a normal distribution.
     """
     middle, low, high = (row[f"{key}_mm_s"] for key in ("speed", "speed_low_68", "speed_high_68"))
-    sure = row["speed_by"] != "theory"
-    if middle is None:
-        return Speed("Nothing tells how fast it runs: let it run.", "unknown", False)
-    doubt = "" if sure else " This is the bare theory: a short run tells more."
-    if low is None or high is None:
-        return Speed(f"{_ahead(middle)}; how much prints differ is not known.{doubt}", _kind(middle), sure)
+    if middle is None or low is None or high is None:
+        return Speed("Let it run: a run of seconds tells how fast.", "unknown", False)
     if low <= 0.0 <= high:
-        return Speed(f"stands, as far as can be told: {_between(low, high)}.{doubt}", "stands", sure)
+        return Speed(f"stands, as far as can be told: {_between(low, high)}.", "stands", True)
     quarter, most = (middle + QUARTILE * (end - middle) for end in (low, high))
-    return Speed(f"{_ahead(middle)}; half of the prints run {_between(quarter, most)}.{doubt}", _kind(middle), sure)
+    return Speed(f"{_ahead(middle)}; half of the prints run {_between(quarter, most)}.", _kind(middle), True)
 
 
 def _kind(value: float) -> Kind:

@@ -48,6 +48,12 @@ Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Friction = Annotated[float, Field(ge=0, le=1e3)]
 
+PATHS = (
+    ": between \"...\" a backslash begins a letter's code; write a path between '...', as 'C:\\prints\\body.svg', "
+    "or with slashes"
+)
+"""What to do where a path of Windows stands between double quotes."""
+
 
 class Section(BaseModel):
     """Table of a TOML file: frozen, with strict numbers; unknown keys and NaN are refused."""
@@ -108,7 +114,8 @@ def load(path: Path) -> tuple[dict[str, Any], str]:
     try:
         return toml_of(text), text
     except ValueError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        hint = PATHS if re.search(r"hex value|Unescaped", str(error)) and "\\" in text else ""
+        raise InputError(f"{path}: not valid TOML: {error}{hint}") from None
 
 
 def toml_of(text: str) -> dict[str, Any]:

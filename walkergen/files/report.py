@@ -57,8 +57,13 @@ def number(heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bo
 
 
 def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
-    """Column of numbers with so many decimals."""
-    return Column(heading, lambda row: words.fixed(getattr(row, key), digits), True, wide)
+    """Column of numbers with so many decimals; None is blank."""
+
+    def cell(row: Any) -> str:
+        value = getattr(row, key)
+        return "" if value is None else words.fixed(value, digits)
+
+    return Column(heading, cell, True, wide)
 
 
 def with_error(heading: str, key: str, se: str) -> Column:

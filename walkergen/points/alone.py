@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import InputError
-from walkergen.points import walkers
+from walkergen.points import speeds, walkers
 from walkergen.points.kinds import Picture
 from walkergen.points.point import PREDICTION, Point, Record, Went, went
 from walkergen.points.walkers import Met
@@ -15,7 +15,6 @@ from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.run import ENDED_WELL, Outcome
-from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 
@@ -83,11 +82,13 @@ def evaluate(point: Point) -> Record:
     mass = solids.mass_of(design)
     record = _simulated(point, mass) if point.simulated else went(Went.OK)
     if point.predicted:
-        row = prediction.predict(design, mass, scene)
+        row = speeds.predict(design, mass, scene, model="known")
         if point.simulated:
             record["predicted_mm_s"] = row.speed_mm_s
         else:
             record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
+            if row.speed_mm_s is None:
+                record |= went(Went.OK, f"{row.note}: --model space")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             record |= {name: getattr(row, name.replace("predicted", "speed")) for name in MORE["spread"]}

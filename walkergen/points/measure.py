@@ -115,6 +115,7 @@ class Error(NamedTuple):
     floor: float = 0.0
     """Value of which a share counts where the quantity is smaller."""
     first: int = FIRST_RUNS
+    most: int = MOST_RUNS
 
     def allowed(self, value: float | None) -> float:
         """Error that the quantity may have, in its unit."""
@@ -130,12 +131,12 @@ class Error(NamedTuple):
         if bias > BIAS_PART * allowed:
             finer = measured.experiment.finer()
             return None if finer is None else Measured(finer, [], measured.runs, 0.0)
-        if measured.runs >= MOST_RUNS:
+        if measured.runs >= self.most:
             return None
         # Variances fall as runs are added; the scatter of few runs is itself known badly.
         short = (error**2 - bias**2) / (allowed**2 - bias**2) if math.isfinite(error) else 2.0
         more = math.ceil(measured.runs * min(max(SLACK * short, 1.5), 8.0))
-        return measured.more(min(MOST_RUNS, more))
+        return measured.more(min(self.most, more))
 
 
 def measure(

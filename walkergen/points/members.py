@@ -6,9 +6,11 @@ from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.files.progress import Progress, part, silent
+from walkergen.points import speeds
+from walkergen.points.speeds import Model
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
-from walkergen.theory import prediction
 from walkergen.theory.prediction import Prediction
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids
@@ -18,6 +20,10 @@ from walkergen.walker.solids import Solids
 
 if TYPE_CHECKING:
     from walkergen.walker.weights import Weighings
+
+
+MOST_SIMULATED = 8
+"""Walkers that only a simulation knows, up to which they are simulated unasked: some seconds each."""
 
 
 class Simulated(NamedTuple):
@@ -45,7 +51,7 @@ class Weighing(NamedTuple):
     mass_se_g: float | None
     """Standard error of `mass_g`; None when it is not known."""
     mass_mesh_g: float
-    speed_mesh_mm_s: float
+    speed_mesh_mm_s: float | None
     """Speed predicted with the mesh's masses."""
 
 
@@ -68,20 +74,28 @@ def predicted(
     scene: Scene,
     mode: Mode,
     weighed: "Mapping[str, Weighings]" = MappingProxyType({}),
+    model: Model = "best",
+    progress: Progress = silent,
 ) -> Iterator[Member]:
-    """Weigh and predict walkers one by one, with the same random numbers for all.
+    """Weigh and predict walkers, with the same random numbers for all; a few of them are simulated (`speeds`).
 
     With masses from a balance every member also has its mesh's mass and speed. Raises InputError,
     before the first member, when the masses are impossible.
     """
     named = [names.part(design) for design in designs]
     final = [_applied(design, parts, weighed, name) for name, design, parts in zip(named, designs, built, strict=True)]
-    for name, design, parts in zip(named, final, built, strict=True):
-        mass = solids.weigh(design, parts)
-        row = prediction.predict(design, mass, scene, mode)
+    masses = [solids.weigh(design, parts) for design, parts in zip(final, built, strict=True)]
+    first: Model = "theory" if model == "theory" else "known"
+    rows = [speeds.predict(design, mass, scene, mode, first) for design, mass in zip(final, masses, strict=True)]
+    if model == "best" and sum(row.speed_by == "theory" for row in rows) > MOST_SIMULATED:
+        model = "known"
+    told = zip(named, final, built, masses, rows, strict=True)
+    for number, (name, design, parts, mass, row) in enumerate(told):
+        if model == "best" and row.speed_by == "theory":
+            row = speeds.predict(design, mass, scene, mode, model, part(progress, number, len(final), name))
         member = Member(design, name, parts.walker, mass, row)
         if weighed:
-            member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed))
+            member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed, model))
         yield member
 
 
@@ -97,7 +111,9 @@ def _applied(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", 
     return weights.applied(design, parts, weighed[name], name)
 
 
-def _weighing(member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]") -> Weighing:
+def _weighing(
+    member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
+) -> Weighing:
     """Mass of a member, and its mesh's with the speed that would go with it."""
     from walkergen.walker import weights
 
@@ -109,7 +125,7 @@ def _weighing(member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: 
         mass_g=float(member.mass.total),
         mass_se_g=weights.total_error(means, len(member.mass.legs)),
         mass_mesh_g=float(mesh.total),
-        speed_mesh_mm_s=prediction.predict(plain, mesh, scene, mode).speed_mm_s,
+        speed_mesh_mm_s=speeds.predict(plain, mesh, scene, mode, model).speed_mm_s,
     )
 
 

@@ -82,7 +82,7 @@ def refused(error: WalkergenError) -> Record:
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
-    table = [point.scene.prediction.model_dump(), *surrogate.digests(point.scene)]
+    table = [point.scene.prediction.model_dump(), surrogate.digest()]
     facts = [
         *experiments.facts(point.scene, point.design),
         *(table if point.predicted else []),

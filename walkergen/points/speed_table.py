@@ -8,26 +8,25 @@ from walkergen.files.report import Column, Table
 from walkergen.points import members
 from walkergen.points.members import Member
 from walkergen.scene import Scene
+from walkergen.theory import prediction
 from walkergen.theory.prediction import Prediction
 from walkergen.theory.uncertain import Share
 from walkergen.walker.design import Design
 
 
 def caption(design: Design, scene: Scene, mode: str) -> str:
-    """Statement of the assumptions on which the speeds of a table of one design rest."""
+    """Statement of what the speeds of a table of one design rest on."""
     contact, assumed = scene.contact, scene.prediction
-    what = "mean factor v/w" if design.alike else "balanced factor v/w (in the column mean)"
+    what = "mean factor v/w" if design.alike else "balanced factor v/w"
     origin = contact.origin[0].upper() + contact.origin[1:]
-    motor = scene.drive.kind == "motor"
-    plate = "motor's" if motor else "plate's"
-    w = "" if motor else f", {scene.impact_speed:.1f} mm/s"
+    swing = "motor's" if scene.drive.kind == "motor" else "plate's"
     return (
-        f"Speed: the median by the model in space, with what is not known of contact, print and "
-        f"masses, and {100 * assumed.model_sd:g} % for the model itself. {origin}"
-        f": restitution (the feet's label) {contact.restitution:g} ± {contact.restitution_sd:g}, "
-        f"friction {contact.friction:g} ± {contact.friction_sd:g}. "
-        f"Theory (eq. 15): {what} x impact speed w, {assumed.impact_speed_factor:g} of the {plate} "
-        f"peak speed{w}; mode {mode}, law {contact.law}"
+        f"As designed: the model in space, by its surrogate where that is sure, else by a short simulation. As you "
+        f"will get it: the median, with what is not known of contact, print and masses, and "
+        f"{100 * assumed.model_sd:g} % for the model itself. {origin}: restitution (the feet's label) "
+        f"{contact.restitution:g} ± {contact.restitution_sd:g}, friction {contact.friction:g} ± "
+        f"{contact.friction_sd:g}. Theory (eq. 15): {what} x impact speed, {assumed.impact_speed_factor:g} of the "
+        f"{swing} peak speed; mode {mode}, law {contact.law}"
     )
 
 
@@ -57,24 +56,23 @@ MEANINGS = {
 }
 """Meanings of short headings, by the keys of their columns."""
 
-STANDS_MM_S, FOLDED = 1.0, 3
-"""Speed below which a walker stands, where its bounds agree; walkers from which on one line tells
-of all."""
+FOLDED = 3
+"""Walkers that stand on braced legs from which on one line tells of all."""
 
 
-def tables(name: str, design: str, walkers: Sequence[Member]) -> list[Table]:
-    """Table of a design's walkers, and if they were weighed their masses beside the meshes'."""
+def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) -> list[Table]:
+    """Table of a design's walkers, marked by notes if `why`, and their masses beside the meshes' if weighed."""
     rows = members.rows(walkers)
     keys = rows[0]._fields if rows else Prediction._fields
     standing = {member.row for member in _standing(walkers)}
     moving = [row for row, member in zip(rows, walkers, strict=True) if member.row not in standing]
     title = f"Predicted speeds of {design}"
-    speeds = Table(name, rows, keys, columns(walkers), title, read=moving)
+    speeds = Table(name, rows, keys, columns(walkers, why), title, read=moving)
     return [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
-    """Notes of the table by their numbers, and what weighed masses change."""
+    """Notes of the table by their numbers, walkers that stand, and what weighed masses change."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
     standing = _standing(walkers)
     if standing:
@@ -83,18 +81,22 @@ def lines(walkers: Sequence[Member]) -> list[str]:
         notes.append(
             f"braced legs, {min(tilts):g} to {max(tilts):g} deg: {len(standing)} walkers of "
             f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
-            f"{STANDS_MM_S:g} mm/s with 0 inside its bounds"
+            f"{prediction.STANDS_MM_S:g} mm/s with 0 inside its bounds"
         )
     return [*notes, *((WEIGHED,) if _weighed(walkers) else ())]
 
 
-def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
-    """Columns of the table; a speed with a note carries its number."""
+def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
+    """Columns of the table; a speed with a note carries its number, if `why`."""
     simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
+    by_theory = any(member.row.speed_by == "theory" for member in walkers)
+
+    def designed(row: Any) -> str:
+        mark = f" [{notes.index(row.note) + 1}]" if row.note and why else ""
+        return (_outcome(row) or words.fixed(row.nominal_mm_s, 1)) + mark
 
     def speed(row: Any) -> str:
-        mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
-        return words.fixed(row.speed_mm_s, 1) + mark
+        return "" if row.speed_mm_s is None or prediction.stands(row) else words.fixed(row.speed_mm_s, 1)
 
     return (
         report.number("tilt\n(deg)", "tilt_deg", 6),
@@ -104,15 +106,25 @@ def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
         _mass_of("J\n(g mm²)", "J_g_mm2", wide=True),
         _mass_of("m\n(g)", "m_g", wide=True),
         _mass_of("j\n(g mm²)", "j_g_mm2", wide=True),
-        Column("speed\n(mm/s)", speed, right=True),
+        Column("as designed\n(mm/s)", designed, right=True),
+        Column("your print\n(mm/s)", speed, right=True),
         _bounds("68 %\n(mm/s)", "68"),
         _bounds("95 %\n(mm/s)", "95", wide=simulated),
-        _explained(report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1), "theory_mm_s"),
+        _explained(report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1, wide=not by_theory), "theory_mm_s"),
         _factor("back\n(v/w)", "factor_back"),
         _factor("front\n(v/w)", "factor_front"),
         _factor("mean\n(v/w)", "factor_mean"),
         *(RUNS if simulated else ()),
     )
+
+
+def _outcome(row: Any) -> str:
+    """What becomes of a walker that has no speed worth a number; "" of others."""
+    if prediction.stands(row):
+        return "stands"
+    if row.nominal_mm_s is None:
+        return "falls over" if row.falls > 0.0 else "-"
+    return ""
 
 
 def _mass_of(heading: str, key: str, wide: bool = False) -> Column:
@@ -136,10 +148,7 @@ def _standing(walkers: Sequence[Member]) -> list[Member]:
     standing = [
         member
         for member in walkers
-        if member.design.kind == "braced"
-        and member.simulated is None
-        and abs(member.row.speed_mm_s) < STANDS_MM_S
-        and (member.row.speed_low_95_mm_s or 0.0) <= 0.0 <= (member.row.speed_high_95_mm_s or 0.0)
+        if member.design.kind == "braced" and member.simulated is None and prediction.stands(member.row)
     ]
     return standing if len(standing) >= FOLDED else []
 
@@ -158,9 +167,9 @@ def _bounds(heading: str, share: str, wide: bool = False) -> Column:
 
 
 def _range(low: float | None, high: float | None) -> str:
-    """Bounds in whole numbers, or that they are unknown."""
+    """Bounds in whole numbers; "" where there are none."""
     if low is None or high is None:
-        return "unknown"
+        return ""
     return f"{words.fixed(low, 0)} to {words.fixed(high, 0)}"
 
 
@@ -186,6 +195,8 @@ def _mass(row: Any) -> str:
 
 
 def _change(row: Any) -> str:
+    if row.speed_mm_s is None or row.speed_mesh_mm_s is None:
+        return ""
     return words.fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
 
 

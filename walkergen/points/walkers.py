@@ -106,13 +106,22 @@ def to_error(
         raise InputError(f"--of {of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
-    short = walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
     until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
-    results = _results(measure(short, until, progress, threads))
+    results = _short(walker, until, progress, threads)
     if results.step_errors[of].error is None:
         raise InputError(f"--error {wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
     return Met(results, of, _half_width(results, of), until.allowed(value))
+
+
+def short(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
+    """Runs of a walker until its speed has an error, or so many are made, whatever becomes of it."""
+    return _short(walker, error_of_speed(wanted, walker.shaken)._replace(most=most), progress, None)
+
+
+def _short(walker: Walker, until: Error, progress: Progress, threads: int | None) -> Results:
+    few = walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
+    return _results(measure(few, until, progress, threads))
 
 
 def error_of_speed(wanted: Tolerance, shaken: Drive) -> Error:

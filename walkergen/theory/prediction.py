@@ -1,8 +1,9 @@
 """Predicted speeds of walkers, with their bounds: design and scene in, table rows out.
 
-A predicted speed is the median of a distribution: speeds of the model in space, from its stored
-table, over what design and scene do not know exactly, from print to print, and with a structural
-error of the model. Outside the table the theory stands in, within the error that it has there.
+A speed has two faces. *As designed* is the nominal run, what `simulate` gives. *As you will get it* is the median,
+with bounds, over what design and scene do not know exactly, from print to print, and with a structural error of
+the model. Here both come from the surrogate, or from statics where a walker stands; a walker that neither knows is
+simulated (`points.speeds`).
 """
 
 import math
@@ -17,7 +18,7 @@ from walkergen.scene import Scene
 from walkergen.theory import standing, surrogate, uncertain
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
-from walkergen.theory.surrogate import LINEAR_BELOW, UnknownError
+from walkergen.theory.surrogate import NORMAL_95, Known, UnknownError
 from walkergen.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -25,26 +26,24 @@ from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 
-DRAWS = 512
-"""Number of draws behind a speed and its bounds: on a lattice the ends of 95 % err by 0.05 to 0.13
-of a standard deviation, those of 68 % by 0.04 at most."""
+DRAWS = 256
+"""Number of draws behind a speed and its bounds: on a lattice the ends of 95 % err by 0.07 to 0.19
+of a standard deviation, those of 68 % by 0.06 at most."""
 
 SEED = 2016
 
 PRINT = Input("which print it is", 0.0, 1.0, -np.inf)
-"""Deviation of one print from the mean, and of the table's interpolation, over its standard one."""
+"""Deviation of one print from the mean over its standard one."""
+
+SURROGATE = Input("the surrogate's error", 0.0, 1.0, -np.inf)
+"""Error of the surrogate over its standard one."""
 
 MODEL = Input("the model itself", 0.0, 1.0, -np.inf)
-"""Structural error of what predicts the speed, over its standard deviation."""
+"""Structural error of the model in space, over its standard deviation."""
 
-THEORY_SD = 0.75
-"""Standard deviation of the theory where the table does not reach, over hypot(theory, a quarter of
-the plate's speed): root mean square of what separates it from the table's flexible walkers, of
-whom 1.96 of it hold 97 %. On average it runs 0.3 ahead of them, which is left in it."""
-
-By = Literal["table", "theory", "statics", "runs"]
-"""Source of a speed: the model in space by its table, the theory, statics where a walker stands, or runs
-of the walker itself."""
+By = Literal["surrogate", "runs", "statics", "theory"]
+"""Source of a speed: the model in space by its surrogate, or by runs of the walker itself; statics where it
+stands; "theory" where only that was asked for, and there is no speed."""
 
 
 class Speed(NamedTuple):
@@ -98,17 +97,24 @@ class Prediction(NamedTuple):
     m_g: float | None
     """Mass of the first free leg, g; None where all are braced and part of M."""
     j_g_mm2: float | None
-    speed_mm_s: float
-    """Median of the speed's distribution; of runs, their mean."""
-    speed_sd_mm_s: float
-    """Standard deviation of the distribution; of runs that of their mean, with their step's error.
-    """
-    speed_low_68_mm_s: float
-    """Bounds that hold the speed with 68 and 95 %."""
-    speed_high_68_mm_s: float
-    speed_low_95_mm_s: float
-    speed_high_95_mm_s: float
+    nominal_mm_s: float | None
+    """Speed as designed: of the nominal run. None where walkers fall, and where only theory was asked for, as the
+    speeds below."""
+    nominal_low_95_mm_s: float | None
+    """Bounds of the nominal speed, by the surrogate's error or the scatter of runs."""
+    nominal_high_95_mm_s: float | None
+    speed_mm_s: float | None
+    """Speed as people will get it: median of the distribution over prints and what is not known."""
+    speed_sd_mm_s: float | None
+    """Standard deviation of the distribution."""
+    speed_low_68_mm_s: float | None
+    """Bounds that hold the speed of a print with 68 and 95 %."""
+    speed_high_68_mm_s: float | None
+    speed_low_95_mm_s: float | None
+    speed_high_95_mm_s: float | None
     speed_by: By
+    falls: float
+    """Share of the runs in which the walker falls over."""
     theory_mm_s: float
     """Speed by the theory (the paper's eq. 15): factor_mean x impact speed."""
     factor_back: float
@@ -118,58 +124,98 @@ class Prediction(NamedTuple):
     """That of the walker: the mean of two equal feet, of unlike ones what balances them."""
     mode: str
     law: str
+    theory_note: str
+    """What is to be said of the theory's speed."""
     note: str
+    """What is to be said of the speed."""
 
     @property
     def speed(self) -> Speed:
         """Speed with its bounds; its `se` is the standard deviation of the distribution."""
-        return Speed(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
+        return speed_of(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
+
+
+STANDS_MM_S = 1.0
+"""Speed below which a walker stands, where zero lies within the error of its speed as designed."""
+
+FAR = 0.1
+"""Share of the speed by which that as designed differs, beyond which both are said."""
+
+
+def stands(row: Prediction) -> bool:
+    """Whether a walker stands: by statics, or within the error of its speed."""
+    nominal, low, high = row.nominal_mm_s, row.nominal_low_95_mm_s, row.nominal_high_95_mm_s
+    if nominal is None or low is None or high is None:
+        return False
+    slow = abs(nominal) < STANDS_MM_S and abs(row.speed_mm_s or 0.0) < STANDS_MM_S
+    return row.speed_by == "statics" or (slow and low <= 0.0 <= high)
+
+
+def sentence(row: Prediction) -> str:
+    """What a maker wants to hear of a walker's speed."""
+    speed, nominal = row.speed_mm_s, row.nominal_mm_s
+    if row.falls > 0.0:
+        falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
+    if speed is None or nominal is None:
+        return falls if row.falls > 0.0 else "no speed: " + (row.note or "of the theory alone (eq. 15)")
+    if stands(row):
+        return "stands" if row.speed_by == "statics" else f"stands: {_as_designed(row)}"
+    text = f"{'runs backward, ' if speed < 0.0 else ''}{words.with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
+    text += f"; your print: {row.speed_low_95_mm_s:.1f} to {row.speed_high_95_mm_s:.1f} (95 %)"
+    if abs(nominal - speed) > FAR * abs(speed):
+        text += f"; as designed {_as_designed(row)}"
+    return f"{text}; {falls}" if row.falls > 0.0 else text
+
+
+def _as_designed(row: Prediction) -> str:
+    """Speed as designed with its bounds of 95 %."""
+    half = 0.5 * ((row.nominal_high_95_mm_s or 0.0) - (row.nominal_low_95_mm_s or 0.0))
+    return f"{words.with_error(row.nominal_mm_s or 0.0, half)} mm/s"
 
 
 class Spread(NamedTuple):
-    """Draws of a walker's speed."""
+    """Speeds of a walker: as designed, and over draws of what is not known."""
 
-    speed: Array
-    """Speeds, mm/s, shape (n,)."""
+    nominal_mm_s: float
+    nominal_bounds: tuple[float, float]
+    """Bounds of 95 % of it, mm/s."""
+    median: float
+    sd: float
+    bounds: tuple[float, float, float, float]
+    """Bounds at `QUANTILES`, mm/s."""
     by: By
-    stand_in: str = ""
-    """What a plate in place of a motor leaves out, in words; "" where there is none."""
-    outside: str = ""
-    """Reason why no table holds this walker; "" where one does."""
-    stands: str = ""
-    """Reason why it stands; "" where it runs."""
+    note: str = ""
 
 
 def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
-    """Inputs of a prediction: what is not known exactly, the print, and the model's own error."""
-    return (*uncertain.inputs(scene, design, PREDICTION), PRINT, MODEL)
+    """Inputs of a prediction by the surrogate: what is not known exactly, the print, and both models' errors."""
+    return (*uncertain.inputs(scene, design, PREDICTION), PRINT, SURROGATE, MODEL)
 
 
-def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
-    """Speeds of a walker at values of `known_inputs`."""
+def draws_of(known: Known, drawn: Drawn) -> Array:
+    """Speeds of a walker that the surrogate knows at values of `known_inputs`, mm/s, shape (n,)."""
+    speeds, columns = known.drawn(drawn), drawn.columns
+    mirrored = known.sign  # a mirror image has mirrored errors
+    off = speeds.between_prints * columns[PRINT.name] + speeds.error * columns[SURROGATE.name]
+    share = known.peak_speed * speeds.at(mirrored * off)
+    return np.asarray(share + mirrored * with_model_sd(share, known.scene) * columns[MODEL.name])
+
+
+def with_model_sd(speed: Array | float, scene: Scene) -> Array:
+    """Structural error of the model in space at speeds, one standard deviation, mm/s."""
+    return np.asarray(scene.prediction.model_sd * np.abs(speed))
+
+
+def spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | None = None) -> Spread:
+    """Speeds of a walker by statics or the surrogate. Raises UnknownError for one that neither knows."""
     if stands := standing.reason(scene, design, mass):
-        return Spread(np.zeros(drawn.number), "statics", stands=stands)
-    pace, moment = surrogate.of_motor(scene, drawn)
-    model = drawn.columns[MODEL.name]
-    try:
-        tabled = surrogate.of(scene, design, mass)
-    except UnknownError as error:
-        shaken = surrogate.shaken(scene, design, mass)
-        plate = _paced(scene, shaken.swing, pace, moment)
-        theory = theory_speeds(design, mass, scene, mode, drawn)
-        unknown = math.hypot(THEORY_SD, shaken.error_sd)
-        error_sd = unknown * np.hypot(theory, LINEAR_BELOW * plate)
-        return Spread(theory + error_sd * model, "theory", shaken.note, str(error))
-    speeds, sense = tabled.speeds(drawn), tabled.sense  # a mirror image has mirrored errors
-    model_sd = math.hypot(scene.prediction.model_sd, tabled.error_sd)
-    shifted = speeds._replace(centre=speeds.centre + sense * model_sd * model)
-    plate = _paced(scene, tabled.swing, pace, moment)
-    return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table", tabled.note)
-
-
-def _paced(scene: Scene, swing: float, pace: Array, moment: Array) -> float | Array:
-    """Peak speeds of the swing (mm/s) at the draws of a motor; that of a plate."""
-    return swing if scene.drive.kind == "plate" else swing * pace * moment
+        return Spread(0.0, (0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), "statics", stands)
+    known = surrogate.of(scene, design, mass)
+    speed, se = known.nominal
+    draws = draws_of(known, drawn or drawn_inputs(scene, design))
+    low2, low1, high1, high2 = np.quantile(draws, QUANTILES).tolist()
+    ends = speed - NORMAL_95 * se, speed + NORMAL_95 * se
+    return Spread(speed, ends, float(np.median(draws)), float(np.std(draws)), (low2, low1, high1, high2), "surrogate")
 
 
 def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
@@ -185,22 +231,23 @@ def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode
         contact.law,
         (contact.restitution, contact.friction),
     )
-    pace, moment = surrogate.of_motor(scene, drawn)
-    return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
+    return np.asarray(by_foot.factor) * _impact_speed(scene, mass)
 
 
-def _impact_speed(scene: Scene, design: Design, mass: MassProperties) -> float:
-    """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
-    shaken = surrogate.shaken(scene, design, mass).drive
-    return scene.prediction.impact_speed_factor * shaken.peak_speed
+def _impact_speed(scene: Scene, mass: MassProperties) -> float:
+    """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s; of a motor, one that swings."""
+    return scene.prediction.impact_speed_factor * scene.drive.beneath(float(mass.total)).peak_speed
 
 
-def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tuple[Share, ...]:
-    """Shares of the inputs in the variance behind a walker's bounds, largest total first."""
-    inputs = known_inputs(scene, design)
+def shares(design: Design, mass: MassProperties, scene: Scene) -> tuple[Share, ...]:
+    """Shares of the inputs in the variance behind a walker's bounds, largest total first.
+
+    Raises UnknownError for a walker that the surrogate does not know.
+    """
+    inputs, known = known_inputs(scene, design), surrogate.of(scene, design, mass)
 
     def speeds(values: Array) -> Array:
-        return spread(design, mass, scene, mode, uncertain.named(inputs, values)).speed
+        return draws_of(known, uncertain.named(inputs, values))
 
     return uncertain.shares(inputs, speeds, SEED)
 
@@ -214,23 +261,26 @@ def drawn_inputs(scene: Scene, design: Design) -> Drawn:
 def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb") -> Prediction:
     """Predict the speed of one walker, and what the theory has for it (docs/physics.md section 4).
 
-    `mode` is the theory's. Members of a family share their random numbers. Raises TheoryError when
-    mode and law do not go together.
+    `mode` is the theory's. Members of a family share their random numbers. Raises UnknownError for a walker that
+    is to be simulated, TheoryError when mode and law do not go together.
     """
+    return row_of(design, mass, scene, mode, spread(design, mass, scene))
+
+
+def row_of(
+    design: Design,
+    mass: MassProperties,
+    scene: Scene,
+    mode: Mode,
+    speeds: Spread | None,
+    note: str = "",
+    falls: float = 0.0,
+) -> Prediction:
+    """Row of a walker with these speeds, or none, and what the theory has for it."""
     contact = scene.contact
     by_foot = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
-    speeds = spread(design, mass, scene, mode, drawn_inputs(scene, design))
-    low95, low68, high68, high95 = np.quantile(speeds.speed, QUANTILES).tolist()
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
-    theory = float(by_foot.factor) * _impact_speed(scene, design, mass)
-    notes = [
-        _outside(speeds),
-        speeds.stand_in,
-        by_foot.note,
-        *_notes(by_foot, contact.friction, mode),
-        "" if low95 <= theory <= high95 else LEAVES,
-    ]
-    notes = [speeds.stands] if speeds.stands else notes
+    bounds = (None,) * 4 if speeds is None else speeds.bounds
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
@@ -239,34 +289,25 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
         J_g_mm2=float(mass.J),
         m_g=None if free is None else float(free.m),
         j_g_mm2=None if free is None else float(free.j),
-        speed_mm_s=float(np.median(speeds.speed)),
-        speed_sd_mm_s=float(np.std(speeds.speed)),
-        speed_low_68_mm_s=low68,
-        speed_high_68_mm_s=high68,
-        speed_low_95_mm_s=low95,
-        speed_high_95_mm_s=high95,
-        speed_by=speeds.by,
-        theory_mm_s=theory,
+        nominal_mm_s=None if speeds is None else speeds.nominal_mm_s,
+        nominal_low_95_mm_s=None if speeds is None else speeds.nominal_bounds[0],
+        nominal_high_95_mm_s=None if speeds is None else speeds.nominal_bounds[1],
+        speed_mm_s=None if speeds is None else speeds.median,
+        speed_sd_mm_s=None if speeds is None else speeds.sd,
+        speed_low_68_mm_s=bounds[1],
+        speed_high_68_mm_s=bounds[2],
+        speed_low_95_mm_s=bounds[0],
+        speed_high_95_mm_s=bounds[3],
+        speed_by="theory" if speeds is None else speeds.by,
+        falls=falls,
+        theory_mm_s=float(by_foot.factor) * _impact_speed(scene, mass),
         factor_back=float(by_foot.feet[0]),
         factor_front=float(by_foot.feet[-1]),
         factor_mean=float(by_foot.factor),
         mode=mode,
         law=contact.law,
-        note="; ".join(filter(None, notes)),
-    )
-
-
-LEAVES = "the theory leaves the 95 % bounds of the model in space"
-"""Note on a walker for which the theory of the paper does not do."""
-
-
-def _outside(speeds: Spread) -> str:
-    """Note on a speed that the table does not give."""
-    if not speeds.outside:
-        return ""
-    return (
-        f"by the theory alone, whose bounds are wide ({speeds.outside}); "
-        "family --simulate puts the speed of runs in its place"
+        theory_note="; ".join(filter(None, (by_foot.note, *_notes(by_foot, contact.friction, mode)))),
+        note=note or ("" if speeds is None else speeds.note),
     )
 
 
@@ -297,9 +338,11 @@ class Curve(NamedTuple):
 
     tilt_deg: Array
     speed: Array
-    """Predicted speed, mm/s."""
+    """Median speed, mm/s; NaN, as its bounds, where a walker is to be simulated."""
     bounds: Array
     """Bounds at `QUANTILES`, shape (4, k), mm/s."""
+    nominal: Array
+    """Speed as designed, mm/s."""
     theory: Array
     """Speed by the theory, mm/s."""
     can_stick: npt.NDArray[np.bool_]
@@ -313,15 +356,17 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     """
     drawn, contact = drawn_inputs(scene, design), scene.contact
     tilts = np.linspace(low_deg, high_deg, count)
-    levels = (*QUANTILES, 0.5)
-    quantiles, theory, sticks = [], [], []
+    speeds, theory, sticks = [], [], []
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
         by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
-        speeds = spread(variant, mass, scene, mode, drawn)
-        quantiles.append(np.quantile(speeds.speed, levels))
-        theory.append(float(by_foot.factor) * _impact_speed(scene, variant, mass))
+        try:
+            of_tilt = spread(variant, mass, scene, drawn)
+            speeds.append((of_tilt.nominal_mm_s, of_tilt.median, *of_tilt.bounds))
+        except UnknownError:
+            speeds.append((math.nan,) * 6)
+        theory.append(float(by_foot.factor) * _impact_speed(scene, mass))
         sticks.append(not all(by_foot.reverses))
-    *bounds, middle = np.array(quantiles).T
-    return Curve(tilts, middle, np.array(bounds), np.array(theory), np.array(sticks))
+    nominal, middle, *bounds = np.array(speeds).T
+    return Curve(tilts, middle, np.array(bounds), nominal, np.array(theory), np.array(sticks))

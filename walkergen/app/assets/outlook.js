@@ -67,8 +67,10 @@ function drawMarker(chart) {
     'aria-valuemin': scale.low, 'aria-valuemax': scale.high, 'aria-valuenow': tilt,
     'aria-valuetext': `${tilt} degrees: ${walker.sentence.text}`,
   });
-  const [low, high] = [row.speed_low_95_mm_s, row.speed_high_95_mm_s].map(scale.y);
-  add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
+  if (row.speed_low_95_mm_s !== null) { // else a run has yet to tell
+    const [low, high] = [row.speed_low_95_mm_s, row.speed_high_95_mm_s].map(scale.y);
+    add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
+  }
   add(group, 'circle', { class: 'touch', cx: x, cy: y, r: 18 });
   add(group, 'circle', { cx: x, cy: y, r: 6 });
 }

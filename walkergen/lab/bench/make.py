@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.errors import InputError
 from walkergen.files import report, words
 from walkergen.files.progress import Progress
 from walkergen.files.report import Table
@@ -13,6 +14,7 @@ from walkergen.lab.bench import drop, pluck, slide
 from walkergen.lab.bench.drop import Dropped
 from walkergen.lab.bench.pluck import Plucked
 from walkergen.lab.bench.slide import Incline
+from walkergen.lab.calibrate.modulus import SOFTEST, STIFFEST
 from walkergen.lab.inverse import Answer, Curve, Measured
 from walkergen.lab.report import LabReport, check, check_drops, written
 from walkergen.numerics.quantity import Quantity
@@ -127,6 +129,7 @@ def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Prog
     if test.measured is not None:
         hertz, sd = test.measured.number.pair
         by_frequency = pluck.by_frequency(design, leg.leg_mass, hertz, sd)
+        _check_plastic(hertz, by_frequency.modulus.pair[0], leg.cantilever)
         answers["Young's modulus"] = by_frequency.modulus
         notes = [_on_thickness(design, by_frequency), *notes]
     if decrement is not None:
@@ -148,6 +151,17 @@ def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Prog
         lambda figures, title: figures.of_pluck(leg, title, test.measured, pluck.by_modulus(design, leg.leg_mass)),
         {"decrement": None if decrement is None else decrement.facts},
     )
+
+
+def _check_plastic(hertz: float, modulus: float, expected: float) -> None:
+    """Raise InputError for a frequency that no plastic's leg has: a slip of the unit, mostly."""
+    if not SOFTEST <= modulus <= STIFFEST:
+        slip = "is it in kHz? Give Hz" if modulus < SOFTEST else "is it of another leg, or an overtone?"
+        raise InputError(
+            f"--measured {hertz:g}: Hz would mean a Young's modulus of {modulus:.3g} GPa; plastics have {SOFTEST:g} to "
+            f"{STIFFEST:g}; this leg swings at about {expected:.0f} Hz: {slip}",
+            "measured",
+        )
 
 
 def _reported(

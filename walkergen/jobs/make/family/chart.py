@@ -150,7 +150,9 @@ def _of(number: int, member: Member) -> list[_Speed]:
     """Speeds of one member, predicted and simulated."""
     row, runs = member.row, member.simulated
     bounds = row.speed_low_68_mm_s, row.speed_high_68_mm_s
-    speeds = [_Speed(number, row.tilt_deg, row.legs, False, row.speed_mm_s, *bounds)]
+    speeds = []
+    if row.speed_mm_s is not None:
+        speeds.append(_Speed(number, row.tilt_deg, row.legs, False, row.speed_mm_s, *bounds))
     if runs is not None and runs.sim_speed_mm_s is not None:
         ends = runs.sim_low_95_mm_s, runs.sim_high_95_mm_s
         speeds.append(_Speed(number, row.tilt_deg, row.legs, True, runs.sim_speed_mm_s, *ends))

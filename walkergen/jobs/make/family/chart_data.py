@@ -64,6 +64,8 @@ def speeds(chart_data: ChartData) -> list[Speed]:
     for kind, curve in chart_data.curves.items():
         columns = np.column_stack([curve.tilt_deg, curve.speed, curve.bounds[[1, 2, 0, 3]].T, curve.theory]).tolist()
         for (tilt, speed, low68, high68, low95, high95, theory), sticks in zip(columns, curve.can_stick, strict=True):
+            if math.isnan(speed):  # to be simulated
+                continue
             stick: Literal["yes", "no"] = "yes" if sticks else "no"
             rows.append(Speed("predicted", kind, tilt, speed, low68, high68, low95, high95, theory, stick))
     if (measured := chart_data.measured) is not None:

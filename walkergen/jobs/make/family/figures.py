@@ -112,12 +112,15 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
     """Draw the members' speeds, with bounds as bars where no band shows them."""
     colour, _, marker = STYLES[kind]
-    x, speeds = [walker.x for walker in walkers], [walker.row.speed_mm_s for walker in walkers]
+    x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if not bars:
         return {}
     for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, CORE)):
-        low, high = ([getattr(one.row, f"speed_{end}_{share}_mm_s") for one in walkers] for end in ("low", "high"))
+        low, high = (
+            np.array([getattr(one.row, f"speed_{end}_{share}_mm_s") for one in walkers], float)
+            for end in ("low", "high")
+        )
         axes.vlines(x, low, high, color=colour, linewidth=width, alpha=shade)
     return {f"{kind}, {BOUNDS}": marks}
 

@@ -16,12 +16,13 @@ from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.jobs.make.family.report import FamilyReport
 from walkergen.points import members
 from walkergen.points.members import Member
+from walkergen.points.speeds import Model
 from walkergen.printing import export, plates, sheet
 from walkergen.printing import packing as plate
 from walkergen.printing.findings import Finding, refuse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
-from walkergen.theory import discrepancy, prediction
+from walkergen.theory import prediction, surrogate
 from walkergen.theory.prediction import Curve
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
@@ -45,6 +46,7 @@ class Job(NamedTuple):
     printer: Printer
     mode: Mode
     pictures: bool
+    model: Model = "best"
     simulate: bool = False
     copies: Sequence[int] = ()
     """Number of copies of each member on the plates; one of each by default."""
@@ -91,7 +93,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     run = None if job.run_in is None else _played(job, job.run_in)
     with Folder(path) as folder:
         walkers: list[Member] = []
-        every = members.predicted(job.members, built, job.scene, job.mode, job.weighed)
+        every = members.predicted(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
         for member, mesh in zip(every, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
@@ -201,7 +203,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,
-        "discrepancy": discrepancy.TABLE.digest,
+        "surrogate": surrogate.digest(),
         "versions": versions(),
         "time_taken_s": round(seconds, 3),
     }

@@ -44,7 +44,8 @@ class FamilyRequest(request.Request):
     prusaslicer: request.ForPrusaSlicer = False
     weights: request.Weights = None
     out: request.Out = None
-    simulate: Annotated[bool, Flag("Simulate every walker as well (takes minutes).")] = False
+    model: request.Predicted = "best"
+    simulate: Annotated[bool, Flag("Simulate every walker too (takes minutes).")] = False
     seconds: request.Seconds = None
     runs: request.Runs = None
     measured: Annotated[
@@ -85,6 +86,7 @@ class FamilyRequest(request.Request):
             scene=scene,
             printer=given.printer(self.printer),
             mode=self.mode,
+            model=self.model if self.simulate or self.model == "theory" else "known",
             pictures=self.pictures,
             simulate=self.simulate,
             copies=counts,

@@ -1,5 +1,6 @@
-"""Runs of a family's members: their speeds beside the predicted ones, or in their place."""
+"""Runs of a family's members: their speeds beside the predicted ones."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -10,15 +11,6 @@ from walkergen.theory.prediction import Prediction
 
 if TYPE_CHECKING:
     from walkergen.simulation.ensemble import Summary
-
-NOTE = (
-    "mean of the runs in place of the theory's speed; its bounds hold their scatter and step, not "
-    "what is not known of contact and print: simulate --uncertain"
-)
-"""Note on a speed that runs gave."""
-
-SURE = 1.96
-"""Standard deviations on either side that hold a normal number with 95 %."""
 
 SMALL = 0.5
 """Difference of speeds, mm/s, that verdicts in whole mm/s do not see."""
@@ -45,37 +37,22 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
             listed(summary.outcomes),
             verdict(member.row, summary),
         )
-        with_speeds.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
+        with_speeds.append(member._replace(simulated=runs))
     return with_speeds
 
 
 def verdict(row: Prediction, summary: "Summary") -> str:
     """Say whether the bounds of 95 % of the runs meet those of 68 % of the prediction.
 
-    Speeds within SMALL agree. A prediction by the theory alone gives way to the runs.
+    Speeds within SMALL agree.
     """
-    speed, low, high = summary.speed_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
-    if speed is None or low is None or high is None:
-        return "unknown"
-    if row.speed_by == "theory":
-        return "the runs stand"
-    off = row.speed_mm_s - speed
-    meet = low <= row.speed_high_68_mm_s and row.speed_low_68_mm_s <= high
-    return "agree" if meet or abs(off) <= SMALL else f"off by {off:+.0f}"
-
-
-def with_runs(row: Prediction, runs: Simulated) -> Prediction:
-    """Row in which the speed of the runs stands for the theory's, where they tell one."""
-    speed, low, high = runs.sim_speed_mm_s, runs.sim_low_95_mm_s, runs.sim_high_95_mm_s
-    if row.speed_by != "theory" or speed is None or low is None or high is None:
-        return row
-    return row._replace(
-        speed_mm_s=speed,
-        speed_sd_mm_s=0.5 * (high - low) / SURE,
-        speed_by="runs",
-        speed_low_68_mm_s=speed + (low - speed) / SURE,
-        speed_high_68_mm_s=speed + (high - speed) / SURE,
-        speed_low_95_mm_s=low,
-        speed_high_95_mm_s=high,
-        note=NOTE,
+    numbers = (
+        *(summary.speed_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s),
+        *(row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s),
     )
+    speed, low, high, predicted, below, above = (math.nan if number is None else number for number in numbers)
+    if math.isnan(speed + low + high + predicted):
+        return "unknown"
+    off = predicted - speed
+    meet = low <= above and below <= high
+    return "agree" if meet or abs(off) <= SMALL else f"off by {off:+.0f}"

@@ -4,12 +4,18 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress, silent
 from walkergen.jobs.run.predict import report
 from walkergen.jobs.run.predict.report import PredictReport
 from walkergen.points import members
+from walkergen.points.members import Member
+from walkergen.points.speeds import Model
 from walkergen.scene import Scene
 from walkergen.theory import prediction
 from walkergen.theory.speed import Mode
+from walkergen.theory.surrogate import UnknownError
+from walkergen.theory.uncertain import Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -24,13 +30,28 @@ def predict(
     mode: Mode,
     weighed: "Mapping[str, Weighings]" = MappingProxyType({}),
     uncertain: bool = False,
+    model: Model = "best",
+    why: bool = False,
+    progress: Progress = silent,
 ) -> PredictReport:
-    """Predict walkers of a design; if `uncertain`, with what their bounds are made of.
+    """Predict walkers of a design; if `uncertain`, with what their bounds are made of, if `why` with reasons.
 
     `weighed` are masses from a balance by the walkers' names. Raises InputError for impossible
     masses, TheoryError where mode and law do not go together.
     """
     built = [solids.build(walker) for walker in walkers]
-    predicted = list(members.predicted(walkers, built, scene, mode, weighed))
-    shares = [prediction.shares(one.design, one.mass, scene, mode) for one in (predicted if uncertain else ())]
-    return report.of(design, scene, mode, predicted, shares)
+    predicted = list(members.predicted(walkers, built, scene, mode, weighed, model, progress))
+    shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
+    return report.of(design, scene, mode, predicted, shares, why)
+
+
+def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
+    """What the bounds of a walker are made of: nothing without any. Raises InputError for one that was simulated."""
+    if member.row.speed_mm_s is None:
+        return ()
+    try:
+        return prediction.shares(member.design, member.mass, scene)
+    except UnknownError as reason:
+        raise InputError(
+            f"--uncertain: {member.name}: {reason}: `simulate --uncertain` tells of such walkers"
+        ) from None

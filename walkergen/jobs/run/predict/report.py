@@ -7,6 +7,7 @@ from walkergen.files.report import Report
 from walkergen.points import speed_table
 from walkergen.points.members import Member
 from walkergen.scene import Scene
+from walkergen.theory import prediction
 from walkergen.theory.prediction import Prediction, Speed
 from walkergen.theory.uncertain import Share
 from walkergen.walker.design import Design
@@ -42,10 +43,15 @@ class PredictReport(Report):
 
 
 def of(
-    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], shares: Sequence[Sequence[Share]] = ()
+    design: Design,
+    scene: Scene,
+    mode: str,
+    walkers: Sequence[Member],
+    shares: Sequence[Sequence[Share]] = (),
+    why: bool = True,
 ) -> PredictReport:
-    """Report of walkers, with the shares of the variance behind their bounds where asked for."""
-    tables = speed_table.tables("prediction", design.name, walkers)
+    """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`."""
+    tables = speed_table.tables("prediction", design.name, walkers, why)
     rows = list(tables[0])
     for row, member, own in zip(rows, walkers, shares, strict=False):
         row["shares"] = [share._asdict() for share in own]
@@ -54,14 +60,17 @@ def of(
     title = design.name
     if len(walkers) == 1:
         (walker,) = walkers
-        title += f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {walker.row.speed}"
+        title += f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.sentence(walker.row)}"
+    said = [title] if len(walkers) == 1 else []
+    if why:
+        said.append(speed_table.caption(design, scene, mode))
     return PredictReport(
         name="predict",
         title=title,
         tables=tables,
         facts={"rows": rows},
-        caption=speed_table.caption(design, scene, mode),
-        lines=speed_table.lines(walkers),
+        caption="\n".join(said),
+        lines=speed_table.lines(walkers) if why else (),
         scene=scene,
         members=walkers,
     )

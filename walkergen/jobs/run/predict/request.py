@@ -1,9 +1,10 @@
 """What `predict` is asked for."""
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from walkergen import inputs, request
 from walkergen.files.progress import Progress
+from walkergen.request import Flag
 
 if TYPE_CHECKING:
     from walkergen.jobs.run.predict.report import PredictReport
@@ -12,7 +13,9 @@ if TYPE_CHECKING:
 class PredictRequest(request.Request):
     """Predict the speed of walkers, without writing any file.
 
-    With --uncertain it says, for each, which input to measure next to narrow the bounds.
+    As designed, and with the bounds of your print. By the surrogate of the model in space where that is sure, else
+    by a simulation of seconds, which is kept. With --uncertain it says, for each, which input to measure next to
+    narrow the bounds.
     """
 
     by_position: ClassVar = ("design", "scene", "tilt")
@@ -32,6 +35,8 @@ class PredictRequest(request.Request):
     set: request.Settings = {}
     weights: request.Weights = None
     uncertain: request.Uncertain = False
+    model: request.Predicted = "best"
+    why: Annotated[bool, Flag("Say what the speeds rest on, and why a walker was simulated.")] = False
 
     def run(self, progress: Progress) -> "PredictReport":
         """Predict the walkers."""
@@ -44,5 +49,5 @@ class PredictRequest(request.Request):
         inputs.check_mode(self.mode, scene)
         members = given.members(design, self.tilt, self.legs, whole=False)
         masses, warnings = inputs.weighed(self.weights, members)
-        report = make.predict(design, members, scene, self.mode, masses, self.uncertain)
+        report = make.predict(design, members, scene, self.mode, masses, self.uncertain, self.model, self.why, progress)
         return replace(report, warnings=[*report.warnings, *warnings])

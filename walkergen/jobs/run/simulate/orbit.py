@@ -12,7 +12,7 @@ from walkergen.simulation.experiments import Results
 from walkergen.simulation.run import ENDED_WELL
 
 if TYPE_CHECKING:
-    from walkergen.jobs.run.simulate.uncertain import Bounds
+    from walkergen.points.draws import Bounds
 
 DRAWS, LONGEST_S = 24, 4.0
 """Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
@@ -41,17 +41,17 @@ def of(point: Results, progress: Progress) -> Orbit | None:
     kind = orbits.shared(np.array(good), walker.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
-    from walkergen.jobs.run.simulate import uncertain
+    from walkergen.points import draws
 
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
     short = scene.model_copy(update={"run": run})
     try:
-        drawn = uncertain.simulated(short, walker.design, DRAWS, progress)
+        drawn = draws.simulated(short, walker.design, DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, None, str(error))
-    ends = uncertain.bounds(drawn.halves.mean(axis=1), uncertain.statistical_error(drawn.halves))
+    ends = draws.bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
     mean = float(drawn.halves.mean())
-    return Orbit(kind, len(drawn.halves), uncertain.widened(ends, mean, drawn.by_step_mm_s))
+    return Orbit(kind, len(drawn.halves), draws.widened(ends, mean, drawn.by_step_mm_s))
 
 
 def of_prints(summary: Summary, orbit: Orbit) -> Summary:

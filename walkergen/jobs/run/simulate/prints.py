@@ -10,8 +10,8 @@ from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.report import Report, Table
 from walkergen.jobs.run.simulate.report import LINES, Line
-from walkergen.jobs.run.simulate.uncertain import Uncertain
 from walkergen.numerics import statistics
+from walkergen.points.draws import Uncertain
 from walkergen.points.speed_table import SHARES
 from walkergen.walker.design import Design
 

@@ -132,9 +132,10 @@ class SimulateRequest(request.Request):
 
     def _uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
         """Simulate uncertain prints: their speeds, with what to measure next."""
-        from walkergen.jobs.run.simulate import prints, uncertain
+        from walkergen.jobs.run.simulate import prints
+        from walkergen.points import draws
 
-        measured = uncertain.measure(scene, design, self.draws, progress)
+        measured = draws.measure(scene, design, self.draws, progress)
         result = prints.of(measured, design, scene.name, self.out)
         if self.out is not None:
             prints.write(result, self.out)

@@ -7,12 +7,11 @@ from walkergen.files import report, words
 from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.run.simulate import orbit, tables
-from walkergen.points import walkers
+from walkergen.points import speeds, walkers
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import Outcome
-from walkergen.theory import prediction
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 
@@ -28,7 +27,7 @@ class Row(NamedTuple):
     legs: str
     model: str
     method: str
-    predicted_mm_s: float
+    predicted_mm_s: float | None
     theory_mm_s: float
     speed_mm_s: float | None
     """Mean speed of the runs; None when none ended well."""
@@ -62,7 +61,7 @@ def each(wanted: Sequence[Walker], progress: Progress) -> Iterator[Row]:
         shared = orbit.of(point, progress)
         if shared is not None:
             summary = orbit.of_prints(summary, shared)
-        predicted = prediction.predict(experiment.design, experiment.mass, experiment.scene)
+        predicted = speeds.predict(experiment.design, experiment.mass, experiment.scene, model="known")
         yield Row(
             name,
             experiment.design.tilt_deg,

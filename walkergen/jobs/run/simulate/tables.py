@@ -13,6 +13,7 @@ from walkergen.analysis.motion import Motion
 from walkergen.files import words
 from walkergen.jobs.run.simulate.make import Simulated
 from walkergen.jobs.run.simulate.orbit import Orbit
+from walkergen.points import speeds
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
 from walkergen.simulation.observables import POWER_ROWS
@@ -132,10 +133,18 @@ def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     summary = simulated.point.summary
     low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
     if low is not None and high is not None:
-        yield (
-            "95 % bounds",
-            (f"{low:.1f} to {high:.1f} mm/s, by runs and step; --uncertain adds what design and scene do not know"),
-        )
+        yield ("this simulation", f"{low:.1f} to {high:.1f} mm/s (95 %), by runs and step")
+    yield "your print", _of_prints(simulated)
+
+
+def _of_prints(simulated: Simulated) -> str:
+    """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
+    walker = simulated.point.walker
+    row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
+    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
+    if low is None or high is None:
+        return "predict tells, or --uncertain"
+    return f"{low:.1f} to {high:.1f} mm/s (95 %), by what is not known of contact and print"
 
 
 def over_prints(orbit: Orbit) -> str:

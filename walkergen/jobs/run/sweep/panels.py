@@ -216,6 +216,7 @@ def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], no
         linestyles=["--" if level < 0 else "-" for level in levels],
     )
     segments = [np.concatenate(parts) for parts in lines.allsegs]
+    segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
     axes.clabel(lines, fmt="%g", fontsize=7, manual=_places(axes, segments))
 
 

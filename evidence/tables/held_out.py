@@ -1,0 +1,162 @@
+"""Test of what `predict` answers from the surrogate: random settings beside the nominal run of each.
+
+`python -m evidence.tables.held_out` draws settings of every key, a third of them at the ends of ranges, keeps the
+first 200 that the surrogate answers, simulates each directly and writes docs/surrogate.csv and its picture;
+docs/validation.md tells what came out. Settings are of another seed than the rows that the surrogate learnt from.
+"""
+
+import argparse
+import csv
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from evidence.tables import settings
+from evidence.tables.settings import Row
+from walkergen.cli import show
+from walkergen.errors import WalkergenError
+from walkergen.files import figures
+from walkergen.points import walkers, worker_pool
+from walkergen.scene import Run
+from walkergen.simulation.experiments import Walker
+from walkergen.theory import surrogate
+from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, UnknownError
+from walkergen.walker import solids
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+ANSWERED, SEED = 200, 2026
+
+DIRECT = Run(seconds=4.0, discard_seconds=0.5, runs=16, seed=77)
+"""Runs of the direct simulation."""
+
+MEDIAN_SHARE, MEDIAN_MM_S = 0.04, 0.5
+
+
+class Compared(NamedTuple):
+    """Setting that the surrogate answered, and its direct run; the field names are columns."""
+
+    tilt_deg: float
+    lane: int
+    lively: int
+    """Number of keys that left their defaults."""
+    surrogate_mm_s: float
+    half_95_mm_s: float
+    direct_mm_s: float | None
+    direct_se_mm_s: float | None
+    falls: float
+
+
+def drawn(count: int) -> Iterator[Row]:
+    """Settings of every key, of the rows' distribution: half as it is, half of few keys."""
+    return settings.rows(count, SEED, held_out=False)
+
+
+def answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
+    """Those of the settings that the surrogate answers; `counts` counts what was asked."""
+    for row in rows:
+        case = settings.case(row)
+        counts[0] += 1
+        try:
+            surrogate.of(case.scene, case.design, solids.mass_of(case.design))
+        except UnknownError:
+            continue
+        yield row
+
+
+def compared(row: Row) -> Compared | None:
+    """Surrogate beside the direct run of a setting; None for one that cannot be simulated."""
+    case = settings.case(row)
+    mass = solids.mass_of(case.design)
+    speed, se = surrogate.of(case.scene, case.design, mass).nominal
+    scene = case.scene.model_copy(update={"run": DIRECT})
+    try:
+        summary = walkers.simulate(Walker(scene, case.design, mass), threads=1).summary
+    except WalkergenError:
+        return None
+    lively = sum(row[name] != key.default for name, key in settings.KEYS.items())
+    falls = summary.outcomes.get("toppled", 0) / summary.runs
+    lane = int(row["play_mm"] is not None)
+    return Compared(
+        row["tilt_deg"] or 0.0, lane, lively, speed, NORMAL_95 * se, summary.speed_mm_s, summary.speed_se_mm_s, falls
+    )
+
+
+def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
+    """What came out, a line a goal; the direct runs' own 95 % are added in squares."""
+    good = [row for row in rows if row.direct_mm_s is not None and row.direct_se_mm_s is not None]
+    said, half, direct, se = (
+        np.array([getattr(row, name) for row in good], float)
+        for name in ("surrogate_mm_s", "half_95_mm_s", "direct_mm_s", "direct_se_mm_s")
+    )
+    off, noise = np.abs(said - direct), NORMAL_95 * se
+    near = np.maximum(MEDIAN_SHARE * np.abs(direct), MEDIAN_MM_S)
+    goal = np.maximum(GOAL_SHARE * np.abs(direct), GOAL_MM_S)
+    falls = np.mean([row.falls > 0.0 for row in rows])
+    return [
+        f"{asked} settings asked, {len(rows)} answered ({100 * len(rows) / asked:.0f} %), {len(good)} compared",
+        f"median error {np.median(off):.2f} mm/s, {np.median(off / near):.2f} of 4 % or 0.5 mm/s",
+        f"within 12 % or 1 mm/s: {np.sum(off <= goal)} ({100 * np.mean(off <= goal):.1f} %); the direct runs' own "
+        f"error taken off: {100 * np.mean(off <= np.hypot(goal, noise)):.1f} %",
+        f"within the stated 95 %: {100 * np.mean(off <= np.hypot(half, noise)):.1f} %",
+        f"mean of surrogate less direct: {np.mean(said - direct):+.2f} mm/s",
+        f"runs that fell over in {100 * falls:.1f} % of the settings",
+    ]
+
+
+def read() -> list[Compared]:
+    """Rows of the stored table."""
+    with (DOCS / "surrogate.csv").open(encoding="utf-8", newline="") as stream:
+        return [
+            Compared(*(float(text) if text else None for text in line.values()))  # type: ignore[arg-type]
+            for line in csv.DictReader(stream)
+        ]
+
+
+def picture(rows: Sequence[Compared]) -> bytes:
+    """Predicted against simulated, both on scales that are linear below 1 mm/s, with the goal as a band."""
+    figure, axes = figures.axes_of("Surrogate beside direct runs")
+    good = [row for row in rows if row.direct_mm_s is not None]
+    x = np.array([row.direct_mm_s for row in good], float)
+    y = np.array([row.surrogate_mm_s for row in good])
+    halves = np.array([row.half_95_mm_s for row in good])
+    ends = 1.3 * max(np.abs(x).max(), np.abs(y).max())
+    line = np.concatenate([-np.geomspace(ends, 0.01, 200), np.geomspace(0.01, ends, 200)])
+    goal = np.maximum(GOAL_SHARE * np.abs(line), GOAL_MM_S)
+    axes.fill_between(line, line - goal, line + goal, color="0.88", linewidth=0, label="12 % or 1 mm/s")
+    axes.plot(line, line, color="0.4", linewidth=0.8)
+    figures.points(axes, (x, y, halves), figures.MEASURED, label="a setting, 95 %")
+    for scale in (axes.set_xscale, axes.set_yscale):
+        scale("symlog", linthresh=1.0, linscale=0.5)
+    figures.name(axes, "simulated directly (mm/s)", "surrogate (mm/s)")
+    axes.set(xlim=(-ends, ends), ylim=(-ends, ends))
+    axes.legend(loc="upper left")
+    return figures.png(figure)
+
+
+def main() -> None:
+    """Run the test, and write its table and its picture."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
+    parser.add_argument("--answered", type=int, default=ANSWERED, help="settings that the surrogate answers")
+    options = parser.parse_args()
+    counts = [0]
+    chosen = list(islice(answered(drawn(100 * options.answered), counts), options.answered))
+    rows: list[Compared] = []
+    with worker_pool.local(options.cores) as pool, show.progress("settings", wanted=True) as progress:
+        for number, row in enumerate(pool.executor.map(compared, chosen), 1):
+            rows += [] if row is None else [row]
+            progress("settings", number, len(chosen))
+    with (DOCS / "surrogate.csv").open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(Compared._fields)
+        writer.writerows([("" if value is None else f"{value:.5g}") for value in row] for row in rows)
+    (DOCS / "surrogate.png").write_bytes(picture(rows))
+    print("\n".join(verdict(rows, counts[0])))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""The one decision by what a speed is known: statics, the surrogate where it is sure, else a short simulation."""
+
+from typing import Literal
+
+from walkergen.files.progress import Progress, silent
+from walkergen.scene import Scene
+from walkergen.theory import prediction
+from walkergen.theory.prediction import Prediction
+from walkergen.theory.speed import Mode
+from walkergen.theory.surrogate import UnknownError
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+Model = Literal["best", "known", "theory"]
+
+
+def predict(
+    design: Design,
+    mass: MassProperties,
+    scene: Scene,
+    mode: Mode = "coulomb",
+    model: Model = "best",
+    progress: Progress = silent,
+) -> Prediction:
+    """Predict one walker by what knows it best.
+
+    With model "known" nothing is simulated, with "theory" the theory stands alone: then a row may have no speed.
+    Raises InputError where a walker that is to be simulated and its scene contradict each other, TheoryError where
+    mode and law do.
+    """
+    if model == "theory":
+        return prediction.row_of(design, mass, scene, mode, None)
+    try:
+        return prediction.predict(design, mass, scene, mode)
+    except UnknownError as reason:
+        from walkergen.points import short
+        from walkergen.simulation.experiments import Walker
+
+        walker = Walker(scene, design, mass)
+        record = short.kept(walker) or (None if model == "known" else short.simulated(walker, progress))
+        if record is None:
+            return prediction.row_of(
+                design, mass, scene, mode, None, f"to be simulated, by predict or --simulate: {reason}"
+            )
+        falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}"
+        return prediction.row_of(design, mass, scene, mode, short.spread(record, scene), note, falls)
