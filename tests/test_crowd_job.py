@@ -99,7 +99,6 @@ def job_of(names, counts, **keys):
         (("--count", "2", "--seconds", "0.1"), "--rate-hz 25 of 0.1 s"),
         (("--count", "2", "--rate-hz", "nan"), "--rate-hz nan: must be a number"),
         (("--count", "2", "--movie", "dish.mpeg"), ".mp4, .gif, .png"),
-        (("--count", "2", "--set", 'body.text="i"', "--set", "body.length_mm=3"), "length_mm"),
         (("--count", "2", "--set", "printer.nozzle_mm=1"), "takes no printer"),
     ],
 )
@@ -109,11 +108,6 @@ def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, tmp_path, words,
     assert isinstance(error, InputError) or result.exit_code == 2
     assert named in f"{error} {result.output}"
     assert not list(tmp_path.iterdir())
-
-
-def test_loose_islands_of_letters_are_refused_by_the_letter(run):
-    result = run("name", "--count", "3", "--set", 'body.text="AN:NA"')
-    assert "pieces" in str(result.exception)
 
 
 def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):

@@ -42,7 +42,7 @@ def row(tilt, legs, speed):
 def curve(speed):
     tilt = np.linspace(0.0, 45.0, 91)
     bounds = np.array([speed + off + 0.0 * tilt for off in (-20.0, -10.0, 20.0, 40.0)])
-    return Curve(tilt, speed + 0.0 * tilt, bounds, speed - 3.0 * tilt, tilt < 14.0)
+    return Curve(tilt, speed + 0.0 * tilt, bounds, speed + 0.0 * tilt, speed - 3.0 * tilt, tilt < 14.0)
 
 
 ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]

@@ -43,7 +43,9 @@ def test_discs_that_meet_head_on_part_with_the_restitution_of_their_cards():
     rows = [(side, 40.0 * k) for k in range(3) for side in (-1, 1)]
     places = [(side * 5.0, y, 0.0 if side < 0 else math.pi) for side, y in rows]
     run = crowd.simulate(
-        doors.crowd(cards, kinds, Dish("rectangle", (300.0, 200.0)), places, seconds=0.06, rate_hz=500.0, seed=1)
+        doors.crowd(
+            cards, kinds, Dish("rectangle", (300.0, 200.0)), places, seconds=0.06, rate_hz=500.0, seed=1, running=True
+        )
     )
     before, after = rates(run.poses, 500.0)
     restitutions = (after[1::2, 0] - after[::2, 0]) / (before[::2, 0] - before[1::2, 0])
@@ -58,7 +60,9 @@ def test_discs_that_meet_off_centre_slide_or_stick_as_the_closed_form_has_it(fri
     offset = 8.0 * math.sin(math.radians(30.0))
     places = [(-9.0, offset, 0.0), (9.0, 0.0, math.pi)]
     run = crowd.simulate(
-        doors.crowd([one], [0, 0], Dish("rectangle", (300.0, 200.0)), places, seconds=0.15, rate_hz=500.0, seed=1)
+        doors.crowd(
+            [one], [0, 0], Dish("rectangle", (300.0, 200.0)), places, seconds=0.15, rate_hz=500.0, seed=1, running=True
+        )
     )
     before, after = rates(run.poses, 500.0)
     push = 0.9 * (after[0] - before[0])[:2]
@@ -79,7 +83,9 @@ def test_a_wall_has_its_own_restitution_and_friction():
     one = glider(wall_restitution=0.7, wall_friction=0.1, restitution=0.1, friction=0.9)
     places = [(30.0, 0.0, math.radians(45.0))]
     run = crowd.simulate(
-        doors.crowd([one], [0], Dish("rectangle", (100.0, 200.0)), places, seconds=0.3, rate_hz=500.0, seed=1)
+        doors.crowd(
+            [one], [0], Dish("rectangle", (100.0, 200.0)), places, seconds=0.3, rate_hz=500.0, seed=1, running=True
+        )
     )
     before, after = rates(run.poses, 500.0)[:, 0]
     assert after[0] == pytest.approx(-0.7 * before[0], rel=0.02)
@@ -91,7 +97,7 @@ def test_a_wall_has_its_own_restitution_and_friction():
 def test_nobody_leaves_a_dish(kind, sizes):
     one, dish = glider(restitution=0.9, wall_restitution=0.9), Dish(kind, sizes)
     places = [(25.0, 0.0, 2.0), (-20.0, 0.0, 0.4), (0.0, 18.0, 3.0), (0.0, -20.0, 1.3)]
-    run = crowd.simulate(doors.crowd([one], [0] * 4, dish, places, seconds=1.0, rate_hz=100.0, seed=1))
+    run = crowd.simulate(doors.crowd([one], [0] * 4, dish, places, seconds=1.0, rate_hz=100.0, seed=1, running=True))
     parts = discs.Discs(np.zeros((1, 2)), np.array([4.0]))
     gaps = [doors.gaps_to_walls(dish, frame[:, :2], parts.radii) for frame in run.poses]
     assert np.min(gaps) > -0.5

@@ -346,8 +346,11 @@ class Known(NamedTuple):
         return self.at(self.place.drawn(self.design, self.scene, drawn))
 
 
-def of(scene: Scene, design: Design, mass: MassProperties) -> Known:
-    """Walker that the surrogate knows. Raises UnknownError, which says why, for one that is to be simulated."""
+def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
+    """Walker that the surrogate knows. Raises UnknownError, which says why, for one that is to be simulated.
+
+    Whoever bears its error, as a fit does, asks for walkers that are not `within_goal` too.
+    """
     for reason in _reasons(scene, design):
         raise UnknownError(reason)
     known = Known(design, scene, place_of(scene, design, mass))
@@ -357,7 +360,7 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Known:
         raise UnknownError("such walkers may fall over")
     speed, se = known.in_mm_s(speeds)
     goal = max(GOAL_SHARE * abs(speed), GOAL_MM_S)
-    if NORMAL_95 * se > goal:
+    if within_goal and NORMAL_95 * se > goal:
         raise UnknownError(f"the surrogate knows it to {NORMAL_95 * se:.2g} mm/s only")
     return known
 
@@ -484,7 +487,7 @@ def _check_ranges(kind: Kind, place: Place) -> None:
         margin = EDGE * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
             words, number, ends = in_words(name, float(value), low, high)
-            raise UnknownError(f"the surrogate knows a {words} of {ends}, not {number}")
+            raise UnknownError(f"the surrogate knows a {words} of {ends} and here it is {number}")
 
 
 def in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:

@@ -50,6 +50,8 @@ class Crowd(NamedTuple):
     seconds: float
     rate_hz: float
     seed: int
+    running: bool = False
+    """Whether they start at the speeds and rates of their cards; else at rest, as walkers in space do."""
 
     @property
     def frames(self) -> int:
@@ -256,12 +258,18 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
 
 
 def _bodies(crowd: Crowd, parts: Mechanics) -> str:
-    """Mass, centre and inertia of each body, which starts at rest as walkers in space do."""
+    """Mass, centre, inertia, velocity and angular momentum of each body, as it starts."""
     rows = [str(len(crowd.places))]
-    for number, (k, (x, y, _)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
+    for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one = parts.motions[k]
         inertia = _n(one.inertia)
-        rows.append(f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 0 0 0 0 0 0 0 0 0")
+        speed = crowd.cards[k].speed_mm_s.number if crowd.running else 0.0
+        vx, vy = speed * math.cos(angle), speed * math.sin(angle)
+        spin = one.inertia * crowd.turning[number - 1] if crowd.running else 0.0
+        rows.append(
+            f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 "
+            f"{_n(vx)} {_n(vy)} 0 0 0 {_n(spin)} 0 0 0"
+        )
     return "\n".join(rows) + "\n"
 
 

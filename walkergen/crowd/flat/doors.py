@@ -32,8 +32,11 @@ def crowd(
     seconds: float,
     rate_hz: float,
     seed: int,
+    running: bool = False,
 ) -> deck.Crowd:
     """A run of N walkers of the cards in a dish. Raises InputError for what no run can be made of.
+
+    They start at rest, or if `running` at their speeds.
 
     `kinds` are numbers of cards, shape (N,), `places` x, y (mm) and heading (rad), shape (N, 3), where no bodies
     overlap.
@@ -63,7 +66,7 @@ def crowd(
             f">= 1, and below {MOST_NUMBERS // (3 * len(where))} for {len(where)} walkers",
         )
     asked = deck.Crowd(
-        cards, numbers.astype(np.int64), dish, where, _turning(cards, numbers, seed), seconds, rate_hz, seed
+        cards, numbers.astype(np.int64), dish, where, _turning(cards, numbers, seed), seconds, rate_hz, seed, running
     )
     _check_rate(asked)
     _check_room(asked)

@@ -50,7 +50,7 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
-            known = surrogate.of(scene, design, solids.mass_of(design))
+            known = surrogate.of(scene, design, solids.mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "
