@@ -46,9 +46,8 @@ def _limit(job: Job, result: Search, extreme: Trial) -> str:
             held.append(f"the {end} bound of --vary {span.key} ({bound:g})")
     missed = int((~result.survey.feasible).sum())
     if missed:
-        held.append(
-            f"what cannot be made or printed, or has no speed without a run ({missed} of {len(result.survey.x)} designs)"
-        )
+        share = f"{missed} of {len(result.survey.x)} designs"
+        held.append(f"what cannot be made or printed, or has no speed without a run ({share})")
     at = ", ".join(f"{key} = {words.number(value, 6)}" for key, value in extreme.values.items())
     if not held:
         return f"within the ranges, at {at}: vary other keys"
