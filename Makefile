@@ -42,7 +42,6 @@ wheel:
 	WALKERGEN_KERNELS=$(or $(KERNELS),all) $(PYTHON) -m build --wheel --no-isolation --outdir $(or $(DIST),dist)
 
 calibrate-models:
-	$(PYTHON) -m evidence.tables.simulate $(ARGS)
 	$(PYTHON) -m evidence.tables.train
 
 # What our numbers rest on, beside what is known outside: an hour; ARGS=--quick: minutes, wider error bars

@@ -77,7 +77,7 @@ HALF_DEG = 16.0
 """Tilt below which half of the tilts lie: speeds change most there."""
 
 ROWS, TESTS = 11_000, 700
-"""Numbers of rows to learn from, and of held-out ones."""
+"""Proportion of rows to learn from and of held-out ones."""
 
 SEED = 44
 

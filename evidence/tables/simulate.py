@@ -1,14 +1,14 @@
-"""Simulation of the rows that the surrogate learns from: `python -m evidence.tables.simulate`.
+"""Simulation of the rows that the surrogate learns from: `python -m evidence.tables.simulate --out FILE`.
 
-Rows stand in rows.csv beside this file, made in their order and added at once: a run that was killed goes on
-from the last whole line. 11 700 rows take three hours of one core.
+Each row of rows.csv states its setting, so all can be simulated again, in five hours of one core; they are added to
+the file one by one, and a run that was killed goes on after the last of them. With `--sampled N` the settings are
+drawn anew (`settings.rows`), held-out ones among them.
 """
 
 import argparse
 import csv
-import time
 from collections.abc import Iterator, Sequence
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
 
 from evidence.tables import settings
@@ -28,7 +28,7 @@ toppled; blank where none tells."""
 
 COLUMNS = ("held_out", *settings.KEYS, *MEASURED)
 
-CHUNK = 16
+CHUNK = 4
 """Rows that a worker takes at a time."""
 
 
@@ -54,11 +54,11 @@ def read(path: Path = ROWS) -> list[Row]:
         return [{key: float(text) if text else None for key, text in line.items()} for line in csv.DictReader(stream)]
 
 
-def wanted() -> Iterator[Row]:
-    """Settings of all rows, held-out ones spread among the others."""
+def sampled(count: int) -> Iterator[Row]:
+    """Settings drawn anew, about so many, held-out ones spread among the others."""
     ratio = settings.ROWS // settings.TESTS
-    tests = settings.rows(settings.TESTS, settings.SEED + 1, held_out=True)
-    for number, row in enumerate(settings.rows(settings.ROWS, settings.SEED, held_out=False)):
+    tests = settings.rows(count // ratio + 1, settings.SEED + 1, held_out=True)
+    for number, row in enumerate(settings.rows(count, settings.SEED, held_out=False)):
         if number % ratio == 0:
             yield from islice(tests, 1)
         yield row
@@ -69,34 +69,29 @@ def line(row: Row) -> list[str]:
     return ["" if (value := row[name]) is None else f"{value:.5g}" for name in COLUMNS]
 
 
-def add(path: Path, rows: Sequence[Row], cores: int, seconds: float) -> None:
-    """Simulate rows in their order, and add them to a file, until the time is over."""
-    end = time.monotonic() + seconds
+def add(path: Path, rows: Sequence[Row], cores: int) -> None:
+    """Simulate rows, and add them to a file in their order."""
     with worker_pool.local(cores) as pool, path.open("a", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         with show.progress("rows", wanted=True) as progress:
-            made = chain.from_iterable(
-                pool.executor.map(measured, rows[first : first + CHUNK * cores], chunksize=1)
-                for first in range(0, len(rows), CHUNK * cores)
-                if time.monotonic() < end
-            )
-            for number, row in enumerate(made, 1):
+            for number, row in enumerate(pool.executor.map(measured, rows, chunksize=CHUNK), 1):
                 writer.writerow(line(row))
                 stream.flush()
                 progress("rows", number, len(rows))
 
 
 def main() -> None:
-    """Simulate the rows that are not there yet."""
+    """Simulate the rows that a file has not yet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--cores", type=int, default=worker_pool.cores(), help="processes to simulate in")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="time to begin rows in")
-    parser.add_argument("--out", type=Path, default=ROWS, help="file of the rows")
+    parser.add_argument("--sampled", type=int, help="settings to draw anew; without: those of rows.csv")
+    parser.add_argument("--out", type=Path, required=True, help="file of the rows")
     options = parser.parse_args()
+    wanted = read() if options.sampled is None else list(sampled(options.sampled))
     done = len(read(options.out)) if options.out.exists() else 0
     if not done:
         options.out.write_text(",".join(COLUMNS) + "\n", encoding="utf-8")
-    add(options.out, list(islice(wanted(), done, None)), options.cores, options.seconds)
+    add(options.out, wanted[done:], options.cores)
 
 
 if __name__ == "__main__":
