@@ -50,11 +50,6 @@ class Compared(NamedTuple):
     falls: float
 
 
-def drawn(count: int) -> Iterator[Row]:
-    """Settings of every key, of the rows' distribution: half as it is, half of few keys."""
-    return settings.rows(count, SEED, held_out=False)
-
-
 def answered(rows: Iterator[Row], counts: list[int]) -> Iterator[Row]:
     """Those of the settings that the surrogate answers; `counts` counts what was asked."""
     for row in rows:
@@ -144,7 +139,9 @@ def main() -> None:
     parser.add_argument("--answered", type=int, default=ANSWERED, help="settings that the surrogate answers")
     options = parser.parse_args()
     counts = [0]
-    chosen = list(islice(answered(drawn(100 * options.answered), counts), options.answered))
+    chosen = list(
+        islice(answered(settings.rows(100 * options.answered, SEED, held_out=False), counts), options.answered)
+    )
     rows: list[Compared] = []
     with worker_pool.local(options.cores) as pool, show.progress("settings", wanted=True) as progress:
         for number, row in enumerate(pool.executor.map(compared, chosen), 1):

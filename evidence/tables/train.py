@@ -4,6 +4,7 @@ Ten networks, each without two tenths of the rows; a few smaller ones say where 
 differ by, times a factor, and a least error are fitted to held-out rows, which no network has seen.
 """
 
+import io
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -214,7 +215,7 @@ def _arrays(networks: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
     return arrays
 
 
-def _error(arrays: Mapping[str, Array], kind: str, unseen: Unseen) -> Array:
+def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
     """Factors of what the networks differ by and of the runs' scatter, and least error: three numbers.
 
     In the proportion that makes the unseen rows likeliest (as Student's t with four degrees of freedom: a few lie
@@ -223,10 +224,8 @@ def _error(arrays: Mapping[str, Array], kind: str, unseen: Unseen) -> Array:
     from scipy.optimize import minimize
     from scipy.stats import t
 
-    layers: list[Layer] = []
-    while f"{kind}_weights{len(layers)}" in arrays:
-        number = len(layers)
-        layers.append(Layer(arrays[f"{kind}_weights{number}"], arrays[f"{kind}_bias{number}"]))
+    count = len(HIDDEN[kind]) + 1
+    layers = [Layer(arrays[f"{kind}_weights{k}"], arrays[f"{kind}_bias{k}"]) for k in range(count)]
     said = (surrogate.evaluated(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
     off, odd = said.mean(axis=0) - unseen.values, np.minimum(np.abs(unseen.factors).sum(axis=1), 1.0)
     parts = np.stack([said.std(axis=0, ddof=1), unseen.scatter * odd, odd])
@@ -286,8 +285,6 @@ def main() -> None:
 
 def _write(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> None:
     """Write the file; equal arrays give equal bytes."""
-    import io
-
     kept = {**arrays, "facts": np.array(json.dumps(facts))}
     stream = io.BytesIO()
     np.savez(stream, allow_pickle=False, **kept, digest=np.array(surrogate.digest_of(kept)))
