@@ -128,7 +128,11 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
 def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
     """Bounds about a mean (mm/s) with the step's error (95 %; None: not known) added in squares."""
     by_step = error or 0.0
-    parts = (by_step, 0.5 * by_step, 0.5 * by_step, by_step)
+    return added(ends, mean, (by_step, 0.5 * by_step, 0.5 * by_step, by_step))
+
+
+def added(ends: Bounds, mean: float, parts: Bounds) -> Bounds:
+    """Bounds about a mean (mm/s) with a further error added to each end in squares."""
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean) for end, part in zip(ends, parts, strict=True)
     )

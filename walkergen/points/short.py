@@ -106,17 +106,15 @@ def spread(record: Record, scene: Scene) -> Spread | None:
     mean = _number(record, "mean")
     if mean is None:  # nothing is unknown, or too few prints walk to tell
         half = 0.5 * (bounds[1] - bounds[0])
-        mean, sd, ends = nominal, half / NORMAL_95, [bounds[0], nominal - half / 2.0, nominal + half / 2.0, bounds[1]]
+        mean, sd = nominal, half / NORMAL_95
+        ends = bounds[0], nominal - half / 2.0, nominal + half / 2.0, bounds[1]
     else:
         sd = float(record["sd"] or 0.0)
-        ends = [float(record[name] or 0.0) for name in ENDS]
+        low2, low1, high1, high2 = (float(record[name] or 0.0) for name in ENDS)
+        ends = low2, low1, high1, high2
     own = float(prediction.with_model_sd(mean, scene))
-    parts = (NORMAL_95 * own, own, own, NORMAL_95 * own)
-    widened = [
-        mean + math.copysign(math.hypot(end - mean, by), end - mean) for end, by in zip(ends, parts, strict=True)
-    ]
-    low2, low1, high1, high2 = widened
-    return Spread(nominal, bounds, mean, math.hypot(sd, own), (low2, low1, high1, high2), "runs")
+    ends = draws.added(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
+    return Spread(nominal, bounds, mean, math.hypot(sd, own), ends, "runs")
 
 
 def _number(record: Record, name: str) -> float | None:

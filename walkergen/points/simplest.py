@@ -9,7 +9,6 @@ from walkergen.points import variants
 from walkergen.points.measure import FIRST_RUNS, Measured, measure
 from walkergen.points.tolerance import Tolerance
 from walkergen.points.variants import Change, Pairs, Variant
-from walkergen.points.walkers import error_of_speed
 from walkergen.simulation.effects import rules
 from walkergen.simulation.effects.effect import ModelName, value_of
 from walkergen.simulation.effects.resolve import changed
@@ -28,8 +27,7 @@ class Decided(NamedTuple):
     def verdict(self, measured: Measured[Pairs]) -> Verdict:
         """How the change lies within the error that the scene's speed allows."""
         pairs, records = measured.experiment, measured.records
-        error = error_of_speed(self.tolerance, pairs.walker.shaken).allowed(pairs.speed(records).value)
-        return pairs.changes(records)[0].speed.within(-error, error)
+        return variants.verdict(pairs.walker, pairs.speed(records), pairs.changes(records)[0], self.tolerance)
 
     def further(self, measured: Measured[Pairs]) -> Measured[Pairs] | None:
         """Twice the pairs."""

@@ -11,7 +11,9 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.numerics import quantity
-from walkergen.numerics.quantity import Quantity
+from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.points.tolerance import Tolerance
+from walkergen.points.walkers import error_of_speed
 from walkergen.simulation import orbits
 from walkergen.simulation.batch import OneRun
 from walkergen.simulation.effects import harmonic, rules
@@ -99,6 +101,12 @@ class Pairs(NamedTuple):
             speed = _difference(pairs, self.walker.shaken.peak_speed, f"change_{place}")
             changes.append(Change(variant.effect, variant.change, speed, cpu))
         return changes
+
+
+def verdict(walker: Walker, speed: Quantity, change: Change, tolerance: Tolerance) -> Verdict:
+    """How a change lies within the error that a walker's speed may have, with 95 % confidence."""
+    error = error_of_speed(tolerance, walker.shaken).allowed(speed.value)
+    return change.speed.within(-error, error)
 
 
 def _difference(pairs: Sequence[tuple[RunResult, RunResult]], plate_speed: float, key: str) -> Quantity:

@@ -13,7 +13,6 @@ from walkergen.points import variants
 from walkergen.points.measure import Budget, Runs
 from walkergen.points.tolerance import Tolerance
 from walkergen.points.variants import Change, Pairs, Variant
-from walkergen.points.walkers import error_of_speed
 from walkergen.simulation.experiments import Walker
 
 if TYPE_CHECKING:
@@ -138,8 +137,7 @@ def _largest(every: Sequence[Variant], alone: Measured) -> list[Variant]:
 
 def _within(walker: Walker, alone: Measured, change: Change, level: float) -> bool:
     """Whether a change is within a share of the speed, with 95 % confidence."""
-    allowed = error_of_speed(Tolerance(level, relative=True), walker.shaken).allowed(alone.speed.value)
-    return change.speed.within(-allowed, allowed) is Verdict.AGREE
+    return variants.verdict(walker, alone.speed, change, Tolerance(level, relative=True)) is Verdict.AGREE
 
 
 def _spared(walker: Walker, every: Sequence[Variant], alone: Measured) -> tuple[list[Variant], float]:
