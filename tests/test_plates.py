@@ -185,10 +185,10 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
 
 
 def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
-    words = ("family", "--copies", "5:2,10:2", "--legs", "flexible", "--no-pictures", "--quiet", "--out", "here")
+    words = ("family", "--copies", "8:2,9:2", "--legs", "flexible", "--no-pictures", "--quiet", "--out", "here")
     assert run(*words).exit_code == 0
     path = tmp_path / "here" / "weights.csv"
-    path.write_text(path.read_text().replace("s0.40,,,", "s0.40,,,0.05"))
+    path.write_text(path.read_text().replace("s0.40,,,", "s0.40,,,0.04"))
     text = path.read_text()
     assert run(*words, "--weights", str(path)).exit_code == 0
     assert run(*words).exit_code == 0  # and a print without it does not sweep it away
@@ -196,16 +196,16 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     assert run(*words, "--weights", str(path)).exit_code == 0
     rows = table(tmp_path / "here" / "family.csv")
     for row in rows:
-        assert float(row["m_g"]) == 0.05
+        assert float(row["m_g"]) == 0.04
         assert float(row["speed_mm_s"]) < 0.9 * float(row["speed_mesh_mm_s"])
     assert "## Weighed" in (tmp_path / "here" / "family.md").read_text()
     manifest = json.loads((tmp_path / "here" / "manifest.json").read_text())
-    assert manifest["weighed"]["walker_t05.0_flexible_s0.40"]["leg_g"]["mean"] == 0.05
+    assert manifest["weighed"]["walker_t08.0_flexible_s0.40"]["leg_g"]["mean"] == 0.04
     assert manifest["copies"] == [2, 2]
-    shown = run("predict", "--tilt", "5,10", "--weights", str(path)).stdout
+    shown = run("predict", "--tilt", "8,9", "--weights", str(path)).stdout
     assert "mesh's" in shown
     assert max(len(line) for line in shown.splitlines()) <= 80
-    told = json.loads(run("predict", "--tilt", "5,10", "--weights", str(path), "--json").stdout)
+    told = json.loads(run("predict", "--tilt", "8,9", "--weights", str(path), "--json").stdout)
     assert told["rows"][0]["speed_mesh_mm_s"] > told["rows"][0]["speed_mm_s"]
 
 

@@ -3,9 +3,16 @@
 import pytest
 
 from walkergen.points import short, speeds
+from walkergen.points.store import Store
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+
+
+@pytest.fixture(autouse=True)
+def own_store(tmp_path, monkeypatch):
+    monkeypatch.setattr(short, "Store", lambda: Store(tmp_path / "points.sqlite"))
+
 
 PLATE = {"frequency_hz": 90.0, "gamma": 1.8}
 

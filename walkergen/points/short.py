@@ -41,7 +41,8 @@ FALLS_ALL = 0.5
 
 
 def _key(walker: Walker) -> str:
-    return f"speed {walker.key} {digest()}"
+    """Key of a walker's numbers, and of how long it runs for them."""
+    return f"speed {walker.key} {digest()} {LONGEST_S:g} {MOST_RUNS} {PRINTS} {PRINT_S:g}"
 
 
 def kept(walker: Walker) -> Record | None:
