@@ -146,16 +146,6 @@ def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
 
 
 @with_lammps
-@pytest.mark.slow
-def test_without_drag_round_ones_that_meet_head_on_keep_the_restitution_of_the_card():
-    """Closed form: masses that meet head on part with e times their approach."""
-    one = silent(outline_mm=[DISC], velocity_relaxation_s=1e6, restitution=0.6, friction=0.0)
-    found = checks.pairs_in_plane(setting.QUICK._replace(pair_runs=1), one)
-    # Sixteen steps in a touch cost up to 0.035, always downwards
-    assert found["head on"]["velocity_kept"].value == pytest.approx(0.58, abs=0.02)
-
-
-@with_lammps
 @pytest.mark.nightly
 def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
     tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 1)
