@@ -162,6 +162,19 @@ def test_numbers_equal_those_of_predict(doors, tmp_path, chosen):
 
 
 @pytest.mark.slow
+def test_a_walker_that_only_runs_know_has_the_number_of_predict(doors, tmp_path):
+    chosen = document(legs__length_mm=10.1)
+    assert not json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])["sentence"]["sure"]
+    events = doors.ask("run", {"document": chosen, "short": True}, leave_s=300.0).events
+    assert all(event.keys() == {"progress"} for event in events)
+    facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
+    words = documents.arguments(documents.read(chosen, doors.server.place), "predict", "--json")
+    (row,) = json.loads(command(tmp_path, words))["rows"]
+    assert facts["sentence"]["sure"]
+    assert {key: row[key] for key in facts["row"]} == facts["row"]
+
+
+@pytest.mark.slow
 def test_numbers_of_a_run_equal_those_of_simulate(doors, tmp_path):
     event = doors.ask("run", {"document": CHANGED}).events[-1]
     words = documents.arguments(documents.read(CHANGED, doors.server.place), "simulate", "--json")

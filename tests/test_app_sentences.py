@@ -9,7 +9,14 @@ from walkergen.files import templates
 def row(middle, low, high, by="surrogate"):
     """Row of a prediction by its median and the ends of 68 %."""
     ends = {"speed_low_68_mm_s": low, "speed_high_68_mm_s": high}
-    return {"speed_mm_s": middle, **ends, "speed_low_95_mm_s": None, "speed_high_95_mm_s": None, "speed_by": by}
+    return {
+        "speed_mm_s": middle,
+        **ends,
+        "speed_low_95_mm_s": None,
+        "speed_high_95_mm_s": None,
+        "speed_by": by,
+        "falls": 0.0,
+    }
 
 
 @pytest.mark.parametrize(
@@ -20,13 +27,18 @@ def row(middle, low, high, by="surrogate"):
         (row(0.4, -2.0, 3.0), "stands", "stands, as far as can be told: between 2.0 to the left and 3.0 to the right."),
         (row(9.5, 5.0, 15.0), "forward", "about 9.5 mm/s"),
         (row(9.96, 5.0, 15.0), "forward", "about 10 mm/s"),
-        (row(None, None, None), "unknown", "Let it run"),
+        (row(None, None, None), "unknown", "Runs of seconds"),
     ],
 )
 def test_a_speed_is_a_sentence(asked, kind, words):
     speed = sentences.speed(asked)
     assert speed.kind == kind
     assert words in speed.text
+
+
+def test_a_walker_that_falls_is_said_to():
+    speed = sentences.speed(row(None, None, None) | {"falls": 0.75})
+    assert speed == ("falls over in 75 % of its runs.", "falls", True)
 
 
 def test_a_speed_that_a_run_has_yet_to_tell_is_not_sure():

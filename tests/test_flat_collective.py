@@ -28,7 +28,7 @@ def shells(run, side, edges):
 
 
 @with_lammps
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("packing", [0.2, 0.45])
 def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     """g at contact by Henderson's equation of state of hard discs: (1 - 7 phi/16)/(1 - phi)^2."""

@@ -205,7 +205,7 @@ def measured(table):
     return {row["quantity"]: row for row in wg.analyse(table).table}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.programs
 def test_a_film_of_simulated_walkers_is_measured_as_their_own_tracks_are(tmp_path):
     """Walkers with caps run in space; a phone films them askew, with blur, at 1 Mbit/s."""

@@ -277,8 +277,13 @@ PLASTIC = {
 """Nearly plastic feet, as those of MuJoCo, whose tree of rigid bodies has no twist."""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("tilt", "push", "turned", "share"), [(0.0, 1.8, False, 0.05), (10.0, 3.0, True, 0.2)])
+@pytest.mark.parametrize(
+    ("tilt", "push", "turned", "share"),
+    [
+        pytest.param(0.0, 1.8, False, 0.05, marks=pytest.mark.slow),
+        pytest.param(10.0, 3.0, True, 0.2, marks=pytest.mark.nightly),
+    ],
+)
 def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned, share):
     """Nearly plastic feet; -15.5 for MuJoCo's -15.5 +- 0.1, and 48.9 for 44.9 +- 1.1 mm/s."""
     drive = throwing(push, axis="across", reversed=turned)

@@ -1,4 +1,6 @@
-"""Child of the server that simulates a walker: a first number soon, a run to be played, then all that was asked for."""
+"""Child of the server that simulates a walker: its prediction by runs of seconds; or, for who lets it run, a first
+number soon, a run to be played, then all that was asked for.
+"""
 
 import contextlib
 import sys
@@ -10,6 +12,7 @@ from walkergen.app.document import SOURCE, Document
 from walkergen.errors import WalkergenError
 
 if TYPE_CHECKING:
+    from walkergen.files.progress import Progress
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
@@ -24,11 +27,14 @@ PAUSE_S = 0.2
 
 
 def main() -> int:
-    """Simulate the document that the server sent, in `short` only the first number; returns the exit code."""
+    """Simulate the document that the server sent, `short` only what its prediction needs; returns the exit code."""
     sent = children.listen()
     document = Document(**sent["document"])
     try:
-        _simulate(document.design(), document.ground(), bool(sent["short"]))
+        if sent["short"]:
+            _predict(document.design(), document.ground())
+        else:
+            _simulate(document.design(), document.ground())
     except WalkergenError as error:
         for line in str(error).splitlines():
             print(f"error: {line.removeprefix(f'{SOURCE}: ')}", file=sys.stderr)
@@ -36,16 +42,21 @@ def main() -> int:
     return 0
 
 
-def _simulate(design: "Design", scene: "Scene", short: bool) -> None:
+def _predict(design: "Design", scene: "Scene") -> None:
+    """Predict a walker that nothing knows without runs, which the store then has for whoever asks again."""
+    from walkergen.jobs.run.predict import make
+
+    make.predict(design, [design], scene, "coulomb", progress=_teller())
+
+
+def _simulate(design: "Design", scene: "Scene") -> None:
     from walkergen.jobs.make.family import play
 
     run = scene.run
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
-    if short or run.seconds * run.runs > 2.0 * seconds * runs:
+    if run.seconds * run.runs > 2.0 * seconds * runs:
         few = run.model_copy(update={"seconds": seconds, "runs": runs})
         children.say(_measured(design, scene.model_copy(update={"run": few})) | {"first": True})
-    if short:
-        return
     with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
         children.say({"played": play.run(design, scene, seconds=PLAYED_S)})
     children.say(_measured(design, scene) | {"first": False})
@@ -56,6 +67,12 @@ def _measured(design: "Design", scene: "Scene") -> dict[str, Any]:
     from walkergen.jobs.run.simulate import make, report
     from walkergen.walker import solids
 
+    facts = report.of(make.measure(make.asked(scene, design, solids.mass_of(design)), _teller())).facts
+    return {"facts": facts, "text": sentences.run(facts)}
+
+
+def _teller() -> "Progress":
+    """Progress that the page hears of, not too often."""
     said = 0.0
 
     def tell(what: str, done: int, total: int) -> None:
@@ -64,8 +81,7 @@ def _measured(design: "Design", scene: "Scene") -> dict[str, Any]:
             said = time.monotonic()
             children.say({"progress": [what, done, total]})
 
-    facts = report.of(make.measure(make.asked(scene, design, solids.mass_of(design)), tell)).facts
-    return {"facts": facts, "text": sentences.run(facts)}
+    return tell
 
 
 if __name__ == "__main__":

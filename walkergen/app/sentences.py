@@ -38,7 +38,7 @@ TITLES: Mapping[str, str] = {
 TABLE = "table-motor"
 """Scene of walkers that carry a motor."""
 
-Kind = Literal["forward", "backward", "stands", "unknown"]
+Kind = Literal["forward", "backward", "stands", "falls", "unknown"]
 
 
 class Speed(NamedTuple):
@@ -56,8 +56,10 @@ def speed(row: Mapping[str, Any]) -> Speed:
     The quartiles follow from the ends of 68 %, to either side as of a normal distribution.
     """
     middle, low, high = (row[f"{key}_mm_s"] for key in ("speed", "speed_low_68", "speed_high_68"))
+    if middle is None and row["falls"] > 0.0:
+        return Speed(f"falls over in {100.0 * row['falls']:.0f} % of its runs.", "falls", True)
     if middle is None or low is None or high is None:
-        return Speed("Let it run: a run of seconds tells how fast.", "unknown", False)
+        return Speed("Runs of seconds tell how fast.", "unknown", False)
     if low <= 0.0 <= high:
         return Speed(f"stands, as far as can be told: {_between(low, high)}.", "stands", True)
     quarter, most = (middle + QUARTILE * (end - middle) for end in (low, high))

@@ -3,7 +3,7 @@
 import { ask, askFile, byId, events } from './ask.js';
 import { playCrowd } from './dish.js';
 import { make, nameOf } from './form.js';
-import { showShort, tableRow } from './outlook.js';
+import { showWaiting, tableRow } from './outlook.js';
 import { playRun } from './part.js';
 import { change, current, without } from './state.js';
 
@@ -196,8 +196,13 @@ export function startJobs() {
   };
 }
 
-/** Short run of a walker whose speed nothing else tells; `settle` it again with every change. */
+/** Runs of seconds of a walker whose speed nothing else tells; whether the server has them now. */
 export async function runShort(signal) {
-  for await (const event of events('run', { document: current(), short: true }, signal))
-    if (event.facts) showShort(event);
+  for await (const { progress, refused } of events('run', { document: current(), short: true }, signal)) {
+    if (progress) showWaiting(`Being simulated: ${Math.floor((100 * progress[1]) / progress[2])} %.`);
+    if (!refused) continue;
+    showWaiting(refused.join('\n'));
+    return false;
+  }
+  return true;
 }

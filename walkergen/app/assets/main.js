@@ -56,7 +56,7 @@ let short = null; // run that tells what nothing else does
 const shortSoon = settled(() => {
   if (!walker || walker.facts.sentence.sure) return;
   short = new AbortController();
-  runShort(short.signal).catch(() => {});
+  runShort(short.signal).then((told) => told && refresh(), () => {});
 }, SHORT_MS);
 
 const lookSoon = settled(look, SETTLED_MS);

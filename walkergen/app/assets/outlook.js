@@ -155,9 +155,9 @@ export function showSpeed(facts) {
   drawChart();
 }
 
-/** Say what a short run tells of a walker whose speed nothing else does. */
-export function showShort({ text }) {
-  say({ text, sure: true });
+/** Say what is to be waited for, of a walker whose speed only runs tell. */
+export function showWaiting(text) {
+  say({ text, sure: false });
 }
 
 /** Show what follows more slowly: the curve, what the printer makes of it, words. */
