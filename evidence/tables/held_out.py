@@ -20,9 +20,11 @@ from walkergen.cli import show
 from walkergen.errors import WalkergenError
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
+from walkergen.points.short import FALLS_ALL
 from walkergen.scene import Run
 from walkergen.simulation.experiments import Walker
 from walkergen.theory import surrogate
+from walkergen.theory.prediction import STANDS_MM_S
 from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, UnknownError
 from walkergen.walker import solids
 
@@ -80,6 +82,19 @@ def compared(row: Row) -> Compared | None:
     )
 
 
+def right(row: Compared) -> bool:
+    """Whether what a person is told happens: it runs that way, or stands within 1 mm/s, and does not fall over.
+
+    As far as the direct runs tell: within their own 95 % either is right.
+    """
+    if row.falls >= FALLS_ALL or row.direct_mm_s is None:
+        return False
+    noise = NORMAL_95 * (row.direct_se_mm_s or 0.0)
+    if abs(row.surrogate_mm_s) < STANDS_MM_S and abs(row.surrogate_mm_s) <= row.half_95_mm_s:
+        return abs(row.direct_mm_s) < STANDS_MM_S + noise
+    return row.surrogate_mm_s * row.direct_mm_s > 0.0 or abs(row.direct_mm_s) <= noise
+
+
 def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
     """What came out, a line a goal; the direct runs' own 95 % are added in squares."""
     good = [row for row in rows if row.direct_mm_s is not None and row.direct_se_mm_s is not None]
@@ -99,6 +114,7 @@ def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
         f"within the stated 95 %: {100 * np.mean(off <= np.hypot(half, noise)):.1f} %",
         f"mean of surrogate less direct: {np.mean(said - direct):+.2f} mm/s",
         f"runs that fell over in {100 * falls:.1f} % of the settings",
+        f"what happens (runs on, backward, stands, falls over) as said in {100 * np.mean([*map(right, rows)]):.1f} %",
     ]
 
 
