@@ -221,3 +221,17 @@ def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
     floor = marked.body.vertices[np.isclose(marked.body.vertices[:, 1], 1.5 - disc.marks.depth_mm)]
     tip = floor[np.argmax(floor[:, 0])]
     assert tip[2] == pytest.approx(0.5 * (floor[:, 2].min() + floor[:, 2].max()), abs=0.5)  # a letter of the font
+
+
+def test_a_family_shows_what_was_taken_of_a_picture(tmp_path):
+    path = picture(tmp_path / "blob.png", 250, 20)
+    wg.family(path, tilt=10, out=tmp_path / "family")
+    assert (tmp_path / "family" / "taken.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_shape_on_which_no_legs_stand_is_drawn_with_its_trouble(tmp_path):
+    path = tmp_path / "ball.stl"
+    trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(path)
+    with pytest.raises(GeometryError, match=r"base = true.*drawn in .*trouble\.png"):
+        wg.family(path, out=tmp_path / "out")
+    assert [found.name for found in (tmp_path / "out").iterdir() if not found.name.startswith(".")] == ["trouble.png"]

@@ -192,7 +192,8 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
             f"{where(_split_key(key), source, text)}: {problem}"
             for key, problem in zip(at_fault, problems, strict=True)
         ]
-        raise type(error)("\n".join(lines), *at_fault) from None
+        error.args, error.keys = ("\n".join(lines),), tuple(at_fault)  # the same error, with what it holds
+        raise error from None
     except ValidationError as error:
         mistakes = error.errors()
         told = mistakes[:MOST_MISTAKES]

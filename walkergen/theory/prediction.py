@@ -151,6 +151,16 @@ def stands(row: Prediction) -> bool:
     return row.speed_by == "statics" or (slow and low <= 0.0 <= high)
 
 
+def brief(row: Prediction) -> str:
+    """What a walker does, in a few words: its speed, or that it stands, falls over or is to be simulated."""
+    speed = row.speed_mm_s
+    if speed is None:
+        return "falls over" if row.falls > 0.0 else "no speed yet"
+    if stands(row):
+        return "stands"
+    return f"{words.with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s{' back' if speed < 0.0 else ''}"
+
+
 def sentence(row: Prediction) -> str:
     """What a maker wants to hear of a walker's speed."""
     speed, nominal = row.speed_mm_s, row.nominal_mm_s

@@ -72,6 +72,25 @@ DIGITS = 6
 """Decimals of places and widths, mm: what is symmetric is so to the last bit."""
 
 
+class UnplacedError(GeometryError):
+    """Body under which no legs stand."""
+
+    body: Body
+    legs: Legs
+
+
+class Room(NamedTuple):
+    """Room for legs under a body, seen from above, (along, across), mm."""
+
+    ground: "BaseGeometry"
+    free: "BaseGeometry"
+    """What legs of the least width may cover."""
+    centre: tuple[float, float]
+    """Centre of mass."""
+    radius: float
+    """Distance from it, in every direction, to which feet must reach."""
+
+
 class Reach(NamedTuple):
     """What a leg takes up along the run, mm, from its foot."""
 
@@ -123,15 +142,15 @@ class Placement(NamedTuple):
 def placed(body_key: str, legs_key: str) -> Placement:
     """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
 
-    Raises GeometryError where none stand, with what would help.
+    Raises UnplacedError where none stand, with what would help.
     """
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     try:
         return _placed(body, legs)
     except GeometryError as error:
-        raise GeometryError(
-            f"legs.place: {error}; what helps: {', or '.join(_remedies(body, legs))}", "legs.place"
-        ) from None
+        mistake = UnplacedError(f"legs.place: {error}; what helps: {', or '.join(_remedies(body, legs))}", "legs.place")
+        mistake.body, mistake.legs = body, legs
+        raise mistake from None
 
 
 def _placed(body: Body, legs: Legs) -> Placement:
@@ -154,6 +173,27 @@ def _placed(body: Body, legs: Legs) -> Placement:
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
             continue
     raise GeometryError("its underside is too narrow or too steep for legs")
+
+
+def room(body: Body, legs: Legs) -> Room:
+    """Room for legs under a body. Raises GeometryError for a body that has no shape."""
+    import shapely
+
+    size = body.shape.size
+    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _ground(body)
+    reach = _reach(leg)
+    left, _, right, _ = ground.bounds
+    places = np.linspace(left - reach.front, right - reach.back, 4 * TRIES)
+    covered = _covered(ground.buffer(-EDGE_MM), places + reach.back, places + reach.front)
+    tops = [
+        shapely.box(place + reach.back, low, place + reach.front, high)
+        for place, pieces in zip(places.tolist(), covered, strict=True)
+        for low, high in pieces
+        if high - low >= NARROWEST_MM
+    ]
+    radius = 0.5 * STEADY * (up - leg.foot_height)
+    return Room(ground, shapely.union_all(tops), (along, across), radius)
 
 
 def _remedies(body: Body, legs: Legs) -> list[str]:

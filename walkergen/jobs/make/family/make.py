@@ -113,6 +113,8 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
             written.write(folder, job.pictures)
         if job.pictures:
             folder.write("preview.png", _preview(job, walkers))
+            if (picture := _taken(job.design)) is not None:
+                folder.write("taken.png", picture)
         facts = _facts(job, layout.findings, time.perf_counter() - started)
         if job.page:
             from walkergen.jobs.make.family import page
@@ -124,6 +126,23 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     return written
 
 
+def drawn(error: GeometryError, path: Path | None) -> GeometryError:
+    """Mistake of a design; of a body under which no legs stand with its picture, written into a folder.
+
+    Raises OutputError.
+    """
+    from walkergen.walker.placing import UnplacedError
+
+    if path is None or not isinstance(error, UnplacedError):
+        return error
+    from walkergen.files import figures
+    from walkergen.jobs.make.family import trouble
+
+    with Folder(path, "") as folder:
+        folder.write("trouble.png", figures.png(trouble.figure(error), 100))
+    return GeometryError(f"{error}; drawn in {path / 'trouble.png'}", *error.keys)
+
+
 def _played(job: Job, scene: Scene) -> dict[str, Any]:
     """Run of a member for the page to play. Raises InputError where walkers do not move in space."""
     from walkergen.jobs.make.family import play
@@ -133,12 +152,22 @@ def _played(job: Job, scene: Scene) -> dict[str, Any]:
     return play.run(job.members[number], scene, "--run ") | {"member": number}
 
 
+def _taken(design: Design) -> bytes | None:
+    """Picture (PNG) of what was taken of a photograph; None for other bodies."""
+    from walkergen.files import figures
+    from walkergen.jobs.make.family import taken
+
+    source = taken.source(design)
+    return None if source is None else figures.png(taken.figure(source), 100)
+
+
 def _preview(job: Job, walkers: Sequence[Member]) -> bytes:
     """Picture (PNG) of all members, side by side."""
     from walkergen.files import figures
     from walkergen.jobs.make.family import preview
 
-    parts = [preview.Part(member.design, member.mesh) for member in walkers]
+    said = [prediction.brief(member.row) if len(walkers) <= preview.FEW else "" for member in walkers]
+    parts = [preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, said, strict=True)]
     return figures.png(preview.preview_figure(parts, job.design.name), 150)
 
 

@@ -50,16 +50,17 @@ class Part(NamedTuple):
     mesh: Mesh
     caption: str = ""
     """Lines below the picture in place of its own."""
+    speed: str = ""
+    """What it does, in a line below that."""
     low: bool = False
     """True to see a body in plan view as other bodies are, with its legs."""
 
     @property
     def label(self) -> str:
-        """Words below the picture: the tilt, unless every leg has its own, and the kind of legs."""
-        if self.caption:
-            return self.caption
+        """Words below the picture: the tilt, unless every leg has its own, the kind of legs, what it does."""
         kind = self.design.kind
-        return f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
+        name = f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
+        return "\n".join(filter(None, (self.caption or name, self.speed)))
 
     @property
     def carried(self) -> dict[str, Mesh]:
@@ -147,12 +148,14 @@ def _rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
 
 
 def _rule(axes: Axes, part: Part, at: Array) -> None:
-    """Draw a scale bar from `at` along the bodies, as they are seen, with its length."""
+    """Draw a scale bar from `at` along the bodies, as they are seen, with its length; it points forward."""
     length = rounded_down(RULER * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
+    forward = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.2, "mutation_scale": 12.0}
+    axes.annotate("", end, at, arrowprops=forward)
     axes.annotate(
-        f"{length:g} mm along the body",
+        f"{length:g} mm along the body, forward",
         (end[0], end[1]),
         xytext=(8, 0),
         textcoords="offset points",

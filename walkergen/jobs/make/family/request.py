@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from walkergen import inputs, request
+from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
 from walkergen.request import Flag
 
@@ -74,7 +75,11 @@ class FamilyRequest(request.Request):
             self.refuse("is for --page", "run_in")
         run_in = None if self.run_in is None else inputs.of({}, {}, ["scene"]).scene(self.run_in)
         given = self.inputs()
-        design, scene = given.design(self.design), given.scene(self.scene)
+        scene = given.scene(self.scene)
+        try:
+            design = given.design(self.design)
+        except GeometryError as error:
+            raise make.drawn(error, self.folder(Path("out") / "trouble")) from None
         inputs.check_mode(self.mode, scene)
         members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=True)
         masses, unused = inputs.weighed(self.weights, members)
