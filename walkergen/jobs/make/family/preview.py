@@ -10,6 +10,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch
 
 from walkergen.files.canvas import rounded_down
 from walkergen.files.figures import COLOURS, style
@@ -152,8 +153,8 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
     length = rounded_down(RULER * part.design.size.length)
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
-    forward = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.2, "mutation_scale": 12.0}
-    axes.annotate("", end, at, arrowprops=forward)
+    ends = (at[0], at[1]), (end[0], end[1])
+    axes.add_patch(FancyArrowPatch(*ends, arrowstyle="-|>", color="black", mutation_scale=12.0, shrinkA=0, shrinkB=0))
     axes.annotate(
         f"{length:g} mm along the body, forward",
         (end[0], end[1]),
