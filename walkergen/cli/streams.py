@@ -9,6 +9,7 @@ import _thread
 import atexit
 import io
 import os
+import signal
 import sys
 import threading
 from typing import Any, NoReturn
@@ -76,11 +77,19 @@ def hear_everywhere() -> None:
 
     def again(lost: Any) -> None:
         if isinstance(lost.exc_value, KeyboardInterrupt):
-            threading.Timer(1e-3, _thread.interrupt_main).start()  # in here it would be lost anew
+            threading.Timer(1e-3, _interrupt).start()  # in here it would be lost anew
         else:
             before(lost)
 
     sys.unraisablehook = again
+
+
+def _interrupt() -> None:
+    """Interrupt the main thread, where it can be also while it waits for the system."""
+    if sys.platform == "win32":
+        _thread.interrupt_main()
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
 def give_up() -> None:

@@ -67,8 +67,13 @@ def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
 
 
 def with_error(heading: str, key: str, se: str) -> Column:
-    """Column of numbers with their standard errors, to two digits of these."""
-    return Column(heading, lambda row: words.with_error(getattr(row, key), getattr(row, se)))
+    """Column of numbers with their standard errors, to two digits of these; None is blank, an error of None unsaid."""
+
+    def cell(row: Any) -> str:
+        value = getattr(row, key)
+        return "" if value is None else words.with_error(value, getattr(row, se) or 0.0)
+
+    return Column(heading, cell)
 
 
 def span(heading: str, low: str, high: str, digits: int = 4) -> Column:
