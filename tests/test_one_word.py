@@ -104,9 +104,9 @@ def test_paths_that_cross_or_touch_are_united(tmp_path, name):
 def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
     path = svg(tmp_path, "M0 0H20V10H0ZM25 0H30V10H25ZM35 5h0.1v0.1h-0.1z")
     joined, alone = of(path), of(path, **{"body.base": False})
-    assert "left out 1 specks; joined 2 pieces by a base plate" in joined.notes[0]
+    assert "left out 1 speck; joined 2 pieces by a base plate" in joined.notes[0]
     assert joined.size.length == pytest.approx(32.0, abs=0.01)
-    assert "left out 1 pieces beside the largest" in alone.notes[0]
+    assert "left out 1 piece beside the largest" in alone.notes[0]
     assert alone.size[::2] == pytest.approx((20.0, 10.0))
 
 

@@ -167,6 +167,7 @@ def test_a_cavity_is_part_of_its_body_but_not_beside_it():
     hollow = hostile.together(BOX, hostile.inverted(hostile.box(2.0, 2.0, 2.0)))
     faults.refuse(hollow, "hollow")
     assert mass.weigh(hollow, 1.0).volume == pytest.approx(952.0)
+    assert solids.bodies(hollow) == 1  # as it is checked before the print
     beside = hostile.inverted(hostile.box(2.0, 2.0, 2.0, middle=(30.0, 0.0, 0.0)))
     assert "second body, inside out" in _fault(hostile.together(BOX, beside))
 
@@ -270,7 +271,7 @@ def test_repair_says_what_it_changed(tmp_path):
     assert told.startswith("dropped 1 triangles without area and 2 doubled")
     crumb = hostile.box(1.0, 1.0, 1.0, middle=(0.0, 20.0, 0.0))
     told, volume = mended(hostile.together(BOX, crumb))
-    assert told.startswith("dropped 1 bodies of 1 mm^3")
+    assert told.startswith("dropped 1 body of 1 mm^3")
     told, volume = mended(hostile.together(BOX, hostile.box(4.0, 20.0, 4.0)))
     assert told.startswith("united 2 bodies to 1")
     assert volume == pytest.approx(960.0 + 4.0 * 14.0 * 4.0, rel=1e-6)
@@ -298,7 +299,7 @@ def test_bodies_apart_are_joined_by_a_plate_or_the_largest_is_taken(tmp_path):
     faults.refuse(joined.mesh, "joined")
     assert joined.changes == ("joined 2 bodies by a base plate",)
     alone = own_mesh.read(path, Wishes(repair=True))
-    assert alone.changes == ("left out 1 bodies beside the largest",)
+    assert alone.changes == ("left out 1 body beside the largest",)
     assert mass.weigh(alone.mesh, 1.0).volume == pytest.approx(960.0)
     assert mass.weigh(joined.mesh, 1.0).volume > 960.0 + 200.0
 

@@ -61,7 +61,7 @@ def test_what_browsers_read_and_resvg_does_not(name, expected, tmp_path):
     ("body", "before", "size", "note"),
     [
         (f'<rect width="100%" height="100%" fill="#ffffff"/>{BAR}', "", (28, 8), "white rectangle"),
-        (f'<path d="M0 0h40v20H0z" fill="none"/>{BAR}', "", (28, 8), "left out 1 shapes that nobody sees"),
+        (f'<path d="M0 0h40v20H0z" fill="none"/>{BAR}', "", (28, 8), "left out 1 shape that nobody sees"),
         (f"<style>@media print{{.g{{display:none}}}}</style><g class='g'>{BAR}</g>", "", (28, 8), None),
         (f"<style media='print'>path{{display:none}}</style>{BAR}", "", (28, 8), None),
         (BAR, ILLUSTRATOR, (28, 8), None),

@@ -32,6 +32,11 @@ def fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
+def count(number: int, one: str, many: str) -> str:
+    """Number of things with their name, in the singular for one."""
+    return f"{number} {one if number == 1 else many}"
+
+
 def value(text: str) -> float | None:
     """Finite number that a text stands for, in plain digits, zero without a sign; None for others.
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from walkergen import extras
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import reading, words
 from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, flatten, meet
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     contours, notes = _joined(curves, size, source)
     contours, frames = _without_frame([scale * contour for contour in contours])
     if doubles:
-        notes.insert(0, f"left out {doubles} lines that are drawn twice")
+        notes.insert(0, f"left out {words.count(doubles, 'line that is', 'lines that are')} drawn twice")
     return Drawing([Shape(contours, nonzero=False)], (*notes, *frames))
 
 

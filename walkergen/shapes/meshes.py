@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import reading, words
 from walkergen.shapes import faults, modeller, obj, repairs, stl, threemf
 from walkergen.shapes.mesh import Mesh
 from walkergen.shapes.threemf import MOST_TRIANGLES, Part
@@ -69,7 +69,9 @@ def load(path: Path, source: str) -> Loaded:
     parts = _printed([part for part, _ in welded], source)
     notes += _left_out([part for part, _ in welded])
     if merged_corners := sum(count for _, count in welded):
-        notes.append(f"merged {merged_corners} corners that differ by rounding alone")
+        notes.append(
+            f"merged {words.count(merged_corners, 'corner that differs', 'corners that differ')} by rounding alone"
+        )
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
@@ -164,7 +166,14 @@ def _left_out(parts: list[Part]) -> list[str]:
     """What was cut away and what was left out of a file, in words."""
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
-    return [*notes, *([f"left out {roles['other']} modifiers or supports"] if roles["other"] else [])]
+    return [
+        *notes,
+        *(
+            [f"left out {words.count(roles['other'], 'modifier or support', 'modifiers or supports')}"]
+            if roles["other"]
+            else []
+        ),
+    ]
 
 
 def _welded(part: Part) -> tuple[Part, int]:

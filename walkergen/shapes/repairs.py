@@ -11,6 +11,7 @@ from collections.abc import Callable
 import manifold3d
 import numpy as np
 
+from walkergen.files import words
 from walkergen.shapes import faults, modeller
 from walkergen.shapes.mesh import Mesh
 
@@ -153,6 +154,6 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
     rest = sum(abs(body.volume()) for body in bodies[1:])
     change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
     if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
-        dropped = f"dropped {len(bodies) - 1} bodies of {rest:.3g} mm^3 together"
+        dropped = f"dropped {words.count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
         return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (change, dropped)))
     return (modeller.mesh_of(whole), change) if change else (mesh, "")

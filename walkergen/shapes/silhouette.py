@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import reading, words
 from walkergen.shapes.contours import Array, Drawing, NoUnitError, Shape
 
 MOST_BYTES, MOST_PIXELS = 50_000_000, 100_000_000
@@ -71,7 +71,9 @@ def trace(path: Path, source: str) -> Silhouette:
     rings, specks = _rings(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
-    return Silhouette(image, rings, (*notes, *([f"left out {specks} specks"] if specks else [])))
+    return Silhouette(
+        image, rings, (*notes, *([f"left out {words.count(specks, 'speck', 'specks')}"] if specks else []))
+    )
 
 
 def _brightness(data: bytes, source: str) -> tuple[Array, str]:

@@ -17,7 +17,7 @@ from xml.parsers import expat
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import reading, words
 from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, flatten, meet
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
     paper = [one.white and _covers(shape, page) for one, shape in zip(drawn, shapes, strict=True)]
-    notes = [f"left out {tree.unseen} shapes that nobody sees"] if tree.unseen else []
+    notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
     if any(paper) and not all(paper):
         shapes = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
         notes.append("left out a white rectangle as large as the page")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.files import reading
+from walkergen.files import reading, words
 from walkergen.shapes import outlines, overlaps, units
 from walkergen.shapes.contours import Array, NoUnitError
 from walkergen.shapes.mesh import Mesh
@@ -138,9 +138,9 @@ def _file(body: Body, path: Path) -> Plan:
     kept = [piece for piece in pieces if piece.area > SPECK * pieces[0].area]
     notes = drawn.notes
     if specks := len(pieces) - len(kept):
-        notes += (f"left out {specks} specks",)
+        notes += (f"left out {words.count(specks, 'speck', 'specks')}",)
     if len(kept) > 1 and body.base is False:
-        notes += (f"left out {len(kept) - 1} pieces beside the largest",)
+        notes += (f"left out {words.count(len(kept) - 1, 'piece', 'pieces')} beside the largest",)
         kept = kept[:1]
     if len(kept) == len(pieces):
         return Plan(drawn.polygons, notes, len(pieces))

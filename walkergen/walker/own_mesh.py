@@ -10,6 +10,7 @@ from typing import NamedTuple, get_args
 import numpy as np
 
 from walkergen.errors import InputError
+from walkergen.files import words
 from walkergen.shapes import faults, meshes, modeller, repairs, units
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import base
@@ -101,7 +102,9 @@ def _one(mesh: Mesh, plate: bool | None) -> tuple[Mesh, tuple[str, ...]]:
         return base.under_mesh(mesh), (f"joined {len(bodies)} bodies by a base plate",) if len(bodies) > 1 else ()
     if len(bodies) < 2:
         return mesh, ()
-    return modeller.mesh_of(bodies[0]), (f"left out {len(bodies) - 1} bodies beside the largest",)
+    return modeller.mesh_of(bodies[0]), (
+        f"left out {words.count(len(bodies) - 1, 'body', 'bodies')} beside the largest",
+    )
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:

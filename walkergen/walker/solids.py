@@ -356,7 +356,7 @@ def clearance(limbs: Sequence[Limb]) -> float:
 
 
 def bodies(mesh: Mesh) -> int:
-    """Number of closed bodies of a mesh once its coordinates are 32-bit floats, as in a file.
+    """Number of closed bodies of a mesh once its coordinates are 32-bit floats, as in a file; cavities are none.
 
     Zero when it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
     """
@@ -366,7 +366,7 @@ def bodies(mesh: Mesh) -> int:
     solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
     if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
         return 0
-    return len(solid.decompose())
+    return len(modeller.bodies(solid))
 
 
 def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
