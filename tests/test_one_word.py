@@ -71,7 +71,7 @@ def test_a_picture_is_traced(tmp_path, name, background, ink):
     assert np.ptp(hole, axis=0) == pytest.approx([5.6, 5.6], rel=0.03)
     told = design.notes[0]
     assert f"traced {name}" in told
-    assert "1 specks" in told
+    assert "1 speck" in told
     solids.build(design)
 
 

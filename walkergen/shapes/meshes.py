@@ -166,14 +166,9 @@ def _left_out(parts: list[Part]) -> list[str]:
     """What was cut away and what was left out of a file, in words."""
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
-    return [
-        *notes,
-        *(
-            [f"left out {words.count(roles['other'], 'modifier or support', 'modifiers or supports')}"]
-            if roles["other"]
-            else []
-        ),
-    ]
+    if roles["other"]:
+        notes.append(f"left out {words.count(roles['other'], 'modifier or support', 'modifiers or supports')}")
+    return notes
 
 
 def _welded(part: Part) -> tuple[Part, int]:

@@ -71,9 +71,9 @@ def trace(path: Path, source: str) -> Silhouette:
     rings, specks = _rings(image if light else 1.0 - image, threshold if light else 1.0 - threshold)
     what = "what is opaque" if by == "opacity" else f"what is {'lighter' if light else 'darker'} than its background"
     notes = [f"traced {path.name}: {what}, divided at {100 * threshold:.0f} % of full {by}"]
-    return Silhouette(
-        image, rings, (*notes, *([f"left out {words.count(specks, 'speck', 'specks')}"] if specks else []))
-    )
+    if specks:
+        notes.append(f"left out {words.count(specks, 'speck', 'specks')}")
+    return Silhouette(image, rings, tuple(notes))
 
 
 def _brightness(data: bytes, source: str) -> tuple[Array, str]:
