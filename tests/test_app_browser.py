@@ -13,6 +13,8 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
+from walkergen.app import sentences
+
 pytestmark = [pytest.mark.slow, pytest.mark.programs, needs_browser]
 
 SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10"><path d="M0 0H20V10H0Z"/></svg>'  # noqa: E501
@@ -111,7 +113,7 @@ def test_a_slider_moves_the_walker_and_its_speed_together(page):
 
 def test_a_drag_is_one_step_to_undo(page):
     first = page.speed()
-    set_range(page, "legs.length_mm", 10.0)
+    set_range(page, "legs.length_mm", 6.5)
     second = page.speed()
     assert second != first
     page.click("#undo")
@@ -369,7 +371,7 @@ def test_the_page_of_the_report_is_the_commands(page):
 
 
 def test_on_a_plane_a_run_tells_how_the_walker_turns(page):
-    page.choose("#choose-scene", "plane-90hz")
+    page.choose("#choose-scene", sentences.title("plane-90hz"))
     page.type("scene.run.seconds", 4)
     page.click("#run")
     page.until(lambda: "rad/s" in page.text("#ran"))

@@ -4,7 +4,7 @@ import { ask, byId, lastOnly, settled, upload } from './ask.js';
 import { change, current, endDrag, isSet, set, without } from './state.js';
 
 const NARROW = matchMedia('(max-width: 48rem)');
-const opens = (title) => title === 'tilt' || (!NARROW.matches && ['walker: body', 'walker: legs'].includes(title));
+const opens = (title) => title === 'tilt' || (!NARROW.matches && ['walker: body', 'walker: legs', 'walker: legs 1'].includes(title));
 const SPANS_MS = 500; // without a change after which ends of sliders are asked for
 const FAR = 1e5; // limits from which on nobody needs to be told of them
 let legs = []; // legs of the walker as a list

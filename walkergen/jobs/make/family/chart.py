@@ -119,9 +119,8 @@ def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart
     ends += [end for speed in family for end in (speed.low, speed.high) if end is not None]
     ends += [end for speed in chart_data for end in (speed.speed_mm_s, *_bounds(speed)) if end is not None]
     ends += [speed.theory_mm_s for speed in chart_data if speed.theory_mm_s is not None]
-    frame = _Frame(
-        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in chart_data)]), _padded([*ends, 0.0])
-    )
+    tilts = [*(member.row.tilt_deg for member in members), *(speed.tilt_deg for speed in chart_data)]
+    frame = _Frame(_padded(tilts), _padded([*ends, 0.0]))
     between = sorted((speed for speed in chart_data if speed.what == "predicted"), key=_tilt)
     curves = {
         legs: [speed for speed in between if speed.legs == legs]

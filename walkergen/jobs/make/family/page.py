@@ -46,9 +46,9 @@ HEADINGS = {
     "factor_back": "back (v/w)",
     "factor_front": "front (v/w)",
     "factor_mean": "mean (v/w)",
-    "speed_mm_s": "speed (mm/s)",
+    "nominal_mm_s": "as designed (mm/s)",
+    "speed_mm_s": "your print (mm/s)",
     "sim_speed_mm_s": "simulated (mm/s)",
-    "speed_sd_mm_s": "sd (mm/s)",
     "speed_by": "speed by",
     "theory_mm_s": "eq. 15 (mm/s)",
     "speed_low_68_mm_s": "68 % (mm/s)",
@@ -56,7 +56,10 @@ HEADINGS = {
     "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
     "sim_model": "model",
     "sim_method": "method",
-    "sim_outcomes": "outcomes",
+    "sim_outcomes": "ended",
+    "mass_g": "weighed (g)",
+    "mass_mesh_g": "mesh's mass (g)",
+    "speed_mesh_mm_s": "with the mesh's (mm/s)",
 }
 """Headings of columns of family.csv, as in its Markdown; other columns keep their names."""
 
@@ -70,19 +73,24 @@ RANGES = {
 }
 """Column of the upper bound that stands in the cells of the lower one, by that column."""
 
+MARKED = {"speed_mm_s": "note", "theory_mm_s": "theory_note"}
+"""Column of the note whose number stands behind a column's cells, by that column."""
+
+LEFT_OUT = frozenset({"nominal_low_95_mm_s", "nominal_high_95_mm_s", "speed_sd_mm_s"})
+"""Columns that family.csv alone has: other columns nearly say them."""
+
 FIRST = (
     "tilt_deg",
     "legs",
     "speed_mm_s",
     "speed_low_68_mm_s",
     "speed_low_95_mm_s",
+    "nominal_mm_s",
     "sim_speed_mm_s",
     "sim_low_95_mm_s",
     "verdict",
 )
 """Columns that are seen without scrolling; the others follow as in the table."""
-
-NOTE = "note"
 
 
 class Cell(NamedTuple):
@@ -168,14 +176,16 @@ def render(
 def table(walkers: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
     rows = [row._asdict() for row in members.rows(walkers)]
-    notes = list(dict.fromkeys(row[NOTE] for row in rows if row[NOTE]))
-    seconds = {*ERRORS.values(), *RANGES.values()}
-    listed = [column for column in rows[0] if column not in seconds]
+    notes = list(dict.fromkeys(row[note] for note in MARKED.values() for row in rows if row[note]))
+    apart = {*ERRORS.values(), *RANGES.values(), *MARKED.values(), *LEFT_OUT}
+    if not any(row["falls"] for row in rows):
+        apart.add("falls")
+    listed = [column for column in rows[0] if column not in apart]
     ordered = [*(column for column in FIRST if column in listed), *(one for one in listed if one not in FIRST)]
     common = {
         column: first or ""
         for column in ordered
-        if (first := rows[0][column]) in (None, "") or (isinstance(first, str) and column != NOTE)
+        if (first := rows[0][column]) in (None, "") or isinstance(first, str)
         if all(row[column] == first for row in rows)
     }
     shown = [column for column in ordered if column not in common]
@@ -218,11 +228,15 @@ def markup(source: bytes) -> markupsafe.Markup:
 
 
 def _cell(row: Mapping[str, Any], column: str, notes: Sequence[str]) -> Cell:
+    """Cell of a row, with the number of its note."""
+    cell, note = _plain_cell(row, column), row[MARKED[column]] if column in MARKED else ""
+    return cell._replace(text=f"{cell.text} [{notes.index(note) + 1}]") if note else cell
+
+
+def _plain_cell(row: Mapping[str, Any], column: str) -> Cell:
     """Cell of a row, whose values are numbers, words or None."""
     value = row[column]
     text = "" if value is None else str(value)
-    if column == NOTE:
-        return Cell(f"[{notes.index(text) + 1}]" if text else "", text)
     if not isinstance(value, (int, float)):
         return Cell(text or "-", text)
     if column in ERRORS and ERRORS[column] in row:
@@ -230,7 +244,7 @@ def _cell(row: Mapping[str, Any], column: str, notes: Sequence[str]) -> Cell:
         return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
     if column in RANGES and (upper := row[RANGES[column]]) is not None:
         return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
-    if column in ("speed_mm_s", "speed_sd_mm_s", "theory_mm_s"):
+    if column in ("nominal_mm_s", "speed_mm_s", "speed_mesh_mm_s", "theory_mm_s"):
         return Cell(_fixed(value), text)
     if column.startswith("factor_"):
         return Cell(_fixed(value, 3), text)
