@@ -79,7 +79,7 @@ def family(
     max_parts: int = 5000,
     prusaslicer: bool = False,
     weights: Name | None = None,
-    model: Literal["best", "theory"] = "best",
+    model: Literal["best", "known", "theory"] = "best",
     simulate: bool = False,
     seconds: float | None = None,
     runs: int | None = None,
@@ -200,7 +200,7 @@ def predict(
     set: Mapping[str, Any] = {},
     weights: Name | None = None,
     uncertain: bool = False,
-    model: Literal["best", "theory"] = "best",
+    model: Literal["best", "known", "theory"] = "best",
     why: bool = False,
     progress: Progress | None = None,
 ) -> PredictReport:

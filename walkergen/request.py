@@ -432,8 +432,10 @@ Weights = Annotated[
     Path | None, File, Flag("Masses from a balance: a filled weights.csv.", "FILE", takes="Name | None")
 ]
 Predicted = Annotated[
-    Literal["best", "theory"],
-    Flag("Speeds by what knows them best: surrogate or simulation; or theory (eq. 15) alone.", "MODEL", "--model"),
+    Literal["best", "known", "theory"],
+    Flag(
+        "Speeds by what knows them best; known: without runs of seconds; or theory (eq. 15) alone.", "MODEL", "--model"
+    ),
 ]
 Uncertain = Annotated[bool, Flag("Draw uncertain inputs; say what to measure next.")]
 Copies = Annotated[

@@ -91,7 +91,7 @@ class FamilyRequest(request.Request):
             scene=scene,
             printer=given.printer(self.printer),
             mode=self.mode,
-            model=self.model if self.simulate or self.model == "theory" else "known",
+            model=self.model,
             pictures=self.pictures,
             simulate=self.simulate,
             copies=counts,
