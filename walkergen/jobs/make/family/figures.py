@@ -46,8 +46,8 @@ def speed_figure(
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
     Thin lines are the theory, dotted where it leaves the 95 % bounds. Kinds without a curve have
-    their bounds as bars. Walkers whose legs follow no common tilt stand side by side, `named`.
-    Simulated speeds, if there are any, are open symbols with their bounds of
+    their bounds as bars, as walkers that only runs know. Walkers whose legs follow no common tilt
+    stand side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
     figure, (axes,) = grid_of(title, 1, 1, 3.3, COLUMN)
@@ -59,7 +59,8 @@ def speed_figure(
         legend |= _draw_curve(axes, kind, curve)
     for legs in dict.fromkeys(row.legs for row in rows):
         own = [walker for walker in walkers if walker.row.legs == legs]
-        legend |= _draw_predicted(axes, own, legs, bars=legs not in chart_data.curves)
+        of_kind = [curve for kind, curve in chart_data.curves.items() if kind == legs]
+        legend |= _draw_predicted(axes, own, legs, of_kind)
         legend |= _draw_simulated(axes, own, legs)
     if chart_data.stated is not None:
         look: Any = {"color": BLACK, "markerfacecolor": "white", "markersize": 11, "zorder": 2.5}
@@ -109,12 +110,15 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
     return {f"{kind}, {BOUNDS}": (*bands, middle), THEORY: solid}
 
 
-def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
-    """Draw the members' speeds, with bounds as bars where no band shows them."""
+def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curves: Sequence[Curve]) -> dict[str, Any]:
+    """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
     colour, _, marker = STYLES[kind]
     x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
-    if not bars:
+    for curve in curves:
+        walkers = [walker for walker in walkers if np.isnan(np.interp(walker.x, curve.tilt_deg, curve.speed))]
+        x = [walker.x for walker in walkers]
+    if not walkers:
         return {}
     for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, CORE)):
         low, high = (
