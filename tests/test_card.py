@@ -355,7 +355,7 @@ def test_numbers_that_every_card_has_are_asked_for():
         make.card_of(scene, walker, solids.mass_of(walker), own)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_wall_turns_a_walker_that_runs_against_it(run, tmp_path):
     """A flat nose stands head on, or beyond the reach of its corners turns along the wall."""
     words = ("koumakis2016", "--runs", "12", "--seconds", "3", "--arena", "disc:120", "--json")

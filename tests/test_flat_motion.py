@@ -71,7 +71,7 @@ def test_push_of_a_walker_whose_turning_forgets_at_once_is_the_closed_form_of_ca
     assert forces.push * 0.1 / 0.9 == pytest.approx(one.propulsion_mm_s, rel=1e-5)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_speed_diffusion_and_relaxation_of_many_walkers_are_those_of_the_card():
     tau, tau_r = 0.05, 0.04
     one = card(
