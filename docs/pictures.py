@@ -61,6 +61,9 @@ OTHERS = {
 }
 """Templates of other mechanisms than the paper's, each with the words below its picture."""
 
+OWN_SHAPES = ("heart.svg", "duck.stl", "ANNA")
+"""Two files and a text, as people bring them."""
+
 WINDOW = (1215, 845)
 APP_WINDOW = (1440, 900)
 """Width and height of the browser's window, pixels."""
@@ -106,6 +109,27 @@ def mechanisms(folder: Path) -> bytes:
         for name, design in designs.items()
     ]
     return figures.png(preview_figure(parts, "Walkers of other mechanisms, as templates"), 150)
+
+
+def own_shapes(folder: Path) -> bytes:
+    """Picture of a drawing, a mesh and a name on legs that placed themselves, with their speeds."""
+    from evidence.shapes import drawings, meshes
+    from walkergen import inputs
+    from walkergen.files import figures
+    from walkergen.jobs.make.family.preview import Part, preview_figure
+    from walkergen.jobs.run.predict import make as predicting
+    from walkergen.theory import prediction
+
+    scene = inputs.of({}, {}, ["scene"]).scene("lane-90hz")
+    parts = []
+    for shape in OWN_SHAPES:
+        asked = inputs.of({"body.text": shape} if "." not in shape else {}, {}, ["design"])
+        if "." in shape:
+            (folder / shape).write_bytes((drawings.every() | meshes.every())[shape])
+        design = asked.design(str(folder / shape) if "." in shape else "koumakis2016").variant(tilt_deg=10.0)
+        (member,) = predicting.predict(design, [design], scene, "coulomb").members
+        parts.append(Part(design, member.mesh, shape, low=True, speed=prediction.brief(member.row)))
+    return figures.png(preview_figure(parts, "A drawing, a mesh, a name: legs place themselves"), 150)
 
 
 def surrogate(folder: Path) -> bytes:
@@ -181,6 +205,14 @@ PICTURES = (
         2,
         mechanisms,
         shown="\n".join(f"walkergen family {name}" for name in OTHERS),
+    ),
+    Picture(
+        "shapes.png",
+        "",
+        (*STYLE, *WALKER, *PREDICTION, *SIMULATION, "walkergen/points/*.py", "walkergen/jobs/make/family/preview.py"),
+        40,
+        own_shapes,
+        shown="walkergen family heart.svg\nwalkergen family duck.stl\nwalkergen family --text ANNA",
     ),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
     Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30, "movie.gif"),
