@@ -264,6 +264,16 @@ def test_without_a_curve_the_chart_joins_the_members(made, files):
     assert "Lines only join the members" in text
 
 
+def test_a_walker_of_unknown_speed_has_a_page_that_says_so(made, files):
+    speeds = {name: None for name in made.members[0].row._fields if name.startswith(("speed_", "nominal_"))}
+    unknown = [member._replace(row=member.row._replace(**speeds, note="a run tells")) for member in made.members]
+    elements = Elements(rendered(made, files, walkers=unknown))
+    assert not [svg for svg in elements.all("svg") if svg.get("id") == "chart"]
+    assert any("without a run" in text for text in elements.texts["p"])
+    assert elements.texts["td"].count("- [1]") == len(unknown)
+    assert "[1] a run tells" in elements.texts["p"]
+
+
 @given(st.floats(-1e3, 1e3), st.floats(1.0, 1e3))
 def test_an_axis_has_four_to_ten_round_ticks_inside(low, width):
     found = chart.ticks(low, low + width)
