@@ -264,6 +264,29 @@ def test_without_a_curve_the_chart_joins_the_members(made, files):
     assert "Lines only join the members" in text
 
 
+def test_a_curve_is_broken_where_a_run_has_yet_to_tell(made):
+    rows = made["speed"].rows
+    told = [row for row in rows if not 15.0 < row.tilt_deg < 25.0]
+    drawn, broken = (chart.speeds(made.members, shown) for shown in (rows, told))
+    assert (drawn.gaps, broken.gaps) == (False, True)
+    kinds = {row.legs for row in rows if row.what == "predicted"}
+    for lines, count in ((drawn.lines, 1), (broken.lines, 2)):
+        assert [line.what for line in lines].count("predicted") == count * len(kinds)
+    joined = " ".join(line.points for line in drawn.lines if line.what == "predicted")
+    assert set(" ".join(line.points for line in broken.lines if line.what == "predicted").split()) < set(joined.split())
+    assert len(broken.bands) == 2 * len(drawn.bands)
+
+
+def test_a_walker_of_unknown_speed_has_a_page_that_says_so(made, files):
+    speeds = {name: None for name in made.members[0].row._fields if name.startswith(("speed_", "nominal_"))}
+    unknown = [member._replace(row=member.row._replace(**speeds, note="a run tells")) for member in made.members]
+    elements = Elements(rendered(made, files, walkers=unknown))
+    assert not [svg for svg in elements.all("svg") if svg.get("id") == "chart"]
+    assert any("without a run" in text for text in elements.texts["p"])
+    assert elements.texts["td"].count("- [1]") == len(unknown)
+    assert "[1] a run tells" in elements.texts["p"]
+
+
 @given(st.floats(-1e3, 1e3), st.floats(1.0, 1e3))
 def test_an_axis_has_four_to_ten_round_ticks_inside(low, width):
     found = chart.ticks(low, low + width)

@@ -144,11 +144,11 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
     return np.asarray(middles < bottom - LEGS_MM, dtype=np.uint8)
 
 
-def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
+def _curve(design: Design, scene: Scene) -> dict[str, list[float | None]] | None:
     """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built.
 
-    None where no other tilt can be. It does not depend on the walker's own tilt: dragging that
-    asks for none anew.
+    Its numbers are None at tilts that a run has yet to tell, the whole where no other tilt can be built. It does
+    not depend on the walker's own tilt: dragging that asks for none anew.
     """
     far = max(STEEPEST_DEG, abs(design.tilt_deg))
     low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
@@ -159,17 +159,16 @@ def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
 
 
 @lru_cache(maxsize=MOST_CURVES)
-def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]] | None:
+def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float | None]] | None:
     """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
     walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
     count = prediction.POINTS if walker.body.plain and not walker.parts else FEWER
     curve = prediction.curve(walker, ground, "coulomb", low, high, count)
-    known = np.isfinite(curve.speed)  # at other tilts a run has yet to tell
-    if known.sum() < 2:
+    if np.isfinite(curve.speed).sum() < 2:
         return None
     columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), curve.bounds, strict=True))
     columns |= {"tilt_deg": curve.tilt_deg, "speed": curve.speed}
-    return {name: values[known].tolist() for name, values in columns.items()}
+    return {name: [None if np.isnan(each) else each for each in values.tolist()] for name, values in columns.items()}
 
 
 def _end(design: Design, far: float) -> float:

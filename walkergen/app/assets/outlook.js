@@ -45,11 +45,30 @@ function drawAxes(chart) {
   add(chart, 'text', { transform: `translate(11 ${(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)`, 'text-anchor': 'middle' }, 'speed (mm/s)');
 }
 
-const points = (speeds) =>
-  speeds.map((speed, k) => `${scale.x(curve.tilt_deg[k])},${scale.y(speed)}`);
+const points = (speeds, [first, last]) =>
+  speeds.slice(first, last).map((speed, k) => `${scale.x(curve.tilt_deg[first + k])},${scale.y(speed)}`);
+
+// Stretches of the curve, from an index up to another, between the tilts that a run has yet to tell.
+function stretches() {
+  const found = [];
+  curve.speed.forEach((speed, k) => {
+    if (speed === null) return;
+    if (found.at(-1)?.[1] === k) found.at(-1)[1] = k + 1;
+    else found.push([k, k + 1]);
+  });
+  return found;
+}
 
 function drawBand(chart, name, low, high) {
-  add(chart, 'polygon', { class: `band ${name}`, points: [...points(low), ...points(high).reverse()].join(' ') });
+  for (const part of stretches())
+    add(chart, 'polygon', { class: `band ${name}`, points: [...points(low, part), ...points(high, part).reverse()].join(' ') });
+}
+
+function drawSpeed(chart) {
+  for (const part of stretches())
+    add(chart, 'polyline', { class: 'predicted', points: points(curve.speed, part).join(' ') });
+  if (curve.speed.includes(null))
+    add(chart, 'text', { x: WIDTH - RIGHT, y: TOP + 8, 'text-anchor': 'end' }, 'gaps: a run tells');
 }
 
 // Below zero it runs backward.
@@ -72,7 +91,7 @@ function drawMarker(chart) {
     add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
   }
   add(group, 'circle', { class: 'touch', cx: x, cy: y, r: 18 });
-  add(group, 'circle', { cx: x, cy: y, r: 6 });
+  add(group, 'circle', { class: row.speed_mm_s === null ? 'unknown' : '', cx: x, cy: y, r: 6 });
 }
 
 function drawChart() {
@@ -86,7 +105,7 @@ function drawChart() {
   chart.classList.toggle('unsure', !walker.sentence.sure);
   drawBand(chart, 'share95', curve.low_95, curve.high_95);
   drawBand(chart, 'share68', curve.low_68, curve.high_68);
-  add(chart, 'polyline', { class: 'predicted', points: points(curve.speed).join(' ') });
+  drawSpeed(chart);
   drawBackward(chart);
   drawMarker(chart);
   if (focused) byId('marker').focus();

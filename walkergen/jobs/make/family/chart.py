@@ -6,6 +6,7 @@ Coordinates are SVG user units, y downwards.
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise, product
 from typing import Literal, NamedTuple
 
 from walkergen.jobs.make.family.chart_data import Speed
@@ -75,6 +76,8 @@ class Chart(NamedTuple):
     lines: list[Line]
     bands: list[Band]
     marks: list[Mark]
+    gaps: bool
+    """True where curves are broken, at tilts that a run has yet to tell."""
     sticking: tuple[float, float] | None
     """Ends, along x, of the tilts at which a flexible foot can stick."""
     x_ticks: list[Tick]
@@ -131,6 +134,7 @@ def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart
         [line for legs, curve in curves.items() for line in _lines(legs, curve, family, frame)],
         [band for legs, curve in curves.items() for band in _bands_of(legs, curve, frame)],
         [_mark(speed, frame) for speed in chart_data if speed.what != "predicted"],
+        any(len(_stretches(curve)) > 1 for curve in curves.values()),
         _sticking(between, frame),
         [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
         [Tick(frame.y(value), _text(value)) for value in ticks(*frame.values)],
@@ -193,17 +197,26 @@ def _lines(legs: str, curve: Sequence[Speed], family: Sequence[_Speed], frame: _
         joined = sorted((speed.tilt, speed.value) for speed in members)
         yield Line(legs, "guide", frame.path(joined))
         return
-    yield Line(legs, "predicted", frame.path([(speed.tilt_deg, speed.speed_mm_s) for speed in curve]))
-    theory = [(speed.tilt_deg, speed.theory_mm_s) for speed in curve if speed.theory_mm_s is not None]
-    yield Line(legs, "theory", frame.path(theory))
+    for part in _stretches(curve):
+        yield Line(legs, "predicted", frame.path([(speed.tilt_deg, speed.speed_mm_s) for speed in part]))
+        theory = [(speed.tilt_deg, speed.theory_mm_s) for speed in part if speed.theory_mm_s is not None]
+        yield Line(legs, "theory", frame.path(theory))
 
 
 def _bands_of(legs: str, curve: Sequence[Speed], frame: _Frame) -> Iterator[Band]:
     """Bounds of 95 and 68 % around a kind's predicted speed."""
-    for share in (95, 68) if curve else ():
-        there = [(speed.tilt_deg, getattr(speed, f"speed_low_{share}_mm_s")) for speed in curve]
-        back = [(speed.tilt_deg, getattr(speed, f"speed_high_{share}_mm_s")) for speed in reversed(curve)]
+    for share, part in product((95, 68), _stretches(curve)):
+        there = [(speed.tilt_deg, getattr(speed, f"speed_low_{share}_mm_s")) for speed in part]
+        back = [(speed.tilt_deg, getattr(speed, f"speed_high_{share}_mm_s")) for speed in reversed(part)]
         yield Band(legs, share, frame.path([*there, *back]))
+
+
+def _stretches(curve: Sequence[Speed]) -> list[list[Speed]]:
+    """Parts of a curve whose tilts are equally far apart; in the gaps between them a run has yet to tell."""
+    gaps = [after.tilt_deg - before.tilt_deg for before, after in pairwise(curve)]
+    step = 1.5 * min(gaps, default=0.0)
+    ends = [0, *(number for number, gap in enumerate(gaps, start=1) if gap > step), len(curve)]
+    return [list(curve[first:last]) for first, last in pairwise(ends)]
 
 
 def _mark(speed: Speed, frame: _Frame) -> Mark:

@@ -187,6 +187,7 @@ def table(walkers: Sequence[Member]) -> Table:
         for column in ordered
         if (first := rows[0][column]) in (None, "") or isinstance(first, str)
         if all(row[column] == first for row in rows)
+        if column not in MARKED or not any(row[MARKED[column]] for row in rows)
     }
     shown = [column for column in ordered if column not in common]
     return Table(
