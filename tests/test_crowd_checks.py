@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from flat_cards import BOX, DISC, silent, with_lammps
+from flat_cards import BOX, silent, with_lammps
 from typer.testing import CliRunner
 
 from evidence.__main__ import commands
