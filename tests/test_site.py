@@ -51,7 +51,7 @@ def test_the_gallery_has_every_picture_with_its_command_below(site):
     assert pictures <= set(shown)
     for name in pictures:
         assert (site / name).exists()
-        assert re.search("walkergen |python -m evidence ", shown[name].partition("</div>")[0]), name
+        assert re.search("walkergen |python -m evidence[ .]", shown[name].partition("</div>")[0]), name
 
 
 def test_notebooks_show_the_outputs_of_this_code(site):
