@@ -18,10 +18,18 @@ def plain(at):
 
 
 def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
-    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(animation, "program", lambda: None)
     made = animation.encode(plain, 3, 10, 0.5, [], silent)
     assert made.gif.startswith(b"GIF89a")
-    assert (made.mp4, made.without_mp4) == (None, "ffmpeg is not installed")
+    assert made.mp4 is None
+    assert "pip install 'walkergen[film]'" in made.without_mp4
+
+
+def test_the_ffmpeg_of_the_extra_does_where_the_path_has_none(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    made = animation.encode(lambda at: np.full((32, 48, 3), 20 * at, np.uint8), 3, 10, 0.5, [], silent)
+    assert made.without_mp4 == ""
+    assert made.mp4[4:8] == b"ftyp"
 
 
 def test_an_ffmpeg_that_fails_is_quoted(monkeypatch, tmp_path):

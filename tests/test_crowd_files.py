@@ -3,7 +3,6 @@
 import io
 import json
 import re
-import shutil
 
 import gsd.hoomd
 import numpy as np
@@ -20,7 +19,7 @@ from walkergen.crowd import statistics as crowds
 from walkergen.crowd import tables as crowd_tables
 from walkergen.crowd.statistics import film as films
 from walkergen.errors import InputError
-from walkergen.files import extended_xyz
+from walkergen.files import animation, extended_xyz
 from walkergen.files.progress import silent
 
 
@@ -139,8 +138,8 @@ def test_a_movie_is_a_gif_or_an_mp4_with_a_frame_for_each_time(tmp_path, monkeyp
     crowd_movie.write(tmp_path / "b.gif", film, "crowd", "heading", 30, silent)
     with Image.open(tmp_path / "b.gif") as gif:  # has the nearest rate that it can
         assert gif.info["duration"] == 40
-    monkeypatch.setattr(shutil, "which", lambda name: None)
-    with pytest.raises(InputError, match=r"ffmpeg is not installed; name a \.gif"):
+    monkeypatch.setattr(animation, "program", lambda: None)
+    with pytest.raises(InputError, match=r"ffmpeg is not installed .*; name a \.gif"):
         crowd_movie.write(tmp_path / "a.mp4", film, "crowd", "heading", 25, silent)
 
 

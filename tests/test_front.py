@@ -2,10 +2,12 @@
 
 import ast
 import importlib
+import inspect
 import json
 import math
 import os
 import pkgutil
+import re
 import subprocess
 import sys
 import types
@@ -13,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rendered_films
 from typer.testing import CliRunner
 
 import walkergen as wg
@@ -124,6 +127,49 @@ def test_a_variant_is_what_the_file_with_these_lines_would_be(tmp_path):
     assert LANE.variant(**{"drive.gamma": 2}).drive.frequency == pytest.approx(90.0)
     two = wg.load("two-materials", "walker").variant(**{"legs[2].friction": 0.3})
     assert two.limbs[1].friction == 0.3
+
+
+def test_a_variant_takes_the_words_of_the_commands():
+    assert PAPER.variant(tilt=1) == PAPER.variant(tilt_deg=1)
+    assert PAPER.variant(tilt=1, legs="braced") == PAPER.variant(tilt_deg=1, kind="braced")
+    listed = wg.load("two-materials", "walker")
+    assert listed.variant(legs=listed.model_dump(exclude_unset=True)["legs"]) == listed
+    named = PAPER.variant(text="ANNA", tilt=5)
+    assert named.name == "ANNA"
+    assert (named.body.text, named.tilt_deg) == ("ANNA", 5.0)
+    assert PAPER.variant(tilt=None) == PAPER
+
+
+def test_a_design_says_what_it_is_in_a_line():
+    assert repr(PAPER) == str(PAPER) == "<Design koumakis2016: 2 flexible legs, tilt 10 deg, body 28 x 8 x 3 mm>"
+    assert "bristle: 18 flexible legs" in repr(wg.load("bristle"))
+
+
+LONG = {"accuracy", "calibrate", "crowd", "design", "fit", "movie", "reproduce", "track"}
+"""Functions whose examples take more than two seconds, or kernels that others do not."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in wg.__all__ if one in (*COMMANDS, "load")],
+)
+def test_the_example_of_a_docstring_runs(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "speeds.csv").write_text(SPEEDS, encoding="utf-8")
+    Table("tracks", list(zip(*film().values(), strict=True)), list(film())).to_dataframe().to_csv("tracks.csv")
+    if name == "track":
+        walkers = [[(60.0 + 2.0 * at, 60.0 + 60.0 * one, 0.0) for one in range(3)] for at in range(60)]
+        rendered_films.write(
+            tmp_path / "film.mp4", [rendered_films.picture(own, seed=at) for at, own in enumerate(walkers)]
+        )
+    (example,) = re.findall("^Example: `(.*)`$", inspect.getdoc(getattr(wg, name)), re.MULTILINE)
+    assert example.startswith(f"wg.{name}(")
+    assert eval(example, {"wg": wg}) is not False
+
+
+def test_the_example_of_a_variant_runs():
+    (example,) = re.findall("^Example: `(.*)`$", inspect.getdoc(Design.variant), re.MULTILINE)
+    assert repr(eval(example, {"wg": wg})).startswith("<Design koumakis2016: 2 flexible legs, tilt 12 deg")
 
 
 def test_a_prediction_is_the_commands(run):
@@ -426,6 +472,8 @@ REFUSED = {
             ({"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
             ({"": 1}, "must be a key of the TOML file"),
             ({"tilt_deg": 5, "legs.tilt_deg": 5}, "legs.tilt_deg: given twice"),
+            ({"tilt": 5, "tilt_deg": 6}, "tilt_deg: given twice"),
+            ({"legs": "wooden"}, "legs.kind = 'wooden': must be one of"),
             ({"legs.tilt_deg": "steep"}, "legs.tilt_deg = 'steep': must be a number"),
             ({"legs.contact_spacing_mm": 500.0}, "koumakis2016: .*a leg leaves the body"),
         ],

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
-from walkergen.files import templates
+from walkergen.files import animation, templates
 from walkergen.jobs.run.movie import bounce, footage, impacts, race
 from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
@@ -329,14 +329,14 @@ FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")
 
 
 def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(animation, "program", lambda: None)
     words = ("--scene", "lane-90hz", "--tilt", "10", "--model", "compliant", *FEW)
     result = run("koumakis2016", *words)
     assert result.exit_code == 0, result.output
     name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz_model-compliant.gif"
     assert "koumakis2016, 10°, flexible: " in result.stdout
     assert "\n5 frames, 20 a second, 100 times slower\n" in result.stdout
-    assert f"no MP4: ffmpeg is not installed\n{name}\n" in result.stdout
+    assert f"no MP4: {animation.WITHOUT}\n{name}\n" in result.stdout
     found = (tmp_path / name).parent.glob("[!.]*")
     assert [path.name for path in found] == [Path(name).name]
 

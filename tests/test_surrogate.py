@@ -107,6 +107,16 @@ def test_it_declines_walkers_that_it_has_not_met(keys):
         known(TEN.variant(**keys))
 
 
+@pytest.mark.parametrize("keys", [{"legs.length_mm": 20.0}, {"legs.foot": "round"}])
+def test_walkers_of_a_family_are_declined_in_the_same_words(keys):
+    reasons = set()
+    for tilt in (8.0, 10.0, 12.0):
+        with pytest.raises(UnknownError) as caught:
+            known(TEN.variant(tilt_deg=tilt, **keys))
+        reasons.add(str(caught.value))
+    assert len(reasons) == 1, "a table has one note a kind"
+
+
 READ = {
     "contact.restitution": 0.3,
     "contact.friction": 0.28,

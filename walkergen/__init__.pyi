@@ -94,6 +94,8 @@ def family(
 
     With --page also one self-contained HTML page that opens offline; with --run it plays a second of a walker's run,
     in a scene in which walkers move in space, such as plane-90hz.
+
+    Example: `wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")`
     """
 
 def export(
@@ -111,7 +113,10 @@ def export(
     sweep: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo.
+
+    Example: `wg.export("koumakis2016", "walker.stl", tilt=10)`
+    """
 
 def check(
     design: Walker = "koumakis2016",
@@ -132,6 +137,8 @@ def check(
     """Check whether walkers will print as designed, or weigh any mesh, without writing any file.
 
     With --weigh it tells, of a mesh file, volume, mass, centre of mass, inertia tensor, principal moments and axes.
+
+    Example: `wg.check(tilt=[5, 10], printer="ender3").warnings`
     """
 
 def plate(
@@ -159,6 +166,8 @@ def plate(
     """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
 
     Their design, tilts and copies are given here, or those of several designs by an order list.
+
+    Example: `wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")`
     """
 
 def design(
@@ -181,7 +190,10 @@ def design(
     pictures: bool = True,
     progress: Progress | None = None,
 ) -> DesignReport:
-    """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
+    """Find designs that meet a wish: predictions first, then simulations, then a fresh run.
+
+    Example: `wg.design(speed=40, model="prediction").table`
+    """
 
 def predict(
     design: Walker = "koumakis2016",
@@ -209,6 +221,8 @@ def predict(
     As designed, and with the bounds of your print. By the surrogate of the model in space where that is sure, else
     by a simulation of seconds, which is kept. With --uncertain it says, for each, which input to measure next to
     narrow the bounds.
+
+    Example: `wg.predict(tilt=10).speed`
     """
 
 def sweep(
@@ -235,6 +249,8 @@ def sweep(
 
     All combinations of the values are evaluated, the last key fastest; every one of them has every sample. Keys that
     begin with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+
+    Example: `wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]`
     """
 
 def simulate(
@@ -273,6 +289,8 @@ def simulate(
     speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
     --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
     slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
+
+    Example: `wg.simulate(tilt=10, seconds=1, runs=4).speed`
     """
 
 def crowd(
@@ -314,6 +332,8 @@ def crowd(
     number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
     makes a crowd in a plane, of thousands; --card measures one: all that such a crowd has to know of a walker, from
     simulated runs or from the tracks of a film, with inputs for pymunk, HOOMD-blue and LAMMPS.
+
+    Example: `wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)`
     """
 
 def movie(
@@ -345,6 +365,8 @@ def movie(
 
     A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
     --view above or --view perspective says otherwise.
+
+    Example: `wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files`
     """
 
 def explain(
@@ -370,6 +392,8 @@ def explain(
 
     With --measure each effect is turned off, or on at its usual size, alone and the two largest together, for ten
     seconds: what the speed and the CPU time change by, a picture, and what can be left out.
+
+    Example: `wg.explain("koumakis2016", "plane-noisy", cost=False)`
     """
 
 def track(
@@ -395,6 +419,8 @@ def track(
     The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
     --mm-per-px or --length. With --markers they bear caps, whose markers tell number, place and heading, scale and
     tilt of the camera. What a lens bends is undone by --lens. Needs the extra film: pip install 'walkergen[film]'.
+
+    Example: `wg.track("film.mp4", length=28)`
     """
 
 def analyse(
@@ -425,6 +451,8 @@ def analyse(
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
     independent runs (--run), and no walker by itself.
+
+    Example: `wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed`
     """
 
 def fit(
@@ -452,6 +480,8 @@ def fit(
     in a column particle. The contact learnt is that by which speeds are predicted, in seconds, or that of a simulated
     model by emulators, with bands for one more print at every tilt; that of the theory, the paper's eq. 15, is found by
     least squares. All write scene.toml and design.toml for `walkergen family`.
+
+    Example: `wg.fit("speeds.csv", predict=[12]).scene.contact`
     """
 
 def calibrate(
@@ -496,6 +526,8 @@ def calibrate(
     drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
     tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
     frequency (Hz), which tells Young's modulus, and the --decrement, which tells damping.
+
+    Example: `wg.calibrate("pluck", decrement=0.1, decrement_sd=0.02)`
     """
 
 def accuracy(
@@ -512,10 +544,16 @@ def accuracy(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Measure what accuracy costs in time: models, steps, statistics, shape."""
+    """Measure what accuracy costs in time: models, steps, statistics, shape.
+
+    Example: `wg.accuracy(tilt=10, only="statistics", budget="5s").lines`
+    """
 
 def selftest(only: str | None = None, *, progress: Progress | None = None) -> Report:
-    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
+    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
+
+    Example: `wg.selftest("6.4").code == 0`
+    """
 
 def reproduce(
     design: Walker = "koumakis2016",
@@ -531,4 +569,7 @@ def reproduce(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Compare the paper's figures and mechanisms with ours (takes minutes)."""
+    """Compare the paper's figures and mechanisms with ours (takes minutes).
+
+    Example: `wg.reproduce(tilt=[5, 10, 15], gamma=[1.5, 1.8], seconds=0.3)`
+    """

@@ -1,4 +1,4 @@
-"""Commands: under which heading of the help each stands, where its request is, and two examples."""
+"""Commands: under which heading of the help each stands, where its request is, and examples."""
 
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -14,53 +14,133 @@ class Command(NamedTuple):
     """Words after `walkergen`; files in them are the user's own."""
     other: str
     """Words of a second example."""
+    call: str = ""
+    """The same from Python, after `import walkergen as wg`; "" of what is no function."""
 
 
 COMMANDS = {
     "app": Command("Design", "app", "app", "app my.toml --port 0"),
-    "family": Command("Make", "jobs.make.family", "family --page", "family maker-large --tilt 5:20:5 --copies 4"),
+    "family": Command(
+        "Make",
+        "jobs.make.family",
+        "family --page",
+        "family maker-large --tilt 5:20:5 --copies 4",
+        'wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")',
+    ),
     "export": Command(
-        "Make", "jobs.make.export", "export --tilt 12 --format stl,3mf", "export my.toml --tilt 10 --format mjcf"
+        "Make",
+        "jobs.make.export",
+        "export --tilt 12 --format stl,3mf",
+        "export my.toml --tilt 10 --format mjcf",
+        'wg.export("koumakis2016", "walker.stl", tilt=10)',
     ),
-    "check": Command("Make", "jobs.make.check", "check my.toml --tilt 5,10 --printer ender3", "check part.stl"),
+    "check": Command(
+        "Make",
+        "jobs.make.check",
+        "check my.toml --tilt 5,10 --printer ender3",
+        "check part.stl",
+        'wg.check(tilt=[5, 10], printer="ender3").warnings',
+    ),
     "plate": Command(
-        "Make", "jobs.make.plate", "plate --tilt 5,10,15 --copies 8", "plate --orders orders.csv --how-many"
+        "Make",
+        "jobs.make.plate",
+        "plate --tilt 5,10,15 --copies 8",
+        "plate --orders orders.csv --how-many",
+        'wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")',
     ),
-    "design": Command("Make", "jobs.make.design", "design --speed 80", "design --fastest --vary legs.length_mm=4:9"),
+    "design": Command(
+        "Make",
+        "jobs.make.design",
+        "design --speed 80",
+        "design --fastest --vary legs.length_mm=4:9",
+        'wg.design(speed=40, model="prediction").table',
+    ),
     "predict": Command(
-        "Predict", "jobs.run.predict", "predict --tilt 5:30:5", "predict my.toml --tilt 10 --weights weights.csv"
+        "Predict",
+        "jobs.run.predict",
+        "predict --tilt 5:30:5",
+        "predict my.toml --tilt 10 --weights weights.csv",
+        "wg.predict(tilt=10).speed",
     ),
     "sweep": Command(
         "Predict",
         "jobs.run.sweep",
         "sweep --set legs.tilt_deg=0:40:2",
         "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
+        'wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]',
     ),
-    "simulate": Command("Simulate", "jobs.run.simulate", "simulate --tilt 10", "simulate --tilt 10 --error 5%"),
+    "simulate": Command(
+        "Simulate",
+        "jobs.run.simulate",
+        "simulate --tilt 10",
+        "simulate --tilt 10 --error 5%",
+        "wg.simulate(tilt=10, seconds=1, runs=4).speed",
+    ),
     "crowd": Command(
-        "Simulate", "crowd", "crowd --count 30 --arena disc:120 --seconds 20", "crowd koumakis2016 --card"
+        "Simulate",
+        "crowd",
+        "crowd --count 30 --arena disc:120 --seconds 20",
+        "crowd koumakis2016 --card",
+        'wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)',
     ),
-    "movie": Command("Simulate", "jobs.run.movie", "movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
-    "explain": Command("Simulate", "jobs.run.explain", "explain --tilt 10", "explain --scene plane-noisy --no-cost"),
+    "movie": Command(
+        "Simulate",
+        "jobs.run.movie",
+        "movie --tilt 10",
+        "movie --tilt 5,10,15 --scene plane-90hz",
+        'wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files',
+    ),
+    "explain": Command(
+        "Simulate",
+        "jobs.run.explain",
+        "explain --tilt 10",
+        "explain --scene plane-noisy --no-cost",
+        'wg.explain("koumakis2016", "plane-noisy", cost=False)',
+    ),
     "track": Command(
-        "Measure", "track.film", "track film.mp4 --mm-per-px 0.1", "track film.mp4 --length 28 --heading mark --fps 240"
+        "Measure",
+        "track.film",
+        "track film.mp4 --mm-per-px 0.1",
+        "track film.mp4 --length 28 --heading mark --fps 240",
+        'wg.track("film.mp4", length=28)',
     ),
     "analyse": Command(
         "Measure",
         "track.analyse",
         "analyse film.csv --fps 50 --mm-per-px 0.1",
         "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
+        'wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed',
     ),
-    "fit": Command("Measure", "lab.fit", "fit speeds.csv", "fit speeds.csv --predict 8,12"),
+    "fit": Command(
+        "Measure",
+        "lab.fit",
+        "fit speeds.csv",
+        "fit speeds.csv --predict 8,12",
+        'wg.fit("speeds.csv", predict=[12]).scene.contact',
+    ),
     "calibrate": Command(
-        "Measure", "lab.calibrate", "calibrate plate --printer ender3", "calibrate drop --measured 0.5 --tries 10"
+        "Measure",
+        "lab.calibrate",
+        "calibrate plate --printer ender3",
+        "calibrate drop --measured 0.5 --tries 10",
+        'wg.calibrate("pluck", decrement=0.1, decrement_sd=0.02)',
     ),
     "accuracy": Command(
-        "Trust", "jobs.trust.accuracy", "accuracy --budget 30s", "accuracy --tilt 10 --only models,steps"
+        "Trust",
+        "jobs.trust.accuracy",
+        "accuracy --budget 30s",
+        "accuracy --tilt 10 --only models,steps",
+        'wg.accuracy(tilt=10, only="statistics", budget="5s").lines',
     ),
-    "selftest": Command("Trust", "jobs.trust.selftest", "selftest", "selftest --only 6.7"),
+    "selftest": Command(
+        "Trust", "jobs.trust.selftest", "selftest", "selftest --only 6.4", 'wg.selftest("6.4").code == 0'
+    ),
     "reproduce": Command(
-        "Trust", "jobs.trust.reproduce", "reproduce --tilt 5,10,20 --runs 8", "reproduce --gamma 1.5,1.8"
+        "Trust",
+        "jobs.trust.reproduce",
+        "reproduce --tilt 5,10,20 --runs 8",
+        "reproduce --gamma 1.5,1.8",
+        "wg.reproduce(tilt=[5, 10, 15], gamma=[1.5, 1.8], seconds=0.3)",
     ),
     "templates": Command("Files", "", "templates", "templates copy koumakis2016 my.toml"),
 }

@@ -15,10 +15,7 @@ from walkergen.scene import PAPER_CONTACT, Scene
 from walkergen.theory import maximum, prediction
 from walkergen.walker import solids
 
-PAPER = (
-    "N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion in "
-    "3D-printed active granular particles, New J. Phys. 18, 113046 (2016)"
-)
+PAPER = "Koumakis et al. 2016"
 
 MEASURED, LABEL = 0.8, PAPER_CONTACT.restitution
 """Restitution that the paper measured, and label of a foot with which its speeds come out."""

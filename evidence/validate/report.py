@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from evidence.validate.claim import FITTED, WORDS, Claim
+from evidence.validate.claim import WORDS, Claim
 from walkergen import __version__
 from walkergen.files.report import Report, Table
 from walkergen.numerics.quantity import Quantity, Verdict
@@ -21,14 +21,13 @@ TITLES = {
 }
 """Titles of the groups."""
 
-REASONS = {
-    Verdict.DISAGREE.value: "Where we disagree, and why",
-    Verdict.UNDECIDED.value: "Undecided",
-    FITTED: "Fitted",
-    Verdict.AGREE.value: "Remarks",
-    Verdict.MISSING.value: "Not run",
-}
-"""Titles of the paragraphs of reasons, by word."""
+PAPER = (
+    "Koumakis et al. 2016: N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion "
+    "in 3D-printed active granular particles, New J. Phys. 18, 113046 (2016)."
+)
+
+LETTERS = "abcdefghijklmnopqrstuvwxyz"
+"""Marks of reasons, by their order in a group."""
 
 SIGNS = {"<": "below ", ">": "above ", "": ""}
 
@@ -99,9 +98,11 @@ def page(claims: Sequence[Claim], command: str) -> str:
     for group, title in TITLES.items():
         of_group = [claim for claim in claims if claim.group == group]
         if of_group:
-            parts += [f"## {title}\n\n{_table(of_group, sources)}", *_reasons(of_group)]
+            reasons = list(dict.fromkeys(filter(None, map(_reason, of_group))))
+            listed = [f"- **{LETTERS[at]}**: {reason}" for at, reason in enumerate(reasons)]
+            parts += [f"## {title}\n\n{_table(of_group, sources, reasons)}", "\n".join(listed)]
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
-    return "\n\n".join([*parts, "## Sources\n\n" + "\n".join(listed)]) + "\n"
+    return "\n\n".join([*filter(None, parts), f"## Sources\n\n{PAPER}", "\n".join(listed)]) + "\n"
 
 
 def _head(claims: Sequence[Claim], command: str) -> str:
@@ -116,17 +117,19 @@ Errors are standard errors. The gap is ours less theirs, none on the right side 
 error of both. A gap is allowed up to the margin: a tolerance, or our reading of a statement in words. We *agree*
 when all of the gap's bounds of 95 % (Student's t) lie within the margin, so that noise makes no agreement; without
 a margin two numbers with errors never do. Closed forms, engines and programs test the arithmetic; only the paper's
-walkers, and measured blocks, test the physics, and no walker of ours has been measured yet.
+walkers, and measured blocks, test the physics, and no walker of ours has been measured yet. A letter leads to what we
+take for the reason, or to a remark, below the table.
 
 {meanings}"""
 
 
-def _table(claims: Sequence[Claim], sources: Sequence[str]) -> str:
+def _table(claims: Sequence[Claim], sources: Sequence[str], reasons: Sequence[str]) -> str:
     lines = [
-        "| quantity | walkergen | outside | gap | margin | z | verdict | source |",
+        "| quantity | walkergen | outside | gap | margin | z | verdict | source, reason |",
         "|---|--:|--:|--:|--:|--:|---|--:|",
     ]
     for claim in claims:
+        reason = _reason(claim)
         cells = (
             claim.quantity,
             _number(claim.ours),
@@ -135,7 +138,7 @@ def _table(claims: Sequence[Claim], sources: Sequence[str]) -> str:
             "" if claim.gap is None else f"{claim.margin:.2g}",
             "" if claim.z is None else f"{claim.z:.1f}",
             f"**{claim.word}**",
-            f"{sources.index(claim.source) + 1}",
+            f"{sources.index(claim.source) + 1}" + (f" {LETTERS[reasons.index(reason)]}" if reason else ""),
         )
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
@@ -153,16 +156,7 @@ def _number(quantity: Quantity) -> str:
     return f"{value:.{digits}f} ± {error:.{digits}f}{unit}"
 
 
-def _reasons(claims: Sequence[Claim]) -> list[str]:
-    """Paragraphs on what disagrees and why, on what an agreement hides, on what was not run."""
-    paragraphs = []
-    for word, title in REASONS.items():
-        reasons = dict[str, list[str]]()
-        for claim in claims:
-            reason = claim.missing or claim.why
-            if claim.word == word and (reason or word == Verdict.DISAGREE.value):
-                reasons.setdefault(reason or "We know no reason.", []).append(claim.quantity)
-        lines = [f"- {'; '.join(names)}. {reason}" for reason, names in reasons.items()]
-        if lines:
-            paragraphs.append(f"### {title}\n\n" + "\n".join(lines))
-    return paragraphs
+def _reason(claim: Claim) -> str:
+    """What is to be said of a claim below its table; "" of nothing."""
+    none = "We know no reason." if claim.verdict == Verdict.DISAGREE else ""
+    return claim.missing or claim.why or none

@@ -63,10 +63,15 @@ def function(name: str) -> Callable[..., Any]:
 
     call.__name__ = call.__qualname__ = name
     call.__module__ = "walkergen"
-    call.__doc__ = getdoc(request)
+    call.__doc__ = doc_of(name)
     call.__signature__ = signature  # type: ignore[attr-defined]
     call.__annotations__ = {own.name: own.annotation for own in signature.parameters.values()}
     return call
+
+
+def doc_of(name: str) -> str:
+    """Docstring of a function: that of its command, and an example."""
+    return f"{getdoc(request_of(name))}\n\nExample: `{COMMANDS[name].call}`"
 
 
 def signature_of(name: str) -> Signature:
@@ -110,7 +115,7 @@ def stub() -> str:
         lines = [f"    {_parameter(parameter)}," for parameter in own.parameters.values()]
         at = next(place for place, one in enumerate(own.parameters.values()) if one.kind is Parameter.KEYWORD_ONLY)
         lines.insert(at, "    *,")
-        text = str(getdoc(request_of(name)))
+        text = doc_of(name)
         doc = indent(f'"""{text}\n"""' if "\n" in text else f'"""{text}"""', "    ")
         parts.append("\n".join([f"def {name}(", *lines, f") -> {own.return_annotation}:", doc, ""]))
     return "\n".join(parts)

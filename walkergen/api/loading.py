@@ -43,11 +43,13 @@ def load(name: Name, kind: None = None) -> Any: ...
 def load(name: Name, kind: str | None = None) -> Any:
     """Load a walker, a scene or a printer: a template by its name, or a TOML file by its path.
 
-    A walker is also a drawing, a picture or a mesh: `load("heart.svg")`.
+    A walker is also a drawing, a picture or a mesh: `wg.load("heart.svg")`.
 
     A path has an ending, has a / in it or is a Path. `kind` is "walker", "scene" or "printer", by
     default what the name or the file's keys tell. Raises InputError that lists the known names or
     kinds, or every mistake in the file.
+
+    Example: `wg.load("koumakis2016").variant(tilt=12)`
     """
     name = name if isinstance(name, str) else Path(name)
     if kind is None:
@@ -59,7 +61,10 @@ def load(name: Name, kind: str | None = None) -> Any:
 
 
 def templates() -> Table:
-    """Table of the shipped walkers, scenes and printers: kind, name, description."""
+    """Table of the shipped walkers, scenes and printers: kind, name, description.
+
+    Example: `wg.templates()["name"]`
+    """
     return shipped.listing().table
 
 

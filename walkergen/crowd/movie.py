@@ -2,7 +2,6 @@
 
 import io
 import math
-import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -75,8 +74,8 @@ def check(path: Path, source: str) -> None:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{source} {str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
-    if suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        raise InputError(f"{source} {str(path)[:80]!r}: ffmpeg is not installed; name a .gif instead")
+    if suffix == ".mp4" and animation.program() is None:
+        raise InputError(f"{source} {str(path)[:80]!r}: {animation.WITHOUT}; name a .gif instead")
 
 
 def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress) -> int:

@@ -1,5 +1,6 @@
 """Animation: from frames to a GIF, and to an MP4 where ffmpeg is installed."""
 
+import importlib.util
 import io
 import shutil
 import subprocess
@@ -16,6 +17,9 @@ from walkergen.files.progress import Progress
 
 Pixels = npt.NDArray[np.uint8]
 """Picture of shape (height, width, 3), with height and width even."""
+
+WITHOUT = "ffmpeg is not installed (pip install 'walkergen[film]' brings it)"
+"""Reason why there is no MP4."""
 
 Draw = Callable[[int], Pixels]
 """Function that draws the frame of a number."""
@@ -124,13 +128,26 @@ def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float
     return data.getvalue()
 
 
+def program() -> str | None:
+    """Path of ffmpeg: that on the PATH, else that of the extra `film`; None where neither is installed."""
+    found = shutil.which("ffmpeg")
+    if found is None and importlib.util.find_spec("imageio_ffmpeg") is not None:
+        import imageio_ffmpeg
+
+        try:
+            return str(imageio_ffmpeg.get_ffmpeg_exe())
+        except RuntimeError:  # a build of the package without the program
+            return None
+    return found
+
+
 def _ffmpeg(shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]) -> "subprocess.Popen[bytes] | None":
     """Start ffmpeg, waiting for frames at its input; None where it is not installed."""
-    program = shutil.which("ffmpeg")
-    if program is None:
+    found = program()
+    if found is None:
         return None
     words = [
-        program,
+        found,
         "-loglevel",
         "error",
         "-nostdin",
@@ -165,7 +182,7 @@ def _ffmpeg(shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes])
 def _finished(ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]) -> tuple[bytes | None, str]:
     """Close ffmpeg; returns the MP4, or None and the reason."""
     if ffmpeg is None:
-        return None, "ffmpeg is not installed"
+        return None, WITHOUT
     ffmpeg.communicate()
     if ffmpeg.returncode == 0:
         return target.read_bytes(), ""

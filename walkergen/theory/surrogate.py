@@ -68,7 +68,7 @@ BLOCK = 96
 
 
 class UnknownError(WalkergenError):
-    """The surrogate does not know a walker; the text says why."""
+    """The surrogate does not know a walker; the text says why, in words that a table of many says once."""
 
 
 class Place(NamedTuple):
@@ -361,7 +361,7 @@ def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = T
     speed, se = known.in_mm_s(speeds)
     goal = max(GOAL_SHARE * abs(speed), GOAL_MM_S)
     if within_goal and NORMAL_95 * se > goal:
-        raise UnknownError(f"the surrogate knows it to {NORMAL_95 * se:.2g} mm/s only")
+        raise UnknownError(f"the surrogate does not know it to {100.0 * GOAL_SHARE:g} % or {GOAL_MM_S:g} mm/s")
     return known
 
 
@@ -486,15 +486,16 @@ def _check_ranges(kind: Kind, place: Place) -> None:
     for name, value, low, high in zip(Place._fields, place, *_ends(kind), strict=True):
         margin = EDGE * (high - low) + 1e-9
         if not low - margin <= float(value) <= high + margin:
-            words, number, ends = in_words(name, float(value), low, high)
-            raise UnknownError(f"the surrogate knows a {words} of {ends} and here it is {number}")
+            words, ends = in_words(name, low, high)
+            side = "less" if float(value) < low else "more"
+            raise UnknownError(f"the surrogate knows a {words} of {ends}, and here it is {side}")
 
 
-def in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:
-    """Name, value and range of a number as people write them."""
+def in_words(name: str, low: float, high: float) -> tuple[str, str]:
+    """Name and range of a number as people write them."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
-        value, low, high = value**2, low**2, high**2
+        low, high = low**2, high**2
     elif name.startswith("log_"):
-        value, low, high = math.exp(value), math.exp(low), math.exp(high)
-    return words, f"{value:.3g}", f"{low:.2g} to {high:.2g}"
+        low, high = math.exp(low), math.exp(high)
+    return words, f"{low:.2g} to {high:.2g}"

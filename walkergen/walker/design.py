@@ -59,6 +59,9 @@ STORY = {"tilt_deg": [0.0, 5.0, 10.0, 15.0, 20.0], "legs": ["flexible"]}
 PLACES = ("contact_spacing_mm", "width_mm")
 """Keys that say where two equal legs stand."""
 
+SHORT = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
+"""Keys, by the words of commands for them."""
+
 FOLLOWED = 10.0
 """Tilt, deg, of legs that give none, unless the design gives one."""
 
@@ -393,17 +396,32 @@ class Design(Section):
         return max(places) - min(places)
 
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
-        """Design with another tilt or kind of legs, or with other values of any dotted keys.
+        """Design with another tilt or kind of legs, or with other values of any keys.
 
-        Keys are those of the file: `variant(**{"legs.flexible_thickness_mm": 0.3})`. Everything is
-        validated together, as the file's lines are, unlike by pydantic's `model_copy`. Legs of a
-        list keep their kinds, and follow the tilt where they have none of their own. Raises
-        InputError or GeometryError, a line for every mistake.
+        Keys are those of the file, dotted, and the words of the commands: `tilt` is `tilt_deg`, `legs="braced"` is
+        `kind`, `text` and `mirror` are the body's. Everything is validated together, as the file's lines are, unlike
+        by pydantic's `model_copy`. Legs of a list keep their kinds, and follow the tilt where they have none of their
+        own. Raises InputError or GeometryError, a line for every mistake.
+
+        Example: `wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})`
         """
-        own = self._named(tilt_deg, kind)
+        words = {SHORT[key]: keys.pop(key) for key in [*keys] if key in SHORT}
+        if isinstance(keys.get("legs"), str):  # a table or a list are the file's
+            words["kind"] = keys.pop("legs")
+        for key, value in (("tilt_deg", tilt_deg), ("kind", kind)):
+            if value is not None and words.setdefault(key, value) is not value:
+                raise InputError(f"{self.name}: {key}: given twice, by its short name too")
+        own = self._named(words.pop("tilt_deg", None), words.pop("kind", None)) | words
         for key in own.keys() & keys.keys():
             raise InputError(f"{self.name}: {key}: given twice, by its short name too")
         return changed(self, own | keys, self.name)
+
+    def __repr__(self) -> str:
+        length, thickness, depth = self.size
+        legs = f"{len(self.limbs)} {self.kind} legs, tilt {self.tilt_deg:g} deg"
+        return f"<Design {self.name}: {legs}, body {length:.4g} x {depth:.4g} x {thickness:.4g} mm>"
+
+    __str__ = __repr__
 
     def _named(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
         """Keys that a tilt and a kind of legs stand for. Raises GeometryError where there is none.

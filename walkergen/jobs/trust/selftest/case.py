@@ -31,7 +31,7 @@ class Case(NamedTuple):
 
     name: str
     section: str
-    """Section of docs/physics.md ("6.7"), or "geometry"."""
+    """Section of docs/physics.md ("6.4"), or "geometry"."""
     source: str
     """Where the right value comes from, outside this code: a law, a closed form, a publication."""
     runs_on: tuple[str, ...]

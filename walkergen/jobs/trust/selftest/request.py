@@ -17,7 +17,7 @@ class SelftestRequest(request.Request):
     by_position: ClassVar = ("only",)
 
     only: Annotated[
-        str | None, request.AsText, Flag("Case to run, or section: 6.7.", "NAME-OR-SECTION", takes="str | None")
+        str | None, request.AsText, Flag("Case to run, or section: 6.4.", "NAME-OR-SECTION", takes="str | None")
     ] = None
 
     def run(self, progress: Progress) -> "Report":
