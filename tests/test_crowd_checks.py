@@ -9,10 +9,11 @@ from flat_cards import BOX, silent, with_lammps
 from typer.testing import CliRunner
 
 from evidence.__main__ import commands
-from evidence.crowd_checks import checks, crowds, make, meetings, report, setting
+from evidence.crowd_checks import checks, crowds, make, meetings, reasons, report, setting
 from evidence.crowd_checks.meetings import MEETINGS
 from evidence.crowd_checks.report import Checked, Row
 from evidence.crowd_checks.setting import RATE_HZ
+from walkergen.crowd import in_plane
 from walkergen.crowd.flat import engine
 from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity, Verdict
@@ -97,13 +98,41 @@ def test_the_report_says_of_its_own_rows_where_cards_hold_and_why(tmp_path):
         Row("collective", "packing 0.3", of("speed", 20.0, 0.3), of("speed", 30.0, 0.3)),
         Row("collective", "packing 0.3", of("g_up_to_1_lengths", 1.0, 0.3), of("g_up_to_1_lengths", 1.1, 0.3)),
     ]
-    still, slowing = Quantity("gained", "mm_s", 0.1, 0.2, 7.0), Quantity("gained", "mm_s", -5.0, 0.5, 7.0)
-    gained = {"packing 0.1": (still, still), "packing 0.3": (still, slowing)}
-    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, gained), tmp_path, []).lines
+    still, slowing, noisy = (of("gained", *numbers, 7.0) for numbers in ((0.01, 0.01), (-0.3, 0.05), (-0.1, 0.3)))
+    gained = {"packing 0.1": (still, still), "packing 0.3": (noisy, slowing)}
+    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, gained, []), tmp_path, []).lines
     assert "packing 0.1: cards hold; plane over space: speed 1.025 ± 0.011" in lines
     assert any(line.startswith("packing 0.3: cards off in speed; undecided in g up to 1 lengths; ") for line in lines)
     assert any(line.startswith("friction of 0.3 gives 0.1 ") and "and 0.2 up or down" in line for line in lines)
-    assert [line.endswith("not yet stationary") for line in lines if "the second half" in line] == [False, True]
+    first, second = (line for line in lines if "the first half" in line)
+    assert first.count("(stationary to 10 %)") == 2
+    assert "-10 ± 30 % in space (undecided whether stationary), by -30 ± 5 % in the plane (not stationary)" in second
+
+
+@pytest.mark.parametrize(
+    ("space", "plane", "end"),
+    [
+        ((24.0, 0.3), (24.5, 0.3), "13.00 ± 0.60 mm/s of the difference go with it"),
+        ((10.1, 0.3), (23.5, 0.3), ": it is no reason"),
+        ((15.0, 9.0), (23.0, 9.0), "leave open whether it is a reason"),
+    ],
+)
+def test_a_reason_is_what_takes_its_part_of_the_difference_with_it(tmp_path, space, plane, end):
+    case = f"packing {reasons.DENSEST:g}"
+    rows = [Row("collective", case, of("speed", 10.0, 0.3), of("speed", 23.5, 0.3))]
+    changed = [
+        reasons.Changed("bodies do not rub", of("speed", *space), of("speed", *plane)),
+        reasons.Changed("the plane rubs more", None, of("speed", 20.5, 0.4)),
+    ]
+    rubbed = {"head on": {"along": of("along", 0.1, 0.01), "up": of("up", 0.2, 0.01)}}
+    lines = report.of(Checked(rows, 0.3, 0.1, rubbed, {}, changed), tmp_path, []).lines
+    assert any("bodies do not rub" in line and line.endswith(end) for line in lines)
+    assert any("the plane rubs more: the plane has 20.50 ± 0.40 mm/s, -3.00 ± 0.50 more" in line for line in lines)
+
+
+def test_cards_give_numbers_where_the_checks_held_them_against_space():
+    assert in_plane.DENSEST in setting.PACKINGS
+    assert in_plane.DENSEST < reasons.DENSEST
 
 
 def test_the_plane_has_the_friction_that_pairs_in_space_measured():
@@ -122,7 +151,7 @@ def test_crowds_that_slow_down_are_told_from_those_that_go_on():
         poses[:, :, 0], poses[:, :, 1] = way[:, None] * (1.0 + shift), 8.2 * np.arange(12)
         films.append(crowds.film(size, silent(), crowds.Run(times, poses)))
     crowd = crowds.of_films(films, 28.0)
-    assert crowd.gained.value == pytest.approx(-10.0 * 1.05)
+    assert crowd.gained.value == pytest.approx(-0.5)
     assert crowd.numbers["polar_order"].value == 1.0
     assert crowd.numbers["g_up_to_0.5_lengths"].value > 1.0
 
@@ -148,7 +177,7 @@ def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
 @with_lammps
 @pytest.mark.nightly
 def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
-    tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 1)
+    tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 2, 1)
     written = []
     for folder in ("a", "b"):
         report = make.make(tiny, "test", tmp_path / folder, lambda *_: None)

@@ -67,6 +67,7 @@ SHORT = ("--seconds", "2", "--runs", "2", "--no-pictures")
         (("--write-only",), "--write-only: needs the card"),
         (("bar.json", "--movie", "dish.avi"), ".mp4, .gif, .png"),
         (("bar.json", "--count", "100000", "--seconds", "1000"), "samples"),
+        (("bar.json", "--packing", "0.5", "--arena", "periodic:212"), "packing 0.498: cards were tested against"),
     ],
 )
 def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, words, named):
@@ -98,6 +99,14 @@ def test_input_alone_needs_no_lammps_and_is_the_same_for_the_same_seed(run, monk
         for name in written[0]
         if name.startswith("run-0")
     )
+
+
+def test_cards_denser_than_was_tested_give_no_number_but_their_input(run, asked, tmp_path):
+    words = ("bar.json", "--packing", "0.5", "--arena", "periodic:212", "--runs", "1")
+    assert run(*words, "--write-only", "--out", "input").exit_code == 0
+    assert not asked
+    tested = run("bar.json", "--packing", "0.3", "--arena", "periodic:212", *SHORT)
+    assert in_plane.TESTED in " ".join(tested.stdout.split())
 
 
 def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_path):

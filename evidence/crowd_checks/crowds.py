@@ -1,4 +1,4 @@
-"""Third check, in space and in a plane: crowds from rest until they are stationary, at several packings."""
+"""Third check, in space and in a plane: crowds from rest until they are stationary, as they are or changed."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 from evidence.crowd_checks import runs, setting
 from evidence.crowd_checks.runs import Array, Run
-from evidence.crowd_checks.setting import CROWD_RATE_HZ, DISH, PACKINGS, Size
+from evidence.crowd_checks.setting import CROWD_RATE_HZ, DISH, Size
 from walkergen import dish as dishes
 from walkergen.crowd.cards.card import Card
 from walkergen.crowd.space.placing import place
@@ -43,35 +43,33 @@ class Crowd(NamedTuple):
     numbers: Mapping[str, Quantity]
     """Means over runs of the statistics that every run has."""
     gained: Quantity
-    """Speed of the second half of the record less that of the first, mm/s: about 0 where it is stationary."""
+    """Speed of the second half of the record over that of the first, less 1: about 0 where it is stationary."""
 
 
-def in_space(size: Size, design: Design, mass: MassProperties, card: Card) -> Mapping[str, Crowd]:
-    """Crowds in space, by their packings in words."""
+def in_space(
+    size: Size, design: Design, mass: MassProperties, card: Card, packing: float, number: int, **keys: float
+) -> Crowd:
+    """Crowd of a packing in space, of so many runs; `keys` change its scene."""
 
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
-        return runs.in_space(scene, design, mass, starts, CROWD_RATE_HZ, endless=False)
+        return runs.in_space(scene.variant(**keys), design, mass, starts, CROWD_RATE_HZ, endless=False)
 
-    return _each(size, card, size.crowd_runs, simulate)
+    return _of(size, card, packing, number, simulate)
 
 
-def in_plane(size: Size, card: Card) -> Mapping[str, Crowd]:
-    """Crowds in the plane, from places drawn alike."""
+def in_plane(size: Size, card: Card, packing: float, number: int) -> Crowd:
+    """The same in the plane, from places drawn alike; where they are as many, from the same."""
 
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
         return runs.in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)
 
-    return _each(size, card, setting.MORE * size.crowd_runs, simulate)
+    return _of(size, card, packing, number, simulate)
 
 
-def _each(size: Size, card: Card, number: int, simulate: Simulate) -> Mapping[str, Crowd]:
+def _of(size: Size, card: Card, packing: float, number: int, simulate: Simulate) -> Crowd:
     scene = setting.scene(size, size.crowd_discard_seconds + size.crowd_seconds, 0.0, number)
-    crowds = {}
-    for packing in PACKINGS:
-        starts = [places(size, card, packing, run) for run in range(number)]
-        films = [film(size, card, run) for run in simulate(scene, starts)]
-        crowds[f"packing {packing:g}"] = of_films(films, card.length_mm)
-    return crowds
+    starts = [places(size, card, packing, run) for run in range(number)]
+    return of_films([film(size, card, run) for run in simulate(scene, starts)], card.length_mm)
 
 
 def places(size: Size, card: Card, packing: float, number: int) -> Array:
@@ -91,7 +89,7 @@ def of_films(films: Sequence[CrowdFilm], length: float) -> Crowd:
         key = f"g_up_to_{upper:g}_lengths"
         numbers[key] = mean(key, "", values)
     halves = [np.array_split(speeds(film)[0].mean(axis=1), 2) for film in films]
-    return Crowd(numbers, mean("gained", "mm_s", [after.mean() - before.mean() for before, after in halves]))
+    return Crowd(numbers, mean("gained", "", [after.mean() / before.mean() - 1.0 for before, after in halves]))
 
 
 def film(size: Size, card: Card, run: Run) -> CrowdFilm:

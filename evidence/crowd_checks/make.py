@@ -1,12 +1,13 @@
 """Three checks of crowds in a plane, in the order of Weber and others (arXiv 1304.4760).
 
-Single: a card comes back from walkers alone; binary: pairs that meet; collective: crowds. Of each
-the same places, films and analysis in space and in a plane, all from rest.
+Single: a card comes back from walkers alone; binary: pairs that meet; collective: crowds, and the
+densest of them with one thing changed, which says why it differs. Of each the same places, films and
+analysis in space and in a plane, all from rest.
 """
 
 from pathlib import Path
 
-from evidence.crowd_checks import checks, crowds, meetings, report, setting
+from evidence.crowd_checks import checks, crowds, meetings, reasons, report, setting
 from evidence.crowd_checks.report import Checked, rows_of
 from evidence.crowd_checks.setting import Size
 from walkergen.crowd.flat import engine
@@ -15,7 +16,7 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.walker import solids
 
-STEPS = 6
+STEPS = 7
 
 
 def make(size: Size, command: str, folder: Path, progress: Progress) -> Report:
@@ -45,14 +46,18 @@ def run(size: Size, progress: Progress) -> Checked:
     progress("pairs in the plane", 3, STEPS)
     rows += rows_of("binary", met, checks.pairs_in_plane(size, card))
     progress("crowds in space", 4, STEPS)
-    space = crowds.in_space(size, design, mass, card)
+    named = {f"packing {packing:g}": packing for packing in setting.PACKINGS}
+    space = {case: crowds.in_space(size, design, mass, card, at, size.crowd_runs) for case, at in named.items()}
     progress("crowds in the plane", 5, STEPS)
-    plane = crowds.in_plane(size, card)
+    more = setting.MORE * size.crowd_runs
+    plane = {case: crowds.in_plane(size, card, at, more) for case, at in named.items()}
     numbers = [{case: one.numbers for case, one in of.items()} for of in (space, plane)]
     rows += rows_of("collective", *numbers)
     gained = {case: (one.gained, plane[case].gained) for case, one in space.items()}
+    progress("crowds changed in one thing", 6, STEPS)
+    changed = reasons.measure(size, design, mass, card)
     progress("done", STEPS, STEPS)
-    return Checked(rows, assumed.friction, card.friction, rubbed, gained)
+    return Checked(rows, assumed.friction, card.friction, rubbed, gained, changed)
 
 
 def notes(size: Size, command: str) -> list[str]:
@@ -66,5 +71,6 @@ def notes(size: Size, command: str) -> list[str]:
         f"walks {meetings.NEAREST:g} to {meetings.FARTHEST:g} mm until they meet",
         f"crowds: packings {packings} of {setting.DISH}, {size.crowd_runs} runs in space, "
         f"{setting.MORE * size.crowd_runs} in the plane, {size.crowd_seconds:g} s each after "
-        f"{size.crowd_discard_seconds:g} s from rest",
+        f"{size.crowd_discard_seconds:g} s from rest; changed in one thing, {size.changed_runs} in space and "
+        f"{setting.MORE * size.changed_runs} in the plane",
     ]

@@ -1,11 +1,13 @@
 """Report of the checks of crowds in a plane: a row a quantity of space and of the plane, with their verdict."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from evidence.crowd_checks.checks import Cases
+from evidence.crowd_checks.reasons import DENSEST, Changed
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.numerics.quantity import Quantity, Verdict
@@ -35,6 +37,17 @@ LEGEND = (
 
 SEEN = ("speed", "polar_order", "nematic_order", "local_polar_order", "local_nematic_order")
 """Numbers of a crowd by which cards hold at a packing, or do not; with them g."""
+
+CLOSED = {
+    Verdict.AGREE: "",
+    Verdict.DISAGREE: ": it is no reason",
+    Verdict.UNDECIDED: ", within errors that leave open whether it is a reason",
+    Verdict.MISSING: ", which nobody knows",
+}
+"""What the part of a difference that goes with a change says of it as a reason."""
+
+PART = 0.2
+"""Least part of a difference that makes a reason."""
 
 SHARED = ("speed", "g_")
 """How keys begin of those that are never near 0, whose ratios are told."""
@@ -83,7 +96,9 @@ class Checked(NamedTuple):
     rubbed: Cases
     """Impulses of friction over that along the normal, in the plane (along) and up or down (up), by meeting."""
     gained: Mapping[str, tuple[Quantity, Quantity]]
-    """Speed of the second half of a crowd's record less that of the first, in space and in the plane."""
+    """Speed of the second half of a crowd's record over that of the first, less 1, in space and in the plane."""
+    changed: Sequence[Changed]
+    """Speeds of the densest crowd, changed in one thing."""
 
 
 def rows_of(check: str, space: Cases, plane: Cases) -> Iterator[Row]:
@@ -119,7 +134,7 @@ def of(checked: Checked, folder: Path, notes: Sequence[str]) -> Report:
             ),
         ],
         facts={"rows": [dict(zip(KEYS, row, strict=True)) for row in cells]},
-        lines=[*_counted(rows), _rubbing(checked), *_stationary(checked), *_region(rows), *notes],
+        lines=[*_counted(rows), _rubbing(checked), *_stationary(checked), *_region(rows), *_reasons(checked), *notes],
         folder=folder,
     )
 
@@ -148,19 +163,48 @@ def _rubbing(checked: Checked) -> str:
     up = sum(one["up"].number for one in checked.rubbed.values()) / len(checked.rubbed)
     return (
         f"friction of {checked.assumed:g} gives {checked.friction:.2g} of the normal impulse along the faces in the "
-        f"plane, which is the card's friction, and {up:.2g} up or down them: bodies hop out of step"
+        f"plane, which is the card's friction, and {up:.2g} up or down them, which a plane has not"
     )
+
+
+STILL = {
+    Verdict.AGREE: f"stationary to {100 * MARGIN:g} %",
+    Verdict.DISAGREE: "not stationary",
+    Verdict.UNDECIDED: "undecided whether stationary",
+    Verdict.MISSING: "not known",
+}
+"""What a change of the speed says."""
 
 
 def _stationary(checked: Checked) -> Iterator[str]:
     """Whether crowds were stationary while they were watched."""
     for case, pair in checked.gained.items():
-        still = all(gained.beside(gained._replace(value=0.0, se=0.0)) != Verdict.DISAGREE for gained in pair)
-        space, plane = map(_stated, pair)
+        told = [f"{100 * one.number:.2g} ± {100 * (one.se or 0.0):.2g} %" for one in pair]
+        still = [STILL[one.within(-MARGIN, MARGIN)] for one in pair]
         yield (
-            f"{case}: the second half of the record is faster than the first by {space} mm/s in space, {plane} in the "
-            f"plane: {'stationary within the errors' if still else 'not yet stationary'}"
+            f"{case}: from the first half of the record to the second the speed changes by {told[0]} in space "
+            f"({still[0]}), by {told[1]} in the plane ({still[1]})"
         )
+
+
+def _reasons(checked: Checked) -> Iterator[str]:
+    """How far space and plane are apart in the densest crowd, and with one thing changed."""
+    case = f"packing {DENSEST:g}"
+    speeds = (row for row in checked.rows if row.case == case and row.space.key == "speed")
+    for row in speeds:
+        yield f"{case}: the plane is faster by {_stated(row.apart)} mm/s, {_stated(row.plane)} for {_stated(row.space)}"
+        for one in checked.changed:
+            if one.space is None:
+                change = one.plane.less(row.plane)
+                yield f"{case}, {one.name}: the plane has {_stated(one.plane)} mm/s, {_stated(change)} more than it has"
+                continue
+            apart = one.plane.less(one.space)
+            closed = row.apart.less(apart)
+            yield (
+                f"{case}, {one.name}: {_stated(one.plane)} mm/s in the plane, {_stated(one.space)} in space, apart "
+                f"by {_stated(apart)}: {_stated(closed)} mm/s of the difference go with it"
+                f"{CLOSED[closed.within(PART * abs(row.apart.number), math.inf)]}"
+            )
 
 
 def _region(rows: Sequence[Row]) -> Iterator[str]:

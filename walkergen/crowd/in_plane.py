@@ -12,6 +12,7 @@ from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.flat import deck, doors
 from walkergen.crowd.runs import Job, Kind
 from walkergen.crowd.statistics import CrowdFilm, measure
+from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation.batch import OneRun, Stopped, Tell
@@ -19,6 +20,14 @@ from walkergen.walker import seen_above
 
 CONTACT = ("restitution", "friction")
 """Keys of a scene's [crowd] that replace a card's own where they are set."""
+
+DENSEST = 0.3
+"""Largest packing at which a crowd of cards was held against the same in space (docs/crowds.md, three checks)."""
+
+TESTED = (
+    f"cards were tested against walkers in space: koumakis2016, in a square without walls, up to packing {DENSEST:g}"
+)
+"""Where the numbers of a crowd in a plane were tested, in words."""
 
 
 def asked(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
@@ -45,9 +54,11 @@ class InPlane(NamedTuple):
     def prepared(self) -> OneRun[CrowdFilm]:
         """What places and simulates the run of a number.
 
-        Such a run raises InputError where a crowd has no room, and where LAMMPS is absent.
+        Raises InputError for a crowd denser than was tested; such a run, where a crowd has no room, and
+        where LAMMPS is absent.
         """
         job = self.job
+        check(job.packing)
         whole = _seconds(job)
 
         def one(number: int, stopped: Stopped, tell: Tell) -> CrowdFilm:
@@ -72,6 +83,14 @@ class InPlane(NamedTuple):
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""
+
+
+def check(packing: float) -> None:
+    """Refuse packings at which nobody knows whether cards hold. Raises InputError."""
+    if round(packing, 2) > DENSEST:
+        raise InputError(
+            f"packing {packing:.3g}: {TESTED}; take fewer walkers, a larger --arena, designs for cards or --write-only"
+        )
 
 
 def inputs(job: Job) -> dict[str, bytes]:

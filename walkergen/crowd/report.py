@@ -88,7 +88,7 @@ def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
             "contacts": [row._asdict() for row in rows],
             "outcomes": dict(simulated.outcomes),
         },
-        lines=[tables.line(statistics)],
+        lines=[tables.line(statistics), *([in_plane.TESTED] if job.model == "flat" else [])],
         warnings=list(_warnings(simulated)),
         figures=crowd_figures.figures(statistics, title),
         folder=folder,
