@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 import json
 import re
 import shlex
@@ -92,9 +93,15 @@ def timeless(folder):
     return {name: data for name, data in contents.items() if not name.rpartition("/")[2].startswith(".")}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("what", ["stl", "3mf", "plate", "page"])
-@pytest.mark.parametrize("chosen", ["changed", "listed", "stl", "svg"])
+BY_DAY = ("changed-stl", "changed-page", "stl-3mf", "svg-plate")
+FILES = [
+    pytest.param(chosen, what, id=f"{chosen}-{what}", marks=by_day if f"{chosen}-{what}" in BY_DAY else by_night)
+    for by_day, by_night in [(pytest.mark.slow, pytest.mark.nightly)]
+    for chosen, what in itertools.product(("changed", "listed", "stl", "svg"), ("stl", "3mf", "plate", "page"))
+]
+
+
+@pytest.mark.parametrize(("chosen", "what"), FILES)
 def test_files_equal_those_of_the_lines_for_a_shell(doors, tmp_path, what, chosen):
     documents = {"changed": CHANGED, "listed": LISTED}
     document = documents[chosen] if chosen in documents else uploaded(doors, chosen)
@@ -136,7 +143,7 @@ def test_an_archive_of_fewer_plates_keeps_none_of_the_earlier(doors):
     assert len(names[1]) == 1
 
 
-@pytest.mark.parametrize("chosen", ["changed", "stl"])
+@pytest.mark.parametrize("chosen", ["changed", pytest.param("stl", marks=pytest.mark.slow)])
 def test_lines_of_python_make_the_same_part_and_speed(doors, tmp_path, chosen):
     document = CHANGED if chosen == "changed" else uploaded(doors, chosen)
     (part,) = taken(doors, document, "stl")[0].values()

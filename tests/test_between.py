@@ -40,8 +40,13 @@ def test_unlike_walkers_have_speeds_of_their_own_and_a_mean(kind, speeds):
         assert "more walkers" in found.method
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("walkers", "headed"), [(2, True), (3, True), (7, False), (12, False)])
+@pytest.mark.parametrize(
+    ("walkers", "headed"),
+    [
+        pytest.param(walkers, headed, marks=pytest.mark.slow if walkers in (3, 7) else pytest.mark.nightly)
+        for walkers, headed in [(2, True), (3, True), (7, False), (12, False)]
+    ],
+)
 def test_the_mean_over_unlike_walkers_covers_that_of_all_prints(walkers, headed):
     prints = Walker(speed=60.0, speed_sd=6.0, turn=0.5, turn_sd=0.5, rate=0.8)
     truth = {"speed": 60.0, "speed_scatter": 6.0, "turning_bias": 0.5}

@@ -84,6 +84,7 @@ def circling(path, k1, frames=40):
     return films.write(path, [films.bent(one, NEAR, k1) for one in drawn]), ways
 
 
+@pytest.mark.slow
 def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     """k1 = -0.1, which draws the picture's corners in by 3.6 %: 0.13 mm off, with it 0.01 mm."""
     path, ways = circling(tmp_path / "barrel.mp4", -0.1)
@@ -105,6 +106,7 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     assert made.picture.is_file()
 
 
+@pytest.mark.slow
 def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
@@ -194,7 +196,7 @@ def boards(camera, count=15):
     return pictures
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.programs
 def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, capsys):
     """Its lines, run on a drawn film of a checkerboard, give the lens that drew it."""

@@ -127,9 +127,13 @@ def reaching(time):
     return (70.0 - 150.0 * min(time, 0.9 - time), -20.0) if time < 0.9 else None
 
 
-@pytest.mark.slow
+BY_DAY = "motion blur", "tilted by 40 deg"
+
+
 @pytest.mark.programs
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in BY_DAY else pytest.mark.nightly) for name in CASES]
+)
 def test_bad_films_are_read_within_their_errors(tmp_path, name):
     shot, hand, share, scale, place, heading = CASES[name]
     ways = films.circles()

@@ -51,6 +51,7 @@ def project(folder, *edits):
     return folder
 
 
+@pytest.mark.slow
 def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
     done = resolved(project(tmp_path), "lock")
     assert done.returncode == 0, done.stderr
@@ -58,6 +59,7 @@ def test_a_resolver_finds_wheels_for_every_machine(tmp_path):
     assert lock.count("\n[[package]]") > 50
 
 
+@pytest.mark.slow
 def test_the_resolver_sees_a_package_that_a_machine_has_not(tmp_path):
     marker = "; platform_machine == 'x86_64' or platform_machine == 'AMD64' or sys_platform == 'darwin'"
     done = resolved(project(tmp_path, (marker, "")), "lock")

@@ -90,7 +90,7 @@ def table(path):
 FAST = ("--tilt", "5,10,20", "--gamma", "1.6,2", "--seconds", "0.2")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_fast_run_makes_every_file(run, tmp_path):
     result = run(*FAST, "--json")
     assert result.exit_code == 0, result.exception
