@@ -216,7 +216,7 @@ def _stretches(curve: Sequence[Speed]) -> list[list[Speed]]:
     gaps = [after.tilt_deg - before.tilt_deg for before, after in pairwise(curve)]
     step = 1.5 * min(gaps, default=0.0)
     ends = [0, *(number for number, gap in enumerate(gaps, start=1) if gap > step), len(curve)]
-    return [list(curve[first:last]) for first, last in pairwise(ends)]
+    return [list(curve[first:last]) for first, last in pairwise(ends) if last > first]
 
 
 def _mark(speed: Speed, frame: _Frame) -> Mark:
