@@ -23,7 +23,7 @@ from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
 HOST = "127.0.0.1:8765"
-PATIENCE_S = 60.0
+PATIENCE_S = 180.0
 """Longest wait for what takes a second on an idle machine."""
 
 PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s", "values": {}}
