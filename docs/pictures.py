@@ -44,7 +44,9 @@ WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*
 FAMILY = "walkergen family koumakis2016"
 MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 --slow 150"
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:45:2.5 --set scene.drive.gamma=1.2:3:0.1"
-CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 10 --only models --budget 2min"
+CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 5"
+ACCURACY = "walkergen/jobs/trust/accuracy"
+SHIPPED = ("advice.py", "cells.py", "cells.csv", "drawn.py", "figures.py", "shipped.py", "step_law.py")
 SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
 )
@@ -216,9 +218,7 @@ PICTURES = (
     ),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
     Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30, "movie.gif"),
-    Picture(
-        "choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190, "accuracy.png"
-    ),
+    Picture("choice.png", CHOICE, (*STYLE, *SCENES, *(f"{ACCURACY}/{name}" for name in SHIPPED)), 5, "accuracy.png"),
     Picture(
         "simulated.png",
         SIMULATED,

@@ -1,7 +1,6 @@
 """Figures: sizes of a journal, letters that can be read, lines told apart without colours."""
 
 from itertools import combinations, pairwise
-from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
@@ -17,10 +16,8 @@ from walkergen.analysis.tracks import Track
 from walkergen.files import figures
 from walkergen.jobs.make.family import chart_data
 from walkergen.jobs.make.family import figures as family
-from walkergen.jobs.trust.accuracy.figures import choice_figure, front
-from walkergen.jobs.trust.accuracy.ladder import Rung
-from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
-from walkergen.numerics.quantity import Quantity
+from walkergen.jobs.trust.accuracy import figures as accuracy
+from walkergen.jobs.trust.accuracy.figures import Mark, Point, Shown, choice_figure, front
 from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
@@ -66,26 +63,17 @@ def speed_of_one():
     return speed_figure([ROWS[1]], chart_data.ChartData({}), SIMULATED[:1])
 
 
-BIASES = {1.2: (0.0, 0.5), 2.3: (0.6, 1.1), 4.6: (-1.7, 0.7), 5.8: (-7.4, 1.8), 7.4: (-5.1, 1.4)}
-"""Biases in space (mm/s) and their standard errors by step: all but the last three may be zero."""
+BIASES = {1.2: 0.01, 2.3: 0.028, 4.6: 0.031, 5.8: 0.11, 7.4: 0.079}
+"""Bounds of biases in space, as shares, by step."""
+
+CURVES = [accuracy.Curve(f"space, step {step:g} us", bias, 1e-3, 0.2 / step, 1.0) for step, bias in BIASES.items()]
+MARKS = [Mark("rigid", 0.05, 0.9, 0.01), Mark("compliant", 0.2, 0.2, 0.03), Mark("within the floor", 0.3, 0.01, 0.03)]
+POINTS = [Point(0.05, 1.0, "5 %: 1 s"), Point(0.02, 30.0, "2 %: 20 s")]
+FLOOR = 0.015
 
 
 def choices():
-    def bias(one, reference):
-        return Bias(*BIASES.get(one.setting.step_us, (20.0, 0.5)))
-
-    survey = SimpleNamespace(
-        unit=lambda reference: Unit(100.0, "share of the mean speed", True, 1.0),
-        bias=bias,
-        bound=lambda *pair: bias(*pair).bound,
-        complete="space",
-    )
-    steps = [Setting("space", step) for step in BIASES]
-    others = [Setting("rigid", None), Setting("compliant", None)]
-    speed = {"speed_mm_s": Quantity("speed_mm_s", "", 100.0, 0.6)}
-    found = [Measured(one, speed, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), "") for one in (*steps, *others)]
-    formulas = [Rung("paper's eq. 15", "", 0.39, None, 3.6e-4, {})]
-    return choice_figure(survey, found, found[0], formulas, TITLE)
+    return choice_figure(Shown(TITLE, "%", CURVES, MARKS, POINTS, FLOOR, "Coulomb formula: off by 25 %"))
 
 
 @pytest.fixture(scope="module")
@@ -151,29 +139,28 @@ def test_series_differ_in_line_and_marker_and_not_only_in_colour():
         assert to_rgb(colour) @ np.array([0.299, 0.587, 0.114]) < 0.66
 
 
-def test_the_front_is_the_least_error_of_the_complete_model_for_a_time(drawn):
+def test_the_front_is_the_least_error_of_all_curves_for_a_time(drawn):
+    least = front(CURVES, 60.0)
+    for curve in CURVES:
+        assert np.all(least.total <= np.hypot(curve.scatter(least.cpu_s), curve.bias) * (1 + 1e-12))
+    assert least.total == pytest.approx(np.hypot(least.scatter, least.bias))
+    assert np.all(np.diff(least.total) <= 1e-12)  # more time is never worse
     axes = drawn["choice"].axes[0]
-    parts = [line for line in axes.get_lines() if len(set(line.get_ydata())) > 1]
-    thick = [line for line in parts if line.get_linewidth() > 2.0]
-    lines = [line for line in parts if line not in thick]
-    assert len(thick) >= 2
-    names = [text.get_text() for text in axes.texts]
-    assert sorted(names) == sorted(set(names))  # each setting once, on its line
-    assert any(name.startswith("space, step") for name in names)
-    for part in thick:
-        for cost, error in zip(*part.get_data(), strict=True):
-            others = [np.interp(cost, *line.get_data(), left=np.inf) for line in lines]
-            assert error <= 1.02 * min(others)  # up to where the next one begins
-    assert front([]) == []
+    (thick,) = [line for line in axes.get_lines() if line.get_linewidth() > 2.0]
+    assert thick.get_label() == "least error for the time"
 
 
-def test_what_a_budget_did_not_resolve_ends_in_an_open_mark(drawn):
+def test_nothing_is_drawn_below_what_the_reference_is_known_to(drawn):
     axes = drawn["choice"].axes[0]
-    marks = [line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())]
-    assert len(marks) == 2  # steps of 1.2 and 2.3 us
-    assert {line.get_markerfacecolor() for line in marks} == {"white"}
-    ends = sorted(float(line.get_ydata()[0]) for line in marks)
-    assert ends == pytest.approx([0.02, 0.056], rel=0.05)  # twice the bound that is known
+    for line in axes.get_lines():
+        assert not np.any(np.asarray(line.get_ydata(), dtype=float) < FLOOR * (1 - 1e-9))
+    told = [text.get_text() for text in axes.texts]
+    assert "within the floor" not in told
+    assert {"rigid", "compliant", "5 %: 1 s", "2 %: 20 s"} <= set(told)
+    assert any("1.5 %" in text and "Coulomb" in text for text in told)
+    low, high = axes.get_xlim()
+    assert 0.01 < low < 0.05  # cropped to where simulations are: no formulas of microseconds
+    assert high < 1000.0
 
 
 def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():

@@ -539,12 +539,12 @@ def accuracy(
     restitution: float | None = None,
     friction: float | None = None,
     set: Mapping[str, Any] = {},
-    only: str | Iterable[str] = ["models", "steps", "statistics", "shape"],
-    budget: str | float = 60.0,
+    only: str | Iterable[str] | None = None,
+    budget: str | float | None = None,
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Measure what accuracy costs in time: models, steps, statistics, shape.
+    """Say what accuracy costs in time, at once; with a budget measure it: models, steps, statistics, shape.
 
     Example: `wg.accuracy(tilt=10, only="statistics", budget="5s").lines`
     """

@@ -128,8 +128,8 @@ COMMANDS = {
     "accuracy": Command(
         "Trust",
         "jobs.trust.accuracy",
-        "accuracy --budget 30s",
-        "accuracy --tilt 10 --only models,steps",
+        "accuracy --tilt 10",
+        "accuracy --tilt 10 --only models,steps --budget 2min",
         'wg.accuracy(tilt=10, only="statistics", budget="5s").lines',
     ),
     "selftest": Command(

@@ -57,19 +57,31 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice | st
         if _within(survey, _margin(survey, candidate, measurements), reference, error)
     )
     choices = [offer for offer in offers if offer is not None]
-    return min(choices, key=lambda choice: choice.cpu_s) if choices else _too_fine(error, survey, reference)
+    return (
+        min(choices, key=lambda choice: choice.cpu_s) if choices else _too_fine(error, survey, reference, measurements)
+    )
 
 
-def _too_fine(error: float, survey: Survey, reference: Measured) -> str:
-    """Advice on the budget that would give the reference's mean speed to a third of the error."""
+def _too_fine(error: float, survey: Survey, reference: Measured, measurements: Sequence[Measured]) -> str:
+    """Advice on the budget that would give the least certain bias of one offer to a third of the error.
+
+    A bias has the errors of both rungs, its own and the reference's, and an offer that of its margin too.
+    """
     assert reference.speed.se is not None
     certainty = 2.0 * reference.speed.se
+    pairs = [(one, _margin(survey, one, measurements)) for one in measurements]
+    errors = [
+        max(bias.se for bias in biases if bias is not None)
+        for one, margin in pairs
+        if margin is not None and None not in (biases := [survey.bias(at, reference) for at in (one, margin)])
+    ]
+    of_bias = 2.0 * min(errors, default=reference.speed.se * math.sqrt(2.0))
     weights = [*map(survey.share, survey.steps), short_scenes.WEIGHT, models.FRAMES_WEIGHT]
     spent = reference.cpu_s / (survey.share(reference.setting) / sum(weights)) / survey.cores
-    needed = spent * max(3.0 * certainty / error, 1.0) ** 2
+    needed = spent * max(3.0 * of_bias / error, 1.0) ** 2
     problem = f"the most accurate setting is itself known to {words.number(certainty, 2)} mm/s only; "
     if needed > LONGEST_BUDGET:
-        least = _up(3.0 * certainty * math.sqrt(spent / LONGEST_BUDGET))
+        least = _up(3.0 * of_bias * math.sqrt(spent / LONGEST_BUDGET))
         return f"{problem}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
     budget = words.budget(needed + survey.budget.others_s)
     return f"{problem}measure longer: walkergen accuracy ... --only steps --budget {budget}"

@@ -1,7 +1,6 @@
-"""Figure of what accuracy costs in time: the front of what is worth running, the rest in grey."""
+"""Figure of what accuracy costs in time: the least error for a time, and what it is made of."""
 
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,189 +10,173 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from walkergen.files.figures import BLACK, BLUE, FAINT, GREY, SMALLEST, grid_of, legend_below, name, style, wrapped
-from walkergen.jobs.trust.accuracy.ladder import Rung
-from walkergen.jobs.trust.accuracy.setting import Measured, Unit
-from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.files.figures import BLACK, BLUE, GREY, ORANGE, PALE, SMALLEST, grid_of, legend_below, name, style
+from walkergen.files.figures import wrapped as lines_of
+from walkergen.theory.surrogate import NORMAL_95
 
 Array = npt.NDArray[np.float64]
 
-SHARES = (2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
-"""Relative errors that the axis names."""
+SHARES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+"""Errors that the axis names, in the unit of the figure."""
 
-FLAT = 0.1
-"""Share of the statistical error in the bias at which the line of a known bias ends: more time
-would change nothing."""
+SHORTEST_S = 0.5
+"""Measured time of all runs of a setting from which its curve is drawn, s."""
 
-SHORT = 0.06
-"""Decades, along cost and error together, below which a part of the front is as good as none."""
-
-LINE = 9.5
-"""Distance of two names above one another, points."""
-
-ROOM, MARGIN = 15.0, 1.3
-"""Largest cost of the axis over that of a line's end, where its name stands; and the factor
-between the axis's ends and the least and the largest error."""
-
-UNRESOLVED = "at most this: the budget did not tell the bias from 0"
+ROOM = 1.6
+"""Factor between the ends of an axis and what is nearest to them."""
 
 
-class Line(NamedTuple):
-    """Total error of a setting against its cost."""
+class Curve(NamedTuple):
+    """Setting of which is chosen: its error (95 %) against its time. Errors are in the unit of the figure."""
 
     name: str
-    cost: Array
-    """CPU time, s, rising."""
-    error: Array
-    """Error with 95 % confidence, in the unit of the figure."""
-    resolved: bool
-    """True where the bias differs from zero: the line goes on as its bias. Else it ends where its
-    statistical error falls below the bound that the survey could give."""
-    worth: bool
-    """True for settings of the complete model, of which `simulate --error` chooses."""
+    bias: float
+    """Bound of its bias."""
+    variance_time: float
+    """Squared standard error of the mean speed times measured time, (unit)^2 s."""
+    cpu_per_s: float
+    """CPU time of a simulated second, s."""
+    discard_s: float
+    """Starts of all runs that are not measured, s."""
+
+    def scatter(self, cpu_s: Array) -> Array:
+        """Error by the runs' scatter in a time; infinite where there is none to measure."""
+        measured_s = cpu_s / self.cpu_per_s - self.discard_s
+        with np.errstate(divide="ignore", invalid="ignore"):
+            half = NORMAL_95 * np.sqrt(self.variance_time / measured_s)
+        return np.where(measured_s >= SHORTEST_S, half, np.inf)
 
 
-Part = tuple[Line, Array, Array]
-"""Line, and the costs and errors at which it is the front."""
+class Mark(NamedTuple):
+    """What was measured of a setting at once: its bias against the reference, with its error."""
+
+    name: str
+    cpu_s: float
+    bias: float
+    se: float
+
+
+class Point(NamedTuple):
+    """Answer on the front: an error, the time that it takes, and words for both."""
+
+    error: float
+    cpu_s: float
+    words: str
+
+
+class Shown(NamedTuple):
+    """All that the figure shows."""
+
+    title: str
+    unit: str
+    """Name of the unit of errors: "%" for shares of the mean speed, else in words."""
+    curves: Sequence[Curve]
+    marks: Sequence[Mark]
+    points: Sequence[Point]
+    floor: float
+    """Error (95 %) of the reference: nothing is drawn below it."""
+    note: str = ""
+    """What has no place on the axes, as formulas."""
+
+
+class Front(NamedTuple):
+    """Least error for a time, and its two parts, each of shape (n,)."""
+
+    cpu_s: Array
+    scatter: Array
+    bias: Array
+    total: Array
+
+
+def front(curves: Sequence[Curve], longest_s: float) -> Front:
+    """Least error of some curves up to a time, from where the first of them has one."""
+    cheapest = min(curve.cpu_per_s * (curve.discard_s + SHORTEST_S) for curve in curves)
+    cpu = np.geomspace(cheapest, max(longest_s, 3.0 * cheapest), 400)
+    scatter = np.array([curve.scatter(cpu) for curve in curves])
+    bias = np.array([curve.bias for curve in curves])[:, None] * np.ones_like(scatter)
+    total = np.hypot(scatter, bias)
+    least, at = total.argmin(axis=0), np.arange(len(cpu))
+    return Front(cpu, scatter[least, at], bias[least, at], total[least, at])
 
 
 @style()
-def choice_figure(
-    survey: Survey, measurements: Sequence[Measured], reference: Measured, formulas: Iterable[Rung], title: str
-) -> Figure:
-    """Draw the total error with 95 % confidence against CPU time: of each setting, and the front.
-
-    The front is the least error of the complete model's settings for a time.
-    """
-    unit = survey.unit(reference)
-    lines = [line for measured in measurements if (line := _line(survey, measured, reference, unit)) is not None]
-    rungs = sorted(formulas, key=lambda rung: rung.error or 0.0)
-    figure, (axes,) = grid_of(f"What accuracy costs in time: {title}", 1, 1, 3.6)
+def choice_figure(shown: Shown) -> Figure:
+    """Draw the least error against CPU time with its parts, answers on it, and what was measured beside it."""
+    figure, (axes,) = grid_of(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    _limit(axes, lines, rungs)
-    parts = [part for part in front([line for line in lines if line.worth]) if _length(part) > SHORT]
-    _draw_front(axes, parts)
-    named = {line.name for line, _, _ in parts}
-    _draw_rest(axes, [line for line in lines if line.name not in named])
-    for number, rung in enumerate(rungs):  # formulas have no line; the names of two stand below and above
-        axes.plot([rung.cpu_s], [rung.error or np.nan], "*", color=BLACK, markersize=7, zorder=4)
-        _say(axes, rung.series, (rung.cpu_s, rung.error), (6, LINE * (number - 0.5)), BLACK, "left")
-    _label(axes, unit)
-    axes.plot([], [], color=BLUE, linewidth=2.2, label="least error for the time")
-    axes.plot([], [], color=FAINT, linewidth=0.9, label="another model, or more time than that")
-    axes.plot([], [], "v", color=GREY, markerfacecolor="white", label=UNRESOLVED)
-    legend_below(figure, 3)
+    longest = max([point.cpu_s for point in shown.points], default=0.0)
+    marks = [mark for mark in shown.marks if mark.bias > shown.floor]
+    times, errors = [mark.cpu_s for mark in marks], [mark.bias for mark in marks]
+    if shown.curves:
+        least = front(shown.curves, 2.0 * longest)
+        seen = least.total >= shown.floor
+        times, errors = [*times, *least.cpu_s[seen]], [*errors, *least.total[seen]]
+        _draw_front(axes, least, shown.floor)
+    _limit(axes, times, errors, shown.floor)
+    _draw_marks(axes, marks)
+    for point in shown.points:
+        axes.plot(point.cpu_s, point.error, "o", color=BLUE, markersize=5, zorder=4)
+        _say(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
+    _draw_floor(axes, shown)
+    _label(axes, shown.unit)
+    legend_below(figure, 4)
     return figure
 
 
-def _line(survey: Survey, measured: Measured, reference: Measured, unit: Unit) -> Line | None:
-    """Line of a setting; None for one without a mean speed."""
-    bias, bound = survey.bias(measured, reference), survey.bound(measured, reference)
-    if bias is None or bound is None:
-        return None
-    time = np.geomspace(0.5, 1e6, 600)
-    statistical = 2.0 * np.sqrt(measured.variance_time() / time)
-    resolved = bias.certain > 0.0 or bound > bias.bound
-    shown = statistical > (FLAT if resolved else 1.0) * bound
-    shown[0] = True
-    cost = measured.cpu_per_s * (time + measured.runs * measured.discard_seconds)
-    error = (bound + statistical) / unit.size
-    worth = measured.setting.model == survey.complete
-    return Line(measured.setting.label, cost[shown], error[shown], resolved, worth)
+def _draw_front(axes: Axes, least: Front, floor: float) -> None:
+    """Draw the least error, thick, and its parts, thin; nothing below the floor."""
+    for values, look, label in (
+        (least.total, {"color": BLUE, "linewidth": 2.4, "zorder": 3}, "least error for the time"),
+        (least.scatter, {"color": GREY, "linewidth": 1.0, "linestyle": "--"}, "by the runs' scatter"),
+        (least.bias, {"color": ORANGE, "linewidth": 1.0, "linestyle": "-."}, "by model and step, at most"),
+    ):
+        axes.plot(least.cpu_s, np.where(values >= floor, values, np.nan), label=label, **look)  # type: ignore[arg-type]
 
 
-def front(lines: Sequence[Line]) -> list[Part]:
-    """Parts of lines that have the least error for their cost, in the order of cost.
-
-    Beyond the end of a line its last error counts: nothing is gained, but it is not lost.
-    """
-    if not lines:
-        return []
-    cost = np.unique(np.concatenate([line.cost for line in lines]))
-    errors = np.array([np.interp(cost, line.cost, line.error, left=np.inf) for line in lines])
-    least = errors.argmin(axis=0)
-    starts = [0, *(np.flatnonzero(np.diff(least)) + 1), len(cost)]
-    parts = []
-    for first, last in pairwise(starts):
-        line = lines[least[first]]
-        at = cost[first : last + 1]  # up to where the next one begins
-        at = at[at <= line.cost[-1]]
-        if len(at):
-            parts.append((line, at, np.interp(at, line.cost, line.error)))
-    return parts
+def _draw_marks(axes: Axes, marks: Sequence[Mark]) -> None:
+    """Draw biases that were measured, with bars of two errors that stay on the axes."""
+    low = axes.get_ylim()[0]
+    for number, mark in enumerate(marks):
+        below = min(2.0 * mark.se, mark.bias - low)
+        label = "bias measured, ± 95 %" if number == 0 else None
+        bars = [[below], [2.0 * mark.se]]
+        axes.errorbar(
+            mark.cpu_s, mark.bias, bars, fmt="s", color=BLACK, markersize=4, capsize=2, elinewidth=0.8, label=label
+        )
+        _say(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
 
 
-def _length(part: Part) -> float:
-    """Length of a part of the front, decades along cost and error together."""
-    _, cost, error = part
-    return float(np.log10(cost[-1] / cost[0]) + np.log10(error[0] / error[-1]))
+def _draw_floor(axes: Axes, shown: Shown) -> None:
+    """Shade what the reference does not know, and write the note there."""
+    low = axes.get_ylim()[0]
+    axes.axhspan(low, shown.floor, color=PALE, linewidth=0, zorder=0)
+    told = f"{100 * shown.floor:.2g} %" if shown.unit == "%" else f"{shown.floor:.2g}"
+    text = f"below {told} the reference itself is not known" + (f"\n{shown.note}" if shown.note else "")
+    place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": SMALLEST, "color": GREY}
+    axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
 
 
-def _limit(axes: Axes, lines: Sequence[Line], rungs: Sequence[Rung]) -> None:
-    """Set the ends of the axes, with room for names on the right."""
-    costs = [*(rung.cpu_s for rung in rungs), *(x for line in lines for x in line.cost[[0, -1]])]
-    errors = [rung.error for rung in rungs if rung.error]
-    errors += [y for line in lines for y in line.error[[0, -1]]]
-    axes.set_xlim(0.5 * min(costs), ROOM * max(costs))
-    axes.set_ylim(min(errors) / MARGIN**2, MARGIN * max(errors))
+def _limit(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:
+    """Set the ends of the axes: where simulations are, with room for names on the right and words below."""
+    axes.set_xlim(min(times, default=0.1) / ROOM, 3.0 * ROOM * max(times, default=10.0))
+    axes.set_ylim(0.5 * floor, min(ROOM * max(errors, default=1.0), ROOM * SHARES[0]))
 
 
-def _draw_front(axes: Axes, parts: Sequence[Part]) -> None:
-    """Draw the front, thick, with the names of its parts on its left, where nothing can be."""
-    last, named = np.inf, set[str]()
-    for line, cost, error in parts:
-        _thin(axes, line, BLUE)
-        axes.plot(cost, error, color=BLUE, linewidth=2.2, zorder=3, solid_capstyle="round")
-        # The geometric middle of the errors: a line falls first, and flattens then
-        place = int(np.argmin(np.abs(np.log(error) - 0.5 * np.log(error[0] * error[-1]))))
-        shift, last = _below(axes, (cost[place], error[place]), last)
-        if line.name not in named:
-            _say(axes, line.name, (cost[place], error[place]), (-7, shift - 3), BLUE, "right")
-        named.add(line.name)
-
-
-def _draw_rest(axes: Axes, lines: Sequence[Line]) -> None:
-    """Draw what is not worth its time, thin and grey, with names at the ends, one below another."""
-    last = np.inf
-    for line in sorted(lines, key=lambda line: -line.error[-1]):
-        _thin(axes, line, GREY)
-        if line.resolved and len(line.cost) == 1:
-            axes.plot(line.cost, line.error, ".", color=FAINT, zorder=1)
-        end = line.cost[-1], line.error[-1]
-        shift, last = _below(axes, end, last)
-        _say(axes, line.name, end, (5, shift), GREY, "left")
-
-
-def _thin(axes: Axes, line: Line, colour: str) -> None:
-    """Draw a line, thin; where the survey did not resolve its bias its end is marked as a bound."""
-    axes.plot(line.cost, line.error, color=FAINT, linewidth=0.9, zorder=1)
-    if not line.resolved:
-        axes.plot(line.cost[-1], line.error[-1], "v", color=colour, markerfacecolor="white", markersize=6, zorder=4)
-
-
-def _below(axes: Axes, at: tuple[float, float], last: float) -> tuple[float, float]:
-    """Shift (points) of a name at a place, so that it stands below the last one; its height, pixels."""
-    height, scale = float(axes.transData.transform(at)[1]), 72.0 / axes.figure.dpi
-    shift = min(0.0, scale * (last - height) - LINE)
-    return shift, height + shift / scale
-
-
-def _say(axes: Axes, text: str, at: Any, offset: tuple[float, float], colour: str, side: Any) -> None:
-    """Write a name beside a point."""
+def _say(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
+    """Write words beside a point."""
     halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": SMALLEST, "zorder": 5}
-    axes.annotate(text, at, offset, textcoords="offset points", ha=side, va="center", color=colour, **halo)
+    axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
 
 
-def _label(axes: Axes, unit: Unit) -> None:
+def _label(axes: Axes, unit: str) -> None:
     """Name both axes; errors that are shares in per cent."""
-    errors = wrapped(f"error of the mean speed, 95 % confidence ({'%' if unit.relative else unit.name})", 2.9)
-    name(axes, "CPU time (s of one core)", errors, log="xy")
-    if unit.relative:
+    shares = unit == "%"
+    name(axes, "CPU time (s of one core)", lines_of(f"error of the mean speed, 95 % ({unit})", 2.9), log="xy")
+    if shares:
         low, high = axes.get_ylim()
-        shares = [share for share in SHARES if low <= share <= high]
-        for share in shares:
-            axes.axhline(share, color="0.92", linewidth=0.6, zorder=0)
-        axes.yaxis.set_major_locator(FixedLocator(shares))
+        named = [share for share in SHARES if low <= share <= high]
+        axes.yaxis.set_major_locator(FixedLocator(named))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100.0 * share:g}"))
         axes.yaxis.set_minor_locator(NullLocator())
+        axes.grid(axis="y", color="0.92", linewidth=0.6, zorder=0)

@@ -1,12 +1,9 @@
 """Ladders: settings from cheap to dear, each with its error and the time it takes."""
 
 import math
-import os
-import platform
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -81,20 +78,3 @@ def _batch(call: Callable[[], object], count: int) -> float:
     for _ in range(count):
         call()
     return time.thread_time() - started
-
-
-def machine() -> str:
-    """Description of the machine on which times were measured."""
-    import numba
-
-    return (
-        f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, "
-        f"Python {platform.python_version()}, numba {numba.__version__}"
-    )
-
-
-def _processor() -> str:
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())

@@ -9,10 +9,11 @@ from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
-from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, short_scenes, statistics
+from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, shipped, short_scenes, statistics
 from walkergen.jobs.trust.accuracy.choose import Choice
 from walkergen.jobs.trust.accuracy.ladder import Ladder
 from walkergen.jobs.trust.accuracy.report import Answer, Answers
+from walkergen.jobs.trust.accuracy.shipped import ERRORS, SPEED_ERRORS
 from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.points import tolerance
 from walkergen.scene import Scene
@@ -22,9 +23,8 @@ from walkergen.walker.design import Design
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ERRORS = ("20%", "10%", "5%", "2%", "1%")
-SPEED_ERRORS = ("5mm/s", "2mm/s", "1mm/s", "0.5mm/s")
-"""Errors for which the page answers what to run; the latter where the mean speed may be zero."""
+NOW = "now"
+"""Word for answers that this budget has measured."""
 
 
 class Job(NamedTuple):
@@ -138,28 +138,55 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     return least
 
 
+def at_once(design: Design, scene: Scene, folder: Path) -> Report:
+    """Answer from what is shipped and the pace of this machine; nothing but that is simulated.
+
+    Raises InputError where the model in space does not know the walker in the scene.
+    """
+    title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
+    answers = shipped.answers(shipped.place_of(design, scene), title)
+    with Folder(folder, "") as target:
+        made = report.of([], answers, 0.0, None, title, folder)
+        made.write(target, pictures=False)
+        from walkergen.files import figures
+
+        target.write("accuracy.png", figures.png(made.plot()))
+    return made
+
+
 def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
-    """Answer what to run for which error."""
+    """Answer what to run for which error: rows that the budget does not reach keep what is shipped."""
     measurements = survey.measure(survey.steps, progress)
     reference = survey.reference(progress)
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
-    rows = [_answer(survey, error, progress) for error in errors]
+    place = shipped.place_of(survey.design, survey.scene)
+    before = [shipped.answer(place, error) for error in errors]
+    rows = [_answer(survey, error, old, progress) for error, old in zip(errors, before, strict=True)]
     rungs = list(models.formulas(survey, reference))
     simpler = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
+    refined = [row.error for row in rows if row.known == NOW]
+    lines = [
+        f"truth: {models.certificate(survey, progress)}",
+        f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
+        *shipped.lines(place),
+    ]
 
     def draw() -> "Figure":
+        from walkergen.jobs.trust.accuracy import drawn
         from walkergen.jobs.trust.accuracy.figures import choice_figure
 
-        return choice_figure(survey, [*measurements, *simpler], reference, rungs, title)
+        return choice_figure(drawn.of_survey(survey, [*measurements, *simpler], reference, rows, rungs, title))
 
-    return Answers(rows, models.certificate(survey, progress), draw)
+    return Answers(rows, lines, draw)
 
 
-def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
+def _answer(survey: Survey, error: str, before: Answer, progress: Progress) -> Answer:
+    """Answer by the budget; the one `before` with the reason, where the budget was too short for it."""
     wanted = tolerance.parse(error)
     choice = choose.choose(survey, wanted, progress)
     if not isinstance(choice, Choice):
-        return Answer(str(wanted), "-", None, None, None, choice)
+        return before._replace(why=f"{before.why}; this budget: {choice}")
     bias = choice.bias_bound
     why = f"bias at most {words.number(bias, 2)} mm/s, ± {words.number(choice.se, 2)} for the runs"
-    return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, choice.cpu_s / survey.cores, why)
+    flags, takes_s = choice.setting.flags, choice.cpu_s / survey.cores
+    return Answer(str(wanted), flags, choice.runs, choice.seconds, takes_s, NOW, why)

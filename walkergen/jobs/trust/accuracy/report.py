@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, machine
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.trust.accuracy.pace import machine
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,6 +19,9 @@ MOST_ROWS = 60
 """Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
 
 
+ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by the model's own step or a finer"
+
+
 class Answer(NamedTuple):
     """Setting to run for an error that a person can bear."""
 
@@ -26,7 +30,10 @@ class Answer(NamedTuple):
     runs: int | None
     seconds: float | None
     expected_s: float | None
-    """Expected time on all cores of the machine that measured, s."""
+    """Expected time on all cores of this machine, s."""
+    known: str
+    """measured: for this very walker, as shipped; scaled: from the shipped walker; law: by how the
+    step's bias falls, below what the reference is known to; now: by this budget."""
     why: str
 
 
@@ -35,6 +42,7 @@ ANSWER = (
     report.text("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
     Column("takes", lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
+    report.text("known", "known"),
     report.text("why", "why"),
 )
 
@@ -51,8 +59,8 @@ class Answers(NamedTuple):
     """What to run for which error, and what stands behind it."""
 
     rows: Sequence[Answer]
-    truth: str
-    """Mean speed that counts as true, and how it was certified."""
+    lines: Sequence[str]
+    """What counts as true and how it was certified, and where numbers that are not measured now come from."""
     draw: "Callable[[], Figure]"
 
 
@@ -71,13 +79,7 @@ def of(
     """
     rows = answers.rows if answers else ()
     tables = [Table("answers", rows, (), ANSWER, "What to run for which error")] if answers else []
-    lines = [
-        "in one command: walkergen simulate ... --error 5%, by the model's own step or a finer",
-        "the error is that of the mean speed with 95 % confidence: the bound of the setting's "
-        "bias and twice the standard error together; errors below what the truth is certified "
-        "to rest on the order of the stepping (steps-short), not on a second method",
-    ]
-    lines = [f"truth: {answers.truth}", *lines] if answers else []
+    lines = [*answers.lines, ONE_COMMAND] if answers else []
     for ladder in ladders:
         notes = [f"error: {ladder.error}", f"cost: {ladder.cost}", f"reference: {ladder.reference}", *ladder.notes]
         if len(ladder.rungs) <= MOST_ROWS:
@@ -87,7 +89,7 @@ def of(
     return Report(
         name="accuracy",
         title=title,
-        tables=[*tables, _every_rung(ladders)],
+        tables=[*tables, _every_rung(ladders) if ladders else _every_answer(rows)],
         facts={
             "ladders": {ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders},
             "answers": [row._asdict() for row in rows],
@@ -106,3 +108,8 @@ def _every_rung(ladders: Sequence[Ladder]) -> Table:
     details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
     rows = [(name, *rung[: len(COMMON)], *map(rung.details.get, details)) for name, rung in rungs]
     return Table("accuracy", rows, ("ladder", *COMMON, *details))
+
+
+def _every_answer(answers: Sequence[Answer]) -> Table:
+    """Table of the answers alone, where nothing was measured."""
+    return Table("accuracy", [tuple(answer) for answer in answers], Answer._fields)

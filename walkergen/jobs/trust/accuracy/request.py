@@ -14,10 +14,14 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
 
 Ladder = Literal["models", "steps", "statistics", "shape"]
+LADDERS: tuple[Ladder, ...] = ("models", "steps", "statistics", "shape")
+
+BUDGET_S = 60.0
+"""Time in which ladders are measured that are asked for without a budget, s."""
 
 
 class AccuracyRequest(request.Request):
-    """Measure what accuracy costs in time: models, steps, statistics, shape."""
+    """Say what accuracy costs in time, at once; with a budget measure it: models, steps, statistics, shape."""
 
     design: request.Walker = request.PAPER
     scene: request.Ground = request.LANE
@@ -27,33 +31,50 @@ class AccuracyRequest(request.Request):
     friction: request.Friction = None
     set: request.Settings = {}
     only: Annotated[
-        list[Ladder], request.Words, Flag("Comma-separated ladders to measure.", "LADDERS", takes="str | Iterable[str]")
-    ] = ["models", "steps", "statistics", "shape"]
+        list[Ladder] | None,
+        request.Words,
+        Flag("Comma-separated ladders to measure; all of them by default.", "LADDERS", takes="str | Iterable[str]"),
+    ] = None
     budget: Annotated[
-        float,
+        float | None,
         BeforeValidator(request.parse_time),
-        Flag("Time of all of it: 30s, 5min, 1h; 60s by default.", "TIME", takes="str | float"),
-    ] = 60.0
+        Flag(
+            "Time in which to measure ladders: 30s, 5min, 1h; without, and without --only, none is.",
+            "TIME",
+            takes="str | float",
+        ),
+    ] = None
     out: request.Out = None
 
     def about_s(self) -> float | None:
-        """Time that it takes: the budget."""
-        return self.budget
+        """Time that it takes: the budget, where something is measured."""
+        return self._budget_s if self._measures else None
+
+    @property
+    def _measures(self) -> bool:
+        """Whether ladders are measured."""
+        return self.budget is not None or self.only is not None
+
+    @property
+    def _budget_s(self) -> float:
+        return BUDGET_S if self.budget is None else self.budget
 
     def run(self, progress: Progress) -> "Report":
-        """Measure the ladders."""
+        """Answer, and measure the ladders that are asked for."""
         from walkergen.files import words
         from walkergen.jobs.trust.accuracy import make
         from walkergen.walker import names
 
         given = self.inputs()
         scene, design = given.scene(self.scene), given.one(self.design, self.tilt, self.legs)
-        only = list(dict.fromkeys(self.only))
         name = f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
         folder, least = self.out or Path("out") / "accuracy" / name, list[float]()
-        report = make.make(make.Job(design, scene, only, self.budget), folder, progress, least.append)
+        if not self._measures:
+            return make.at_once(design, scene, folder)
+        only = list(dict.fromkeys(self.only or LADDERS))
+        report = make.make(make.Job(design, scene, only, self._budget_s), folder, progress, least.append)
         warnings = [
-            f"--budget {words.budget(self.budget)}: too short for {','.join(only)}, which were given "
+            f"--budget {words.budget(self._budget_s)}: too short for {','.join(only)}, which were given "
             f"{words.budget(seconds)}, the least that gives error bars here; --only takes fewer"
             for seconds in least
         ]

@@ -1,0 +1,136 @@
+"""Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about four minutes of one core.
+
+The paper's walker on the shipped lane's plate, 90 Hz and 1.8 g, at TILTS and LABELS: every model, and every step
+of the model in space, beside a reference by a tenth of the finest step. Each has runs of its own random numbers
+(SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
+costs are those of the machine at that moment. Rows are added one by one; a second call goes on after the last.
+"""
+
+import argparse
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen import __version__
+from walkergen.cli import show
+from walkergen.files import templates
+from walkergen.jobs.trust.accuracy import cells, pace
+from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
+from walkergen.numerics import kernels
+from walkergen.points import walkers
+from walkergen.scene import Scene
+from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.ensemble import listed
+from walkergen.simulation.experiments import Walker
+from walkergen.simulation.run import ENDED_WELL, compile_kernels
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+TILTS, LABELS = (5.0, 15.0, 1.0, 30.0), (0.22, 0.5, 0.1)
+
+SHARES = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
+"""Steps over that which resolves the feet; the first is the reference's."""
+
+PLANAR: tuple[ModelName, ...] = ("compliant", "relaxed", "rigid")
+
+RUNS, DISCARD_S, SECONDS, REFERENCE_S = 8, 0.4, 5.0, 1.5
+"""Runs of a setting, the start of each that is not measured, and the measured time of each, s: of the reference less,
+since it is twenty times as dear."""
+
+CALM_DEG, CALM_SHARE = 1.0, 0.2
+"""Tilt at which speeds scatter by little, and share of the time that is enough there."""
+
+MAIN_LABEL, ELSEWHERE_SHARE = 0.22, 0.5
+"""Label of the shipped scenes, and share of the time of the cells of other labels."""
+
+ALSO_WHOLE = ((5.0, 0.5),)
+"""Cells (tilt, label) of another label with all settings; the others have the step that feet take by themselves
+alone, which tells their speed, scatter and cost."""
+
+LOOPS = 3
+"""Loops of `pace` before each setting."""
+
+
+class Setting(NamedTuple):
+    """Model and step of a cell."""
+
+    tilt_deg: float
+    label: float
+    model: ModelName
+    share: float | None
+
+
+def settings() -> list[Setting]:
+    """All settings of all cells; within a cell the dear one first."""
+    ways: list[tuple[ModelName, float | None]] = [("space", share) for share in SHARES]
+    ways += [(model, None) for model in PLANAR]
+    every = [Setting(tilt, label, *way) for label, tilt, way in product(LABELS, TILTS, ways)]
+    return [one for one in every if one.share == 1.0 or one.label == MAIN_LABEL or one[:2] in ALSO_WHOLE]
+
+
+def walker(setting: Setting, seed: int) -> Walker:
+    """The paper's walker in the shipped lane by a setting."""
+    design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
+    scene = templates.load("lane-90hz", "scenes", Scene)
+    contact = scene.contact.model_copy(update={"restitution": setting.label})
+    legs = scene.legs.model_copy(update={"model": setting.model})
+    seconds = REFERENCE_S if setting.share == REFERENCE else SECONDS
+    seconds *= CALM_SHARE if setting.tilt_deg <= CALM_DEG else 1.0
+    seconds *= 1.0 if setting.label == MAIN_LABEL else ELSEWHERE_SHARE
+    timing = {"runs": RUNS, "seconds": seconds, "discard_seconds": DISCARD_S, "seed": seed}
+    run = scene.run.model_copy(update=timing)
+    lane = scene.model_copy(update={"contact": contact, "legs": legs, "run": run})
+    made = Walker(lane, design, solids.mass_of(design))
+    if setting.share is None:
+        return made
+    return made.with_run(step_us=1e6 * setting.share * made.plan().world.options.step)
+
+
+def measured(setting: Setting, seed: int) -> Row:
+    """Row of a setting."""
+    one = walker(setting, seed)
+    compile_kernels(one.plan())
+    loop_s = pace.measured(LOOPS)
+    results = walkers.simulate(one, threads=1)
+    summary = results.summary
+    well = set(summary.outcomes) <= {"on one periodic orbit", *(outcome.value for outcome in ENDED_WELL)}
+    simulated_s = summary.runs * (one.scene.run.seconds + DISCARD_S)
+    return Row(
+        *setting,
+        one.scene.run.step_us,
+        summary.speed_mm_s if well else None,
+        summary.speed_se_mm_s if well else None,
+        summary.runs,
+        one.scene.run.seconds,
+        summary.cpu_s / simulated_s / loop_s,
+        listed(summary.outcomes).replace(",", ";"),
+    )
+
+
+def missing(path: Path) -> Iterator[tuple[int, Setting]]:
+    """Settings that a file has no row of, with their seeds."""
+    rows = cells.read(path) if path.exists() else ()
+    known = {row[:4] for row in rows}
+    yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if tuple(setting) not in known)
+
+
+def main() -> None:
+    """Measure what a file lacks, and add it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=cells.FILE)
+    path = parser.parse_args().out
+    todo = list(missing(path))
+    if not path.exists():
+        stamp = f"# walkergen {__version__}, kernels {kernels.digest()}: python -m evidence.accuracy.measure\n"
+        path.write_text(stamp + cells.text([]), encoding="utf-8")
+    with show.progress("cells", wanted=True) as progress:
+        for number, (seed, setting) in enumerate(todo, 1):
+            row = measured(setting, seed)
+            with path.open("a", encoding="utf-8") as stream:
+                stream.write(cells.text([row]).split("\n", 1)[1])
+            progress("cells", number, len(todo))
+
+
+if __name__ == "__main__":
+    main()

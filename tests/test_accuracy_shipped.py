@@ -1,0 +1,184 @@
+"""What `accuracy` answers from what is shipped: the law of the step, the advice, and whether both are true."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from evidence.accuracy import measure
+from walkergen.files import templates
+from walkergen.jobs.trust.accuracy import advice, cells, drawn, figures, pace, shipped, step_law
+from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
+from walkergen.points import tolerance, walkers
+from walkergen.scene import Scene
+from walkergen.simulation import orbits
+from walkergen.walker.design import Design
+
+PEAK = step_law.CELLS_PEAK
+SPACE = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
+
+
+def made_up(slope, se, power, rng, cell=(10.0, 0.22), speed=50.0):
+    """Rows of a cell whose speed errs by a share of itself, by a power of the step."""
+    rows = []
+    for share in SPACE:
+        value = speed * (1.0 + slope * share**power) + rng.normal(0.0, se)
+        rows.append(Row(*cell, "space", share, share, value, se, 8, 5.0, 1.0 / share, "8 ok"))
+    return rows
+
+
+def place(design="koumakis2016", scene="lane-90hz", **changed):
+    walker = templates.load(design, "walkers", Design).variant(**changed)
+    return shipped.place_of(walker, templates.load(scene, "scenes", Scene))
+
+
+def test_every_cell_has_every_setting_and_the_file_is_small():
+    rows = cells.read()
+    assert {row[:4] for row in rows} == {tuple(setting) for setting in measure.settings()}
+    assert len(rows) == len(measure.settings())
+    assert cells.FILE.stat().st_size < 50_000
+    assert cells.FILE.read_text().startswith("# walkergen ")
+    for row in rows:
+        assert row.work > 0.0
+        if row.model == "space":
+            assert row.se_mm_s is not None, row
+
+
+def test_what_is_written_is_what_is_read(tmp_path):
+    rows = tuple(made_up(0.0, 0.1, 1, np.random.default_rng(1)))
+    (tmp_path / "cells.csv").write_text(cells.text(rows))
+    for read, row in zip(cells.read(tmp_path / "cells.csv"), rows, strict=True):
+        assert read.speed_mm_s == pytest.approx(row.speed_mm_s, rel=1e-4)  # five digits
+        assert (read.model, read.share, read.runs, read.outcomes) == (row.model, row.share, row.runs, row.outcomes)
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_the_law_finds_the_bias_it_was_given_and_how_much_walkers_differ(power):
+    rng = np.random.default_rng(3)
+    rows = []
+    for number in range(200):
+        slope = rng.normal(-0.02, 0.01)
+        rows += made_up(slope, 0.2, power, rng, (10.0, 0.1 + number))
+    law = step_law.laws(PEAK, tuple(rows))[False]
+    (own,) = (one for one in law.slopes if one.power == power)
+    assert own.share == pytest.approx(-0.02, abs=4.0 * own.se)
+    assert own.between == pytest.approx(0.01, rel=0.2)  # a standard deviation of 200 has 5 %
+    assert own.misfit == pytest.approx(1.0, abs=0.2)
+    assert law.bound(0.5) >= own.bound(0.5) >= 0.02 * 0.5**power
+    assert law.floor == pytest.approx(2.0 * 0.2 / 50.0 / math.sqrt(200), rel=0.05)
+
+
+def test_slow_walkers_have_a_law_of_their_own():
+    rng = np.random.default_rng(4)
+    rows = [*made_up(0.0, 0.1, 1, rng, (1.0, 0.22), 0.5), *made_up(0.1, 0.1, 1, rng)]
+    laws = step_law.laws(PEAK, tuple(rows))
+    assert laws[True].cells == laws[False].cells == 1
+    assert laws[True].bound(1.0) < laws[False].bound(1.0)
+
+
+def test_a_smaller_error_costs_more_and_its_parts_are_within_it():
+    at, before = place(tilt=5), 0.0
+    assert at.known == "measured"
+    for error in (0.5, 0.2, 0.1, 0.05):
+        found = advice.advise(at, tolerance.Tolerance(error, True))
+        assert found.work >= before
+        allowed = error * step_law.unit(at.speed, at.peak)
+        assert math.hypot(found.bias, 2.0 * found.se) <= found.error <= allowed
+        assert found.takes_s(0.05, 1) > found.takes_s(0.05, 8) > advice.START_S
+        before = found.work
+
+
+def test_what_the_cells_do_not_know_is_said_in_a_line(monkeypatch):
+    monkeypatch.setattr(pace, "pace", lambda: 0.05)
+    at = place(tilt=5)
+    below = shipped.answer(at, f"{50.0 * at.law.floor:.3g}%")
+    assert below.known in ("law", "measured")
+    told = shipped.answer(at, "0.01%")
+    assert (told.setting, told.runs) == ("-", None)
+    assert "simulate --error 0.01 %" in told.why
+    assert "\n" not in told.why
+
+
+@pytest.mark.parametrize(
+    ("design", "scene", "known"),
+    [
+        ("koumakis2016", "lane-90hz", "scaled"),  # at 10 deg, between cells
+        ("koumakis2016", "plane-90hz", "scaled"),
+        ("bristle", "plane-90hz", "scaled"),
+        ("coinbot", "table-motor", "scaled"),
+    ],
+)
+def test_other_walkers_plates_and_motors_are_scaled(design, scene, known):
+    walker = templates.load(design, "walkers", Design)
+    at = shipped.place_of(walker, templates.load(scene, "scenes", Scene))
+    assert at.known == known
+    assert at.peak > 0.0
+    assert isinstance(advice.advise(at, tolerance.Tolerance(0.2, True)), (advice.Advice, str))
+
+
+def test_the_scatter_of_a_plate_goes_with_its_speed_squared():
+    scene = templates.load("lane-90hz", "scenes", Scene)
+    faster = scene.model_copy(update={"drive": scene.drive.model_copy(update={"gamma": 3.6})})
+    walker = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=5.0)
+    one, two = (shipped.place_of(walker, ground) for ground in (scene, faster))
+    assert two.peak == pytest.approx(2.0 * one.peak)
+    assert two.speed == pytest.approx(2.0 * one.speed)
+    assert two.variance_time == pytest.approx(4.0 * one.variance_time)
+
+
+def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
+    monkeypatch.setattr(pace, "pace", lambda: 0.05)
+    at = place(tilt=5)
+    rows = [shipped.answer(at, error) for error in shipped.ERRORS]
+    shown = drawn.of_place(at, rows, "walker")
+    figure = figures.choice_figure(shown)
+    (axes,) = figure.axes
+    for line in axes.get_lines():
+        heights = np.asarray(line.get_ydata(), dtype=float)
+        assert not np.any(heights < shown.floor * (1 - 1e-9))
+    labels = {line.get_label() for line in axes.get_lines()}
+    assert "least error for the time" in labels
+    told = {text.get_text() for text in axes.texts}
+    assert all(point.words in told for point in shown.points)
+
+
+def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    calls = []
+    monkeypatch.setattr(pace, "measured", lambda: calls.append(1) or 0.25)
+    assert pace.pace() == pace.pace() == 0.25
+    assert len(calls) == 1
+    (kept,) = (tmp_path / "walkergen" / "pace").iterdir()
+    kept.write_text("{")
+    assert pace.pace() == 0.25
+    assert len(calls) == 2
+
+
+@pytest.mark.slow
+def test_a_cell_measured_anew_is_the_one_that_is_shipped():
+    """Its own rival: other random numbers, four standard errors; costs within a factor of two of a busy machine."""
+    for setting in (measure.Setting(5.0, 0.22, "space", 1.25), measure.Setting(5.0, 0.22, "compliant", None)):
+        row = measure.measured(setting, seed=1001)
+        (kept,) = (one for one in cells.read() if one[:4] == tuple(setting))
+        error = math.hypot(row.se_mm_s or 0.0, kept.se_mm_s or 0.0, orbits.ALIKE * PEAK)
+        assert row.speed_mm_s == pytest.approx(kept.speed_mm_s, abs=4.0 * error)
+        assert 0.5 < row.work / kept.work < 2.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [0.1, 0.05])
+def test_advice_reaches_its_error_in_fresh_runs(error):
+    """Against the reference of the cell, whose own error comes on top; six times, of which 95 % hold."""
+    at = place(tilt=5)
+    found = advice.advise(at, tolerance.Tolerance(error, True))
+    (true,) = (row for row in at.cell if row.share == REFERENCE)
+    room = math.hypot(error * step_law.unit(at.speed, at.peak), 2.0 * true.se_mm_s)
+    inside = 0
+    for seed in range(2001, 2007):
+        setting = SimpleNamespace(tilt_deg=5.0, label=0.22, model=found.setting.model, share=None)
+        one = measure.walker(setting, seed)
+        one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.setting.step_us)
+        speed = walkers.simulate(one, threads=1).summary.speed_mm_s
+        inside += abs(speed - true.speed_mm_s) <= room
+    assert inside >= 5

@@ -1,0 +1,81 @@
+"""Cells: what each model and step gave for the paper's walker on its plate, as measured and shipped.
+
+cells.csv has a row a setting and a cell: a tilt and a label of the feet. `python -m evidence.accuracy.measure`
+makes it again.
+"""
+
+import csv
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen.simulation.effects.effect import ModelName
+
+FILE = Path(__file__).with_suffix(".csv")
+
+REFERENCE = 0.05
+"""Step of the reference over that which resolves the feet: a tenth of the finest other one."""
+
+
+class Row(NamedTuple):
+    """Speed of a setting in a cell, and its cost; the field names are the CSV's columns."""
+
+    tilt_deg: float
+    label: float
+    """Restitution that labels the feet's damping."""
+    model: ModelName
+    share: float | None
+    """Step over that which resolves the feet; None for planar models, which have their own."""
+    step_us: float | None
+    speed_mm_s: float | None
+    """Mean speed; None where runs did not end well."""
+    se_mm_s: float | None
+    """Standard error by the runs' scatter; None where all share one orbit."""
+    runs: int
+    seconds: float
+    """Measured time of each run."""
+    work: float
+    """CPU time of a simulated second, its discarded start included, over that of the loop (`pace`)."""
+    outcomes: str
+
+    @property
+    def variance_time(self) -> float:
+        """Squared standard error times measured time, (mm/s)^2 s; 0 on one orbit."""
+        return (self.se_mm_s or 0.0) ** 2 * self.runs * self.seconds
+
+
+def text(rows: Iterable[Row]) -> str:
+    """Lines of the file, with numbers of five digits."""
+    lines = [",".join(Row._fields)]
+    for row in rows:
+        cells = ("" if cell is None else f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in row)
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+@cache
+def read(path: Path = FILE) -> tuple[Row, ...]:
+    """Rows of a file."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    return tuple(_row(row) for row in rows)
+
+
+def _row(cells: dict[str, str]) -> Row:
+    def number(name: str) -> float | None:
+        return float(cells[name]) if cells[name] else None
+
+    return Row(
+        float(cells["tilt_deg"]),
+        float(cells["label"]),
+        cells["model"],  # type: ignore[arg-type]  # a name of a model
+        number("share"),
+        number("step_us"),
+        number("speed_mm_s"),
+        number("se_mm_s"),
+        int(cells["runs"]),
+        float(cells["seconds"]),
+        float(cells["work"]),
+        cells["outcomes"],
+    )

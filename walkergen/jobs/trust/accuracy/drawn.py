@@ -1,0 +1,105 @@
+"""What the figure shows of what is shipped, and of a survey."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+
+from walkergen.files import words
+from walkergen.jobs.trust.accuracy import advice, cells, pace, step_law
+from walkergen.jobs.trust.accuracy.advice import STEPS, Place
+from walkergen.jobs.trust.accuracy.figures import Curve, Mark, Point, Shown
+from walkergen.jobs.trust.accuracy.ladder import Rung
+from walkergen.jobs.trust.accuracy.report import Answer
+from walkergen.jobs.trust.accuracy.setting import Measured
+from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.points import tolerance
+
+BARS = "%"
+"""Unit of errors that are shares."""
+
+
+def of_place(place: Place, answers: Sequence[Answer], title: str) -> Shown:
+    """What is shipped: curves of steps, biases of models measured in this cell, answers on this machine."""
+    size, loop_s = step_law.unit(place.speed, place.peak), pace.pace()
+    runs = advice.RUNS[0]
+    curves = [
+        Curve(
+            f"{step:g}",
+            place.law.bound(step),
+            place.variance_time / size**2,
+            place.work(step) * loop_s,
+            runs * place.discard_s,
+        )
+        for step in STEPS
+    ]
+    points = list(_points(place, answers, loop_s))
+    return Shown(
+        f"{title} ({place.known})",
+        BARS,
+        curves,
+        list(_marks(place, runs * (advice.SHORTEST_S + place.discard_s) * loop_s)),
+        points,
+        place.law.floor,
+    )
+
+
+def _points(place: Place, answers: Sequence[Answer], loop_s: float) -> Iterator[Point]:
+    """Answers by their settings: errors that one setting meets have one point, at the error that it will have."""
+    size = step_law.unit(place.speed, place.peak)
+    given = [answer for answer in answers if answer.runs is not None]
+    for _, group in groupby(given, key=lambda answer: (answer.setting, answer.runs, answer.seconds)):
+        same = list(group)
+        found = advice.advise(place, tolerance.parse(same[-1].error))
+        if isinstance(found, str) or found.error < place.law.floor * size:
+            continue
+        errors = ", ".join(answer.error.removesuffix(" %") for answer in same)
+        told = f"{errors} %: {words.duration(same[0].expected_s or 0.0)}"
+        yield Point(found.error / size, found.work * loop_s, told)
+
+
+def _marks(place: Place, each_s: float) -> Iterator[Mark]:
+    """Biases of the planar models in a cell, at the cost of the shortest runs."""
+    true = [row for row in place.cell if row.share == cells.REFERENCE]
+    for row in place.cell:
+        if row.model != "space" and row.speed_mm_s is not None and true and true[0].speed_mm_s is not None:
+            size = step_law.unit(true[0].speed_mm_s, place.peak)
+            bias = abs(row.speed_mm_s - true[0].speed_mm_s) / size
+            se = ((row.se_mm_s or 0.0) ** 2 + (true[0].se_mm_s or 0.0) ** 2) ** 0.5 / size
+            yield Mark(row.model, each_s * row.work, bias, se)
+
+
+def of_survey(
+    survey: Survey,
+    measurements: Sequence[Measured],
+    reference: Measured,
+    answers: Sequence[Answer],
+    formulas: Iterable[Rung],
+    title: str,
+) -> Shown:
+    """What a survey has measured: curves of the complete model, biases of all others, answers by this budget."""
+    unit = survey.unit(reference)
+    curves, marks = [], []
+    for measured in measurements:
+        bias, bound = survey.bias(measured, reference), survey.bound(measured, reference)
+        if bias is None or bound is None:
+            continue
+        if measured.setting.model == survey.complete:
+            starts = measured.runs * measured.discard_seconds
+            variance = measured.variance_time() / unit.size**2
+            curves.append(Curve(measured.setting.label, bound / unit.size, variance, measured.cpu_per_s, starts))
+        if measured.setting != reference.setting:
+            sizes = abs(bias.size) / unit.size, bias.se / unit.size
+            marks.append(Mark(measured.setting.label, measured.cpu_s, *sizes))
+    points = [
+        Point(_error(answer, unit.size), answer.expected_s * survey.cores, f"{answer.error}: {answer.setting}")
+        for answer in answers
+        if answer.known == "now" and answer.expected_s is not None
+    ]
+    note = "; ".join(f"{rung.series}: off by {words.number(100 * (rung.error or 0.0), 2)} %" for rung in formulas)
+    floor = 2.0 * (reference.speed.se or 0.0) / unit.size
+    return Shown(title, BARS if unit.relative else unit.name, curves, marks, points, floor, note)
+
+
+def _error(answer: Answer, size: float) -> float:
+    """Error of an answer in the unit of the figure."""
+    wanted = tolerance.parse(answer.error.replace(" ", ""))
+    return wanted.value if wanted.relative else wanted.value / size
