@@ -33,7 +33,9 @@ class AccuracyRequest(request.Request):
     only: Annotated[
         list[Ladder] | None,
         request.Words,
-        Flag("Comma-separated ladders to measure; all of them by default.", "LADDERS", takes="str | Iterable[str]"),
+        Flag(
+            "Comma-separated ladders to measure; all of them by default.", "LADDERS", takes="str | Iterable[str] | None"
+        ),
     ] = None
     budget: Annotated[
         float | None,
@@ -41,7 +43,7 @@ class AccuracyRequest(request.Request):
         Flag(
             "Time in which to measure ladders: 30s, 5min, 1h; without, and without --only, none is.",
             "TIME",
-            takes="str | float",
+            takes="str | float | None",
         ),
     ] = None
     out: request.Out = None
