@@ -56,6 +56,20 @@ def test_a_study_of_models_and_steps(run, tmp_path):
     assert biases["space, step"] < 0.3 < biases["rigid, event"]
 
 
+def test_without_a_budget_the_answer_is_what_is_shipped(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("walkergen.jobs.trust.accuracy.pace.pace", lambda: 0.05)
+    result = run("accuracy", "--tilt", "5", "--json")
+    assert result.exit_code == 0, result.exception
+    facts = json.loads(result.stdout)
+    assert [row["error"] for row in facts["answers"]] == ["20 %", "10 %", "5 %", "2 %", "1 %"]
+    assert {row["known"] for row in facts["answers"]} <= {"measured", "law"}
+    times = [row["expected_s"] for row in facts["answers"] if row["expected_s"]]
+    assert times == sorted(times)
+    assert facts["ladders"] == {}
+    folder = tmp_path / facts["folder"]
+    assert {path.name for path in folder.iterdir()} - {".walkergen"} == {"accuracy.csv", "accuracy.md", "accuracy.png"}
+
+
 @pytest.mark.slow
 def test_an_error_that_was_asked_for_is_met(run):
     words = ("simulate", "--scene", "short.toml", "--tilt", "10", "--error", "20%")
@@ -101,6 +115,7 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
         (("accuracy", "--budget", "nans"), "--budget 'nans': write a time"),
         (("accuracy", "--budget", "0.1s"), "must lie in 1s..24h"),
         (("accuracy", "--tilt", "86"), "tilt_deg"),
+        (("accuracy", "coinbot", "--scene", "table-motor", "--budget", "9s"), "ladders are measured on a plate"),
         (("simulate", "--error", "5"), "--error '5': write"),
         (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
         (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),

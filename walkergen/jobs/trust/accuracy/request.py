@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import BeforeValidator
 
 from walkergen import request
+from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.request import Flag
 
@@ -33,9 +34,7 @@ class AccuracyRequest(request.Request):
     only: Annotated[
         list[Ladder] | None,
         request.Words,
-        Flag(
-            "Comma-separated ladders to measure; all of them by default.", "LADDERS", takes="str | Iterable[str] | None"
-        ),
+        Flag("Comma-separated ladders to measure; all by default.", "LADDERS", takes="str | Iterable[str] | None"),
     ] = None
     budget: Annotated[
         float | None,
@@ -73,6 +72,11 @@ class AccuracyRequest(request.Request):
         folder, least = self.out or Path("out") / "accuracy" / name, list[float]()
         if not self._measures:
             return make.at_once(design, scene, folder)
+        if scene.drive.kind == "motor":
+            raise InputError(
+                f"{scene.name}: ladders are measured on a plate, and this walker has a motor: without --budget and "
+                "--only the answer is scaled"
+            )
         only = list(dict.fromkeys(self.only or LADDERS))
         report = make.make(make.Job(design, scene, only, self._budget_s), folder, progress, least.append)
         warnings = [
