@@ -107,14 +107,15 @@ def choice_figure(shown: Shown) -> Figure:
     axes.set_yscale("log")
     longest = max([point.cpu_s for point in shown.points], default=0.0)
     marks = [mark for mark in shown.marks if mark.bias > shown.floor]
-    times, errors = [mark.cpu_s for mark in marks], [mark.bias for mark in marks]
+    times = [*(mark.cpu_s for mark in marks), *(point.cpu_s for point in shown.points)]
+    errors = [*(mark.bias for mark in marks), *(point.error for point in shown.points)]
     if shown.curves:
         least = front(shown.curves, 2.0 * longest)
         seen = least.total >= shown.floor
         times, errors = [*times, *least.cpu_s[seen]], [*errors, *least.total[seen]]
         _draw_front(axes, least, shown.floor)
     _limit(axes, times, errors, shown.floor)
-    _draw_marks(axes, marks)
+    _draw_marks(axes, marks, shown.floor)
     for point in shown.points:
         axes.plot(point.cpu_s, point.error, "o", color=BLUE, markersize=5, zorder=4)
         _say(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
@@ -134,11 +135,10 @@ def _draw_front(axes: Axes, least: Front, floor: float) -> None:
         axes.plot(least.cpu_s, np.where(values >= floor, values, np.nan), label=label, **look)  # type: ignore[arg-type]
 
 
-def _draw_marks(axes: Axes, marks: Sequence[Mark]) -> None:
-    """Draw biases that were measured, with bars of two errors that stay on the axes."""
-    low = axes.get_ylim()[0]
+def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
+    """Draw biases that were measured, with bars of two errors that end at the floor."""
     for number, mark in enumerate(marks):
-        below = min(2.0 * mark.se, mark.bias - low)
+        below = min(2.0 * mark.se, mark.bias - floor)
         label = "bias measured, ± 95 %" if number == 0 else None
         bars = [[below], [2.0 * mark.se]]
         axes.errorbar(

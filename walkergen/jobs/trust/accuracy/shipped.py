@@ -54,7 +54,8 @@ def answer(place: Place, error: str) -> Answer:
         return Answer(str(wanted), "-", None, None, None, place.known, found)
     known = LAW if found.error < place.law.floor * step_law.unit(place.speed, place.peak) else place.known
     takes_s = found.takes_s(pace.pace(), os.cpu_count() or 1)
-    why = f"bias at most {words.number(found.bias, 2)} mm/s, ± {words.number(found.se, 2)} for the runs"
+    bias, se = (100.0 * part / step_law.unit(place.speed, place.peak) for part in (found.bias, found.se))
+    why = f"bias at most {words.number(bias, 2)} %, ± {words.number(se, 2)} % for the runs"
     return Answer(str(wanted), found.setting.flags, found.runs, found.seconds, takes_s, known, why)
 
 
