@@ -17,7 +17,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 WANTED = "no chromium and chromedriver: apt-get install chromium chromium-driver"
-PATIENCE_S = 180.0
+PATIENCE_S = 420.0
 """Longest wait; a search takes 35 s on an idle machine, all else some seconds."""
 
 
