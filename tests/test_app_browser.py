@@ -268,6 +268,7 @@ def test_a_phone_shows_all_in_one_column(page):
     page.type("legs.tilt_deg", 15)
     made_again(page, *page.take("stl"))
     page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    page.browser.set_window_size(1280, 1000)
 
 
 def test_the_keyboard_alone_is_enough(page):
@@ -345,10 +346,10 @@ def test_legs_one_by_one_are_added_and_removed(page):
     page.click('[data-title="walker: legs"] .bar button')
     page.settle()
     assert legs() == 2
-    page.browser.find_element(By.XPATH, "//button[text()='another like this']").click()
+    page.click('[data-title="walker: legs 1"] .bar button')  # another like this
     page.settle()
     assert legs() == 3
-    page.browser.find_element(By.XPATH, "//button[text()='remove']").click()
+    page.click('[data-title="walker: legs 1"] .bar button:last-child')  # remove
     page.settle()
     assert legs() == 2
     made_again(page, *page.take("stl"))
