@@ -36,7 +36,7 @@ def run(tmp_path, monkeypatch):
     return call
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_study_of_models_and_steps(run, tmp_path):
     words = ("--scene", "short.toml", "--tilt", "10")
     result = run("accuracy", *words, "--only", "models,steps", "--budget", "12s", "--json")

@@ -203,7 +203,7 @@ def test_a_few_hostile_messages_are_answered_or_refused(doors, door):
 
 
 MANY = [
-    *(pytest.param(door, 150 if door in QUICK else 60, marks=pytest.mark.slow) for door in (*QUICK, *MAKING)),
+    *(pytest.param(door, 60, marks=pytest.mark.slow) for door in (*QUICK, *MAKING)),
     *(pytest.param(door, 1000, marks=pytest.mark.nightly) for door in (*QUICK, *MAKING)),
 ]
 

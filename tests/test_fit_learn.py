@@ -114,7 +114,7 @@ def test_a_product_that_alone_is_known_is_named():
     assert "damping_ratio" in note
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_speeds_that_no_parameters_explain_are_called_so():
     known = responses(64, [1], 0.0)
     seen = [Observed(np.array([300.0, 310.0]), np.array([1.0, 1.0]))]

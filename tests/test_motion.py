@@ -28,8 +28,14 @@ def truth(walker):
     }
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("particles", "seconds", "headed"), [(1, 60.0, True), (1, 60.0, False), (16, 12.0, False)])
+@pytest.mark.parametrize(
+    ("particles", "seconds", "headed"),
+    [
+        pytest.param(1, 60.0, True, marks=pytest.mark.nightly),
+        pytest.param(1, 60.0, False, marks=pytest.mark.nightly),
+        pytest.param(16, 12.0, False, marks=pytest.mark.slow),
+    ],
+)
 def test_stated_errors_cover_the_truth_as_they_should(particles, seconds, headed):
     # 0.05 mm of noise, in 0.6 mm a sample, cannot always be told from diffusion.
     noisy = WALKER._replace(noise=0.1)

@@ -139,8 +139,9 @@ def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
     np.testing.assert_allclose(mobility(plan.world.walker), W, rtol=0, atol=1e-12 * abs(W).max())
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("tilt", [15, 20])
+@pytest.mark.parametrize(
+    "tilt", [pytest.param(15, marks=pytest.mark.slow), pytest.param(20, marks=pytest.mark.nightly)]
+)
 def test_nearly_plastic_feet_run_as_in_mujoco(tilt):
     """Free to roll and turn, without twist; feet ten times as stiff, nearly without rebound."""
     free = {"arena": {"kind": "plane"}, "effects": {"leg_twist": False}}

@@ -84,7 +84,7 @@ def test_words_are_by_the_bounds_of_the_gap_within_the_margin(one, word, z):
     assert (one.word == "disagree") == (one.gap_over_allowed is not None and abs(one.gap_over_allowed) > 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
     result = call("--quick", "--json", "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
