@@ -47,6 +47,7 @@ def _predict(design: "Design", scene: "Scene") -> None:
     from walkergen.jobs.run.predict import make
 
     make.predict(design, [design], scene, "coulomb", progress=_teller())
+    children.say({"predicted": True})
 
 
 def _simulate(design: "Design", scene: "Scene") -> None:

@@ -198,11 +198,12 @@ export function startJobs() {
 
 /** Runs of seconds of a walker whose speed nothing else tells; whether the server has them now. */
 export async function runShort(signal) {
-  for await (const { progress, refused } of events('run', { document: current(), short: true }, signal)) {
+  for await (const { progress, refused, predicted } of events('run', { document: current(), short: true }, signal)) {
+    if (predicted) return true; // a server that ends says nothing
     if (progress) showWaiting(`Being simulated: ${Math.floor((100 * progress[1]) / progress[2])} %.`);
     if (!refused) continue;
     showWaiting(refused.join('\n'));
-    return false;
+    break;
   }
-  return true;
+  return false;
 }
