@@ -130,8 +130,7 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared():
 def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
     monkeypatch.setattr(pace, "pace", lambda: 0.05)
     at = place(tilt=5)
-    rows = [shipped.answer(at, error) for error in shipped.ERRORS]
-    shown = drawn.of_place(at, rows, "walker")
+    shown = drawn.of_place(at, shipped.advised(at), "walker")
     figure = figures.choice_figure(shown)
     (axes,) = figure.axes
     for line in axes.get_lines():

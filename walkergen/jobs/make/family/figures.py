@@ -59,8 +59,8 @@ def speed_figure(
         legend |= _draw_curve(axes, kind, curve)
     for legs in dict.fromkeys(row.legs for row in rows):
         own = [walker for walker in walkers if walker.row.legs == legs]
-        of_kind = [curve for kind, curve in chart_data.curves.items() if kind == legs]
-        legend |= _draw_predicted(axes, own, legs, of_kind)
+        between = next((curve for kind, curve in chart_data.curves.items() if kind == legs), None)
+        legend |= _draw_predicted(axes, own, legs, between)
         legend |= _draw_simulated(axes, own, legs)
     if chart_data.stated is not None:
         look: Any = {"color": BLACK, "markerfacecolor": "white", "markersize": 11, "zorder": 2.5}
@@ -110,12 +110,12 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
     return {f"{kind}, {BOUNDS}": (*bands, middle), THEORY: solid}
 
 
-def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curves: Sequence[Curve]) -> dict[str, Any]:
+def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:
     """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
     colour, _, marker = STYLES[kind]
     x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
     (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
-    for curve in curves:
+    if curve is not None:
         walkers = [walker for walker in walkers if np.isnan(np.interp(walker.x, curve.tilt_deg, curve.speed))]
         x = [walker.x for walker in walkers]
     if not walkers:

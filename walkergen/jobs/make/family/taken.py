@@ -6,17 +6,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import style
-from walkergen.shapes import silhouette
+from walkergen.shapes import outlines, silhouette
 from walkergen.walker.design import Design
-
-PICTURES = (".png", ".jpg", ".jpeg")
-"""Endings of pictures."""
 
 
 def source(design: Design) -> Path | None:
     """Picture that a body's outline is traced from; None for other bodies."""
-    name = design.body.outline
-    return Path(name) if name is not None and Path(name).suffix.lower() in PICTURES else None
+    path = Path(design.body.outline or "")
+    return path if outlines.READERS.get(path.suffix.lower()) is silhouette.read else None
 
 
 @style()

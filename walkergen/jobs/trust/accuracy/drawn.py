@@ -5,7 +5,7 @@ from itertools import groupby
 
 from walkergen.files import words
 from walkergen.jobs.trust.accuracy import advice, cells, pace, step_law
-from walkergen.jobs.trust.accuracy.advice import STEPS, Place
+from walkergen.jobs.trust.accuracy.advice import STEPS, Advice, Place
 from walkergen.jobs.trust.accuracy.figures import Curve, Mark, Point, Shown
 from walkergen.jobs.trust.accuracy.ladder import Rung
 from walkergen.jobs.trust.accuracy.report import Answer
@@ -13,11 +13,14 @@ from walkergen.jobs.trust.accuracy.setting import Measured
 from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.points import tolerance
 
+Advised = Sequence[tuple[Answer, Advice | str]]
+"""Answers, each with the advice that it tells, or why there is none."""
+
 BARS = "%"
 """Unit of errors that are shares."""
 
 
-def of_place(place: Place, answers: Sequence[Answer], title: str) -> Shown:
+def of_place(place: Place, advised: Advised, title: str) -> Shown:
     """What is shipped: curves of steps, biases of models measured in this cell, answers on this machine."""
     size, loop_s = step_law.unit(place.speed, place.peak), pace.pace()
     runs = advice.RUNS[0]
@@ -31,7 +34,7 @@ def of_place(place: Place, answers: Sequence[Answer], title: str) -> Shown:
         )
         for step in STEPS
     ]
-    points = list(_points(place, answers, loop_s))
+    points = list(_points(place, advised, loop_s))
     return Shown(
         f"{title} ({place.known})",
         BARS,
@@ -42,17 +45,17 @@ def of_place(place: Place, answers: Sequence[Answer], title: str) -> Shown:
     )
 
 
-def _points(place: Place, answers: Sequence[Answer], loop_s: float) -> Iterator[Point]:
+def _points(place: Place, advised: Advised, loop_s: float) -> Iterator[Point]:
     """Answers by their settings: errors that one setting meets have one point, at the error that it will have."""
     size = step_law.unit(place.speed, place.peak)
-    given = [answer for answer in answers if answer.runs is not None]
-    for _, group in groupby(given, key=lambda answer: (answer.setting, answer.runs, answer.seconds)):
+    given = [(answer, found) for answer, found in advised if isinstance(found, Advice)]
+    for _, group in groupby(given, key=lambda pair: (pair[1].setting, pair[1].runs, pair[1].seconds)):
         same = list(group)
-        found = advice.advise(place, tolerance.parse(same[-1].error))
-        if isinstance(found, str) or found.error < place.law.floor * size:
+        _, found = same[-1]
+        if found.error < place.law.floor * size:
             continue
-        errors = ", ".join(answer.error.removesuffix(" %") for answer in same)
-        told = f"{errors} %: {words.duration(same[0].expected_s or 0.0)}"
+        errors = ", ".join(answer.error.removesuffix(" %") for answer, _ in same)
+        told = f"{errors} %: {words.duration(same[0][0].expected_s or 0.0)}"
         yield Point(found.error / size, found.work * loop_s, told)
 
 

@@ -9,6 +9,7 @@ from walkergen.jobs.trust.accuracy import advice, pace, step_law
 from walkergen.jobs.trust.accuracy.advice import Advice, Place
 from walkergen.jobs.trust.accuracy.report import Answer, Answers
 from walkergen.points import tolerance
+from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
@@ -35,21 +36,32 @@ def place_of(design: Design, scene: Scene) -> Place:
 
 def answers(place: Place, title: str) -> Answers:
     """Answers for every error of ERRORS."""
-    rows = [answer(place, error) for error in ERRORS]
+    given = advised(place)
 
     def draw() -> "Figure":
         from walkergen.jobs.trust.accuracy import drawn
         from walkergen.jobs.trust.accuracy.figures import choice_figure
 
-        return choice_figure(drawn.of_place(place, rows, title))
+        return choice_figure(drawn.of_place(place, given, title))
 
-    return Answers(rows, lines(place), draw)
+    return Answers([row for row, _ in given], lines(place), draw)
+
+
+def advised(place: Place) -> list[tuple[Answer, Advice | str]]:
+    """Answers for every error of ERRORS, each with the advice that it tells, or why there is none."""
+    wishes = [tolerance.parse(error) for error in ERRORS]
+    advices = [advice.advise(place, wanted) for wanted in wishes]
+    return [(_told(place, *pair), pair[1]) for pair in zip(wishes, advices, strict=True)]
 
 
 def answer(place: Place, error: str) -> Answer:
     """Answer for one error."""
     wanted = tolerance.parse(error)
-    found = advice.advise(place, wanted)
+    return _told(place, wanted, advice.advise(place, wanted))
+
+
+def _told(place: Place, wanted: Tolerance, found: Advice | str) -> Answer:
+    """Answer that tells an advice."""
     if not isinstance(found, Advice):
         return Answer(str(wanted), "-", None, None, None, place.known, found)
     known = LAW if found.error < place.law.floor * step_law.unit(place.speed, place.peak) else place.known
