@@ -67,7 +67,7 @@ def cluster(tmp_path):
             program.wait()
 
 
-@pytest.mark.nightly  # once in some runs distributed reads a result as an error, as its worker dies: a trace
+@pytest.mark.slow
 def test_killing_a_worker_changes_no_bit(cluster, tmp_path, monkeypatch):
     address, workers = cluster
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
 
 import pytest
 
@@ -14,7 +15,7 @@ from walkergen.files import templates
 from walkergen.points import axes, run, worker_pool
 from walkergen.points.axes import Space
 from walkergen.points.kinds import evaluate
-from walkergen.points.point import digest
+from walkergen.points.point import Point, digest
 from walkergen.points.request import Request
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import WorkerPool
@@ -49,13 +50,15 @@ def two():
 class Faults(Executor):
     """Executor that runs at once, but for what tests let go wrong."""
 
-    def __init__(self, fail_at=None, error=None, sources=None):
-        self.calls, self.fail_at, self.error, self.sources = 0, fail_at, error, sources
+    def __init__(self, *fail_at, error=None, sources=None, ended=False):
+        self.calls, self.fail_at, self.error, self.sources, self.ended = 0, fail_at, error, sources, ended
 
     def submit(self, function, /, *args, **kwargs):
         future = Future()
         self.calls += 1
-        if self.calls == self.fail_at:
+        if self.calls in self.fail_at:
+            if self.ended:
+                raise self.error
             future.set_exception(self.error)
         else:
             found = function(*args, **kwargs)
@@ -146,19 +149,33 @@ def test_other_sources_on_a_worker_are_refused(store):
 
 
 def test_a_worker_without_walkergen_is_told(store):
-    lost = Faults(1, ModuleNotFoundError("No module named 'walkergen'"))
+    lost = Faults(1, error=ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker has no such walkergen: No module"):
         list(run.each(MANY.points(), store, WorkerPool(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
 def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
-    broken = Faults(2, error)
+    broken = Faults(2, 5, error=error)  # the second of four tasks, and when it is sent again
     with pytest.raises((ValueError, WalkergenError)):
         list(run.each(MANY.points(), store, WorkerPool(broken, 2)))
     known = [one.stored for one in run.each(MANY.points(), store) if one.key]
     assert 0 < known.count(False) <= run.BLOCK  # those of the broken task alone
     assert known.count(True) >= run.BLOCK
+
+
+def test_an_answer_that_is_lost_on_its_way_is_asked_for_again(store):
+    """As *distributed* loses one, rarely, when a worker dies just after it has answered."""
+    faults = Faults(2, error=ValueError("not enough values to unpack (expected 3, got 2)"))
+    records = [done.record for done in run.each(MANY.points(), store, WorkerPool(faults, 2))]
+    assert records == [evaluate(point) if isinstance(point, Point) else point for point in MANY.points()]
+
+
+def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
+    ended = Faults(2, error=BrokenProcessPool("a child process terminated abruptly"), ended=True)
+    with pytest.raises(WalkergenError, match="a worker process ended at once"):
+        list(run.each(MANY.points(), store, WorkerPool(ended, 2)))
+    assert next(run.each(MANY.points(), store)).stored
 
 
 def endless(scene=LANE):

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple
 
@@ -22,6 +23,11 @@ BLOCK = 64
 MOST_AHEAD = 4096
 """Most points that are kept while an earlier one takes long: all are yielded in their order."""
 
+ENDED = (
+    "a worker process ended at once, as when the memory is full: what was finished is "
+    "kept; the same command goes on, with fewer --workers ({})"
+)
+
 Asked = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""
 
@@ -38,11 +44,15 @@ class Done(NamedTuple):
     """True when the store had it."""
 
 
-class _Task(NamedTuple):
+@dataclass(eq=False)
+class _Task:
     """Points that are evaluated together."""
 
-    keys: list[str]
+    points: dict[str, Point]
+    """By their keys."""
     future: "Future[Answer]"
+    again: bool = False
+    """True where a first answer was lost on its way."""
 
 
 class _Slot(NamedTuple):
@@ -71,7 +81,7 @@ def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) 
     finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
         for future, task in under_way.items():
             if future.done() and not future.cancelled() and future.exception() is None:
-                store.put(zip(task.keys, _answer(future), strict=True))
+                store.put(zip(task.points, _answer(future), strict=True))
 
 
 def _there(
@@ -92,7 +102,12 @@ def _there(
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
             most = AHEAD * pool.workers
             for future in finished:
-                store.put(zip(under_way[future].keys, _answer(future), strict=True))
+                task = under_way[future]
+                if _lost(task):
+                    task.future, task.again = _submitted(task.points, pool), True
+                    under_way[task.future] = task
+                else:
+                    store.put(zip(task.points, _answer(future), strict=True))
                 del under_way[future]
         while slots and (slots[0].task is None or slots[0].task.future not in under_way):
             yield _done(slots.popleft())
@@ -133,8 +148,8 @@ def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]
     names = list(fresh)
     places: dict[str, tuple[_Task, int]] = {}
     for first in range(0, len(names), size):
-        part = names[first : first + size]
-        task = _Task(part, pool.executor.submit(_work, [fresh[name] for name in part]))
+        part = {name: fresh[name] for name in names[first : first + size]}
+        task = _Task(part, _submitted(part, pool))
         places |= {name: (task, place) for place, name in enumerate(part)}
     slots = []
     for name, point in zip(keys, block, strict=True):
@@ -152,15 +167,30 @@ def _work(points: Sequence[Point]) -> Answer:
     return digest(), [evaluate(point) for point in points]
 
 
+def _submitted(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
+    """Answer to come of a task. Raises WalkergenError where the workers have ended."""
+    try:
+        return pool.executor.submit(_work, list(points.values()))
+    except BrokenExecutor as error:
+        raise WalkergenError(ENDED.format(error)) from error
+
+
+def _lost(task: _Task) -> bool:
+    """Whether an answer did not arrive and is worth asking for again.
+
+    While a worker of a cluster dies, *distributed* can take the answer that it has just sent for an error, and
+    stumbles over its form. What the points themselves raise comes again.
+    """
+    error = task.future.exception()
+    return not task.again and error is not None and not isinstance(error, (BrokenExecutor, ImportError))
+
+
 def _answer(future: "Future[Answer]") -> list[Record]:
     """Records that a worker has sent. Raises WalkergenError."""
     try:
         sources, records = future.result()
     except BrokenExecutor as error:
-        raise WalkergenError(
-            "a worker process ended at once, as when the memory is full: what was finished is "
-            f"kept; the same command goes on, with fewer --workers ({error})"
-        ) from error
+        raise WalkergenError(ENDED.format(error)) from error
     except ImportError as error:
         raise WalkergenError(f"a worker has no such walkergen: {error}; install it there") from error
     if sources != digest():
@@ -177,4 +207,4 @@ def _done(slot: _Slot) -> Done:
         return slot.done
     assert slot.task is not None
     _, records = slot.task.future.result()
-    return Done(slot.task.keys[slot.place], records[slot.place], False)
+    return Done(list(slot.task.points)[slot.place], records[slot.place], False)
