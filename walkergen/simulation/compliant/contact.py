@@ -83,8 +83,8 @@ def _row(rows, i, mode, friction, w_x, w_y, u_x, u_y):
         rows[2 * i + 1, 2 * i] += SHARING * w_x[2 * i]
         rows[2 * i + 1, 4] = -u_x
     else:
-        rows[2 * i + 1, 2 * i] = 1.0
-        rows[2 * i + 1, 2 * i + 1] = friction if mode == FORWARD else -friction
+        rows[2 * i + 1, 2 * i] = w_x[2 * i]  # in the unit of the other rows: pivots follow no unit
+        rows[2 * i + 1, 2 * i + 1] = w_x[2 * i] * (friction if mode == FORWARD else -friction)
         rows[2 * i + 1, 4] = 0.0
 
 
