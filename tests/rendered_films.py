@@ -66,12 +66,19 @@ def _inside(x, y, at_x, at_y, heading):
     return (0.5 - out).clip(0.0, 1.0)
 
 
-def write(path, pictures, times="N/25", rate=None):
-    """Film of frames at `times`, s, an expression of ffmpeg's in N; `rate` in kbit/s, or fine."""
+def write(path, pictures, times="N/25", rate=None, aspect=(1, 1)):
+    """Film of frames at `times`, s, an expression of ffmpeg's in N; `rate` in kbit/s, or fine; pixels of an aspect."""
     high, wide = pictures[0].shape
     quality = ("-crf", "10") if rate is None else ("-b:v", f"{rate}k")
     source = ("-f", "rawvideo", "-pix_fmt", "gray", "-s", f"{wide}x{high}", "-r", "60", "-i", "-")
-    clock = ("-vf", f"settb=1/90000,setpts='({times})/TB'", "-fps_mode", "passthrough", "-enc_time_base", "1/90000")
+    clock = (
+        "-vf",
+        f"settb=1/90000,setpts='({times})/TB',setsar={aspect[0]}/{aspect[1]}",
+        "-fps_mode",
+        "passthrough",
+        "-enc_time_base",
+        "1/90000",
+    )
     code = ("-c:v", "libx264", "-preset", "veryfast", "-pix_fmt", "yuv420p", *quality)
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-y", *source, *clock, *code, str(path)]
     subprocess.run(command, input=b"".join(one.tobytes() for one in pictures), check=True)

@@ -1,4 +1,4 @@
-"""Films: grey frames of a file, one by one, by the ffmpeg that the extra `film` installs.
+"""Films: grey frames of a file or of a folder of pictures, one by one, by the ffmpeg that the extra `film` installs.
 
 ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words, and writes
 the time at which each is shown to a file. Films of varying frame rate, as phones make them, keep
@@ -10,7 +10,7 @@ import re
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from fractions import Fraction
 from itertools import count
 from pathlib import Path
@@ -23,6 +23,7 @@ from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading, words
 from walkergen.files.progress import Progress
+from walkergen.track.film import pictures
 
 Grey = npt.NDArray[np.uint8]
 """Brightness of a frame, shape (height, width), 0 black to 255 white; row 0 is the upper one."""
@@ -53,6 +54,10 @@ class Film(NamedTuple):
     """Frames per second at which it plays; None when it does not say. Often a round number."""
     seconds: float
     """Duration; 0 when it does not say."""
+    aspect: Fraction = Fraction(1)
+    """Width of a pixel of the file over its height; those of the frames are square."""
+    pictures: tuple[Path, ...] = ()
+    """Pictures that are the frames, of a folder of them."""
 
 
 class Reel(NamedTuple):
@@ -95,31 +100,45 @@ def require() -> None:
 
 
 def about(path: Path) -> Film:
-    """What a film says of itself. Raises InputError for a file that is no film, or too large."""
-    reading.check(path, "a film")
-    with _playing(path) as (process, messages):
+    """What a film, or a folder of pictures, says of itself. Raises InputError where it is neither, or too large."""
+    shots = pictures.listed(path) if path.is_dir() else ()
+    if not shots:
+        reading.check(path, "a film")
+    with _playing(path, shots[:1]) as (process, messages):
         assert process.stdout is not None
         first = process.stdout.readline(MOST_LETTERS)
         header = {word[:1]: word[1:] for word in first.split()[1:]}
         if b"W" not in header:
             raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
         width, height = int(header[b"W"]), int(header[b"H"])
-        rate = header[b"F"].decode().split(":")
-        fps = float(Fraction(int(rate[0]), int(rate[1]))) if int(rate[1]) else 0.0
+        fps, aspect = _ratio(header[b"F"]), _ratio(header.get(b"A", b"")) or Fraction(1)
         seconds = _duration(messages)
+    if aspect > 1:
+        width = round(width * aspect)
+    else:
+        height = round(height / aspect)
     if width * height > MOST_PIXELS:
         raise InputError(
             f"{path}: {width} x {height} pixels a frame: at most {MOST_PIXELS / 1e6:g} million; "
             "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
         )
-    return Film(path, width, height, fps or None, seconds)
+    if shots:
+        return Film(path, width, height, None, 0.0, aspect, shots)
+    return Film(path, width, height, float(fps) or None, seconds, aspect)
+
+
+def _ratio(text: bytes) -> Fraction:
+    """Ratio that ffmpeg writes as 4:3; 0 where it does not know."""
+    numbers = [int(part) for part in text.split(b":")] if text else [0]
+    return Fraction(*numbers) if len(numbers) == 2 and numbers[1] else Fraction(0)
 
 
 @contextmanager
 def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
     """Play a part of a film's frames, from the first to the one before the last, or up to the end."""
     first, last = frames
-    expected = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
+    count = len(film.pictures) or round(film.seconds * (film.fps or 0.0))
+    expected = max((count if last is None else last) - first, 1)
     with tempfile.TemporaryDirectory() as folder:
         stamps = Path(folder) / "stamps"
         # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
@@ -133,8 +152,9 @@ def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progre
             "-stats_enc_pre_fmt",
             "{pts} {tb}",
             *(() if last is None else ("-frames:v", str(last))),
+            *(() if film.aspect == 1 else ("-vf", f"scale={film.width}:{film.height},setsar=1")),
         ]
-        with _playing(film.path, options) as (process, messages):
+        with _playing(film.path, film.pictures, options) as (process, messages):
             whole = _frames(film, first, process, messages)
             yield Reel(_parts(whole, part, expected, progress), expected, stamps)
 
@@ -182,7 +202,7 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
     unit = Fraction(lines[0][1]) if lines else Fraction(0)
     ticks = np.array([int(line[0]) for line in lines], dtype=float)
     times = float(unit) * (ticks - ticks[0]) if lines else np.zeros(0)
-    if len(times) < 2 or not (np.diff(times) > 0).all():
+    if film.pictures or len(times) < 2 or not (np.diff(times) > 0).all():
         if filmed_fps is None:
             raise InputError(f"{film.path}: does not say when its frames were taken; give --fps")
         return Clock(np.arange(len(times)) / filmed_fps, filmed_fps, True, len(times) / filmed_fps)
@@ -199,35 +219,28 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
 
 
 @contextmanager
-def _playing(path: Path, more: Sequence[str] = ()) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
-    """Ffmpeg at work on a film, sending its frames, and its messages; ended at the end."""
+def _playing(
+    path: Path, shots: Sequence[Path], more: Sequence[str] = ()
+) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
+    """Ffmpeg at work on a film or on pictures, sending its frames, and its messages; ended at the end."""
     import imageio_ffmpeg
 
-    command = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-hide_banner",
-        "-nostats",
-        "-nostdin",
-        # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a
-        # file's: one that begins with a dash, or with "http:".
-        "-protocol_whitelist",
-        "file",
-        "-i",
-        os.path.realpath(path),
-        "-map",
-        "0:v:0",
-        "-pix_fmt",
-        "gray",
-        *more,
-        "-f",
-        "yuv4mpegpipe",
-        "-strict",
-        "-1",
-        "-",
-    ]
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a file's: one that begins
+    # with a dash, or with "http:".
+    options = ["-hide_banner", "-nostats", "-nostdin", "-protocol_whitelist", "file"]
+    if shots:
+        options += ["-f", "concat", "-safe", "0"]
+    grey = ["-map", "0:v:0", "-pix_fmt", "gray", *more, "-f", "yuv4mpegpipe", "-strict", "-1", "-"]
     with (
+        pictures.list_file(shots) if shots else nullcontext(os.path.realpath(path)) as source,
         tempfile.TemporaryFile() as messages,
-        subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages) as process,
+        subprocess.Popen(
+            [program, *options, "-i", str(source), *grey],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=messages,
+        ) as process,
     ):
         try:
             yield process, messages

@@ -43,16 +43,36 @@ def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Tol
     films.require()
     check(options)
     film = films.about(path)
+    if film.pictures and options.fps is None:
+        raise InputError(f"{path}: pictures do not say when they were taken; give --fps, how many a second")
     part = part_of(film, options.region)
     lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
     try:
         if options.markers is None:
             tracked, seen = unmarked.track(film, part, options, lens, progress)
-            return tracked, unmarked_doubts.of(tracked, seen)
-        tracked, read = marked.track(film, part, options, lens, progress)
-        return tracked, marked_doubts.of(tracked, read)
+            told = unmarked_doubts.of(tracked, seen)
+        else:
+            tracked, read = marked.track(film, part, options, lens, progress)
+            told = marked_doubts.of(tracked, read)
+        return tracked, told._replace(notes=[*_taken(film), *told.notes])
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
+
+
+def _taken(film: Film) -> list[str]:
+    """What was made of a film before it was looked at."""
+    notes = []
+    if film.pictures:
+        first, last = film.pictures[0].name, film.pictures[-1].name
+        notes.append(
+            f"The frames are {len(film.pictures)} pictures, from {first} to {last}, by the numbers in their names."
+        )
+    if film.aspect != 1:
+        notes.append(
+            f"Pixels of {film.aspect.numerator}:{film.aspect.denominator} were made square: frames of {film.width} x "
+            f"{film.height}, in which --region, --width and --mm-per-px count."
+        )
+    return notes
 
 
 def check(options: Options) -> None:

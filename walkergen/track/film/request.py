@@ -49,14 +49,16 @@ class TrackRequest(request.Request):
 
     by_position: ClassVar = ("film",)
 
-    film: Annotated[Path, request.File, Flag("Film from above: MP4, MOV, AVI.", "FILM", takes="Name", argument=True)]
+    film: Annotated[
+        Path, request.File, Flag("Film from above, or a folder of its pictures.", "FILM", takes="Name", argument=True)
+    ]
     mm_per_px: request.MmPerPx = None
     length: Annotated[
         request.Measured,
         BeforeValidator(request.parse_measured),
         Flag("Length of a walker, mm, for the scale, as 28 or 28±0.1.", "MM", takes="float | str | None"),
     ] = None
-    fps: Annotated[float | None, Flag("Frames per second when filmed, if it plays slower.", "N")] = None
+    fps: Annotated[float | None, Flag("Frames per second when filmed: of slow motion, of pictures.", "N")] = None
     frames: Annotated[
         tuple[int, int | None],
         BeforeValidator(_frames),

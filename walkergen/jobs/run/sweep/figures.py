@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 
 from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.jobs.run.sweep import panels as draw
-from walkergen.jobs.run.sweep.panels import COLOURS, HATCHED, MARK, STYLES, Mask
+from walkergen.jobs.run.sweep.panels import HATCHED, MARK, STYLES, Mask
 from walkergen.jobs.run.sweep.panels import Columns as Columns
 from walkergen.jobs.run.sweep.scales import Scale, dress, in_words, scale_of
 
@@ -60,9 +60,9 @@ def _single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], 
             axes.set_ylabel(draw.value_label(columns))
             handles = _line_handles(columns, ranked[1:])
         else:
-            norm = _norm(columns)
+            norm = draw.norm_of(columns.value)
             draw.map(axes, columns, scales[0], scales[1], rows, norm)
-            _colour_bar(drawn, [axes], norm, columns.label)
+            _colour_bar(drawn, [axes], norm, columns)
             handles = _mark_handles(columns, hatched=True)
         _legend(drawn, handles)
     return drawn
@@ -84,7 +84,7 @@ def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     columns, apart, *others = _only(columns, inside, (apart, *others))
     ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
     with _sheet(title, len(shown)) as (drawn, panels, wide):
-        norm = _norm(columns)
+        norm = draw.norm_of(columns.value)
         for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
             rows = apart.which == number
             if _lined(others):
@@ -101,7 +101,7 @@ def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
         if _lined(others):
             handles = _line_handles(columns, ranked[1:])
         else:
-            _colour_bar(drawn, panels, norm, columns.label)
+            _colour_bar(drawn, panels, norm, columns)
             handles = _mark_handles(columns, hatched=True)
         _legend(drawn, handles)
     return drawn
@@ -111,9 +111,9 @@ def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     """Figure of points on no grid: two keys with the number as colour, else one a panel."""
     if len(scales) == 2:
         with _sheet(title, 1) as (drawn, (axes,), _):
-            norm = _norm(columns)
+            norm = draw.norm_of(columns.value)
             draw.scatter(axes, columns, scales[0], scales[1], norm)
-            _colour_bar(drawn, [axes], norm, columns.label)
+            _colour_bar(drawn, [axes], norm, columns)
             _legend(drawn, _mark_handles(columns))
         return drawn
     if left := len(scales) - MOST_PANELS:
@@ -171,15 +171,12 @@ def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
     yield drawn, panels[:count], wide
 
 
-def _norm(columns: Columns) -> Normalize:
-    """Colours of all numbers of a figure."""
-    low, high = float(np.nanmin(columns.value)), float(np.nanmax(columns.value))
-    return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
-
-
-def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, label: str) -> None:
-    colours = matplotlib.cm.ScalarMappable(norm, COLOURS)
-    drawn.colorbar(colours, ax=list(panels), label=label, pad=0.02, aspect=25)
+def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
+    """Scale of the colours, no longer than the numbers that have them."""
+    mapped = matplotlib.cm.ScalarMappable(norm, draw.colours(norm))
+    bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
+    if np.ptp(shown := columns.value[~columns.missing]):
+        bar.ax.set_ylim(shown.min(), shown.max())
 
 
 def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import CenteredNorm, Normalize
 from matplotlib.ticker import MaxNLocator
 
 from walkergen.jobs.run.sweep.scales import Array, Scale, dress, edges
@@ -24,11 +24,8 @@ MOST_BARS = 40
 MOST_SEEN = 1000
 """Points of a cloud up to which their bounds can be seen, and are drawn."""
 
-SMOOTH = 4
-"""Values that both keys of a map need for contours between them."""
-
-COLOURS = "cividis"
-"""Colours of maps: they rise evenly in lightness, for every kind of eye and in grey."""
+SMOOTH, WHOLE = 4, 0.75
+"""Values that both keys of a map need for contours between them, and the share of points that have a number."""
 
 APART, ROOM = 0.18, 0.05
 """Distances of a contour's label from other labels and from other contours, at least, as shares of
@@ -86,6 +83,26 @@ class Columns(NamedTuple):
         """Points whose number is not to be taken as it is."""
         doubtful: Mask = np.array([status != Went.OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
+
+
+def norm_of(value: Array) -> Normalize:
+    """Colours of all numbers of a figure, with zero in the middle where both signs are among them."""
+    low, high = float(np.nanmin(value)), float(np.nanmax(value))
+    if low < 0.0 < high:
+        return CenteredNorm(0.0, max(-low, high))
+    return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
+
+
+def colours(norm: Normalize) -> str:
+    """Colours of a map for every kind of eye: white at zero where that is the middle, else evenly lighter."""
+    return "PuOr" if isinstance(norm, CenteredNorm) else "cividis"
+
+
+def _ink(norm: Normalize, value: float) -> str:
+    """Colour of a line on a map where it has a value."""
+    share = float(norm(value))
+    dark = abs(share - 0.5) > 0.3 if isinstance(norm, CenteredNorm) else share < 0.5
+    return "white" if dark else "black"
 
 
 # Lines
@@ -171,10 +188,10 @@ def value_label(columns: Columns, most: int | None = None) -> str:
 
 
 def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
-    """Draw a number over two keys: a cell for each point, and contours where both are numbers."""
+    """Draw a number over two keys: a cell for each point, and contours where both are numbers and few are missing."""
     value = np.full((len(y.values), len(x.values)), np.nan)
     value[y.which[rows], x.which[rows]] = columns.value[rows]
-    mesh = axes.pcolormesh(edges(x), edges(y), value, cmap=COLOURS, norm=norm, rasterized=True)
+    mesh = axes.pcolormesh(edges(x), edges(y), value, cmap=colours(norm), norm=norm, rasterized=True)
     dress(axes, "x", x)
     dress(axes, "y", y)
     missing, doubtful = rows & columns.missing, rows & columns.doubtful
@@ -183,6 +200,7 @@ def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Norm
     if doubtful.any():
         axes.plot(x.at[doubtful], y.at[doubtful], **MARK, zorder=4)
     smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= SMOOTH
+    smooth = smooth and bool(np.isfinite(value).mean() >= WHOLE)
     if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
         _contours(axes, x, y, np.ma.masked_invalid(value), norm)
     mesh.set_edgecolor("none")
@@ -200,9 +218,7 @@ def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
 
 def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
     """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
-    assert norm.vmin is not None
-    assert norm.vmax is not None
-    levels = MaxNLocator(7).tick_values(norm.vmin, norm.vmax)
+    levels = MaxNLocator(7).tick_values(value.min(), value.max())
     levels = levels[(levels > value.min()) & (levels < value.max())]
     if not len(levels):
         return
@@ -212,7 +228,7 @@ def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], no
         value,
         levels=levels,
         linewidths=0.8,
-        colors=["white" if norm(level) < 0.5 else "black" for level in levels],
+        colors=[_ink(norm, level) for level in levels],
         linestyles=["--" if level < 0 else "-" for level in levels],
     )
     segments = [np.concatenate(parts) for parts in lines.allsegs]
@@ -250,7 +266,7 @@ def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
 def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
     """Draw points in a plane of two keys, coloured by their number."""
     good = ~columns.missing & ~columns.doubtful
-    look: Any = {"cmap": COLOURS, "norm": norm, "s": 14, "rasterized": len(good) > 5000}
+    look: Any = {"cmap": colours(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
     axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
     if columns.doubtful.any():
         ring = axes.scatter(
