@@ -29,7 +29,7 @@ PATIENCE_S = 180.0
 PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s", "values": {}}
 """Document of a page that sets nothing anew."""
 
-QUICK = ("start", "walker", "outlook", "shares", "form", "spans", "keep", "upload", "take")
+QUICK = ("start", "walker", "outlook", "curve", "shares", "form", "spans", "keep", "upload", "take")
 MAKING = ("run", "crowd", "design", "make")
 """Doors that answer by themselves, and those behind which a child works."""
 
@@ -72,7 +72,9 @@ class Doors:
         self.app = servers.application(self.server)
         Doors.begun.append(self.server)
         while len(Doors.begun) > 2:
-            Doors.begun.pop(0).workers.end()
+            gone = Doors.begun.pop(0)
+            for workers in (gone.steps, gone.workers):
+                workers.end()
 
     def taken(self, message):
         """Answer with files, once they are made; the refusal where they cannot be."""
@@ -313,8 +315,9 @@ def message(rng):
         asked["document"]["values"][key] = value(rng)
     if rng.random() < 0.1:
         asked["document"][rng.choice(("walker", "scene", "printer", "values", "more"))] = value(rng)
-    asked |= {"what": "stl", "copies": 1, "wish": "speed", "value": 40, "keys": ["legs.tilt_deg", "body.length_mm"]}
-    for key in ("what", "copies", "wish", "value", "keys"):
+    asked |= {"what": "stl", "copies": 1, "wish": "speed", "value": 40, "rough": True}
+    asked["keys"] = ["legs.tilt_deg", "body.length_mm"]
+    for key in ("what", "copies", "wish", "value", "keys", "rough"):
         if rng.random() < 0.2:
             asked[key] = value(rng)
     return json.dumps(asked).encode("utf-8", "surrogatepass")

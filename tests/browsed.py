@@ -107,7 +107,7 @@ class Page:
     def settle(self):
         """Wait until the page shows what was set last."""
         self.until(lambda: self.find("#speed").text and self.find("#form").text)
-        for part in ("#form", "#outlook", "#findings"):
+        for part in ("#form", "#outlook", "#findings", "#chart"):
             self.until(lambda part=part: self.find(part).get_attribute("aria-busy") == "false")
 
     def find(self, selector):

@@ -5,7 +5,6 @@ Every number comes from the job that the command line calls for it.
 
 import json
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
 from itertools import zip_longest
 from typing import Any
 
@@ -21,24 +20,10 @@ from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import findings
 from walkergen.printing.findings import About, Finding
-from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
-from walkergen.theory import prediction
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
-
-STEEPEST_DEG = 45.0
-"""Tilt up to which the curve is drawn, unless the walker's own is larger."""
-
-STEP_DEG = 0.2
-"""Error of the tilt up to which a walker can be built, where that is less."""
-
-FEWER = 19
-"""Points of the curve where the modeller joins legs to a body, as long as that takes."""
-
-MOST_CURVES = 32
-"""Curves that are kept."""
 
 LEGS_MM = 1e-4
 """Distance below the body's underside from which on a triangle belongs to a leg."""
@@ -90,14 +75,12 @@ def packed(document: Document) -> bytes:
 
 
 def outlook(document: Document) -> dict[str, Any]:
-    """Curve against tilt, what the printer makes of the walker, and words.
+    """What the printer makes of the walker, and words for a shell and Python.
 
     Raises WalkergenError, as `walker` does.
     """
-    design, scene = document.design(), document.ground()
-    found = checking.check([design], [1], document.machine()).findings
+    found = checking.check([document.design()], [1], document.machine()).findings
     return {
-        "curve": _curve(design, scene) if design.follows else None,
         "findings": [_finding(finding) for finding in findings.listed(found)],
         "legs_at_fault": any(_of_legs(finding) for finding in found),
         "shell": documents.shell(documents.arguments(document, "export")),
@@ -142,52 +125,6 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
     bottom = min(limb.bottom for limb in document.design().limbs)
     middles = mesh.vertices[mesh.triangles][:, :, 1].mean(axis=1)
     return np.asarray(middles < bottom - LEGS_MM, dtype=np.uint8)
-
-
-def _curve(design: Design, scene: Scene) -> dict[str, list[float | None]] | None:
-    """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built.
-
-    Its numbers are None at tilts that a run has yet to tell, the whole where no other tilt can be built. It does
-    not depend on the walker's own tilt: dragging that asks for none anew.
-    """
-    far = max(STEEPEST_DEG, abs(design.tilt_deg))
-    low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
-    things = (design.unmarked.variant(tilt_deg=low), scene)
-    own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
-    high = _end(design, far)
-    return _drawn(own, ground, design.body.key, low, high) if low < high else None
-
-
-@lru_cache(maxsize=MOST_CURVES)
-def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float | None]] | None:
-    """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
-    walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
-    count = prediction.POINTS if walker.body.plain and not walker.parts else FEWER
-    curve = prediction.curve(walker, ground, "coulomb", low, high, count)
-    if np.isfinite(curve.speed).sum() < 2:
-        return None
-    columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), curve.bounds, strict=True))
-    columns |= {"tilt_deg": curve.tilt_deg, "speed": curve.speed}
-    return {name: [None if np.isnan(each) else each for each in values.tolist()] for name, values in columns.items()}
-
-
-def _end(design: Design, far: float) -> float:
-    """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
-    if _is_sound(design, far):
-        return far
-    near = design.tilt_deg
-    while abs(far - near) > STEP_DEG:
-        middle = 0.5 * (near + far)
-        near, far = (middle, far) if _is_sound(design, middle) else (near, middle)
-    return near
-
-
-def _is_sound(design: Design, tilt_deg: float) -> bool:
-    try:
-        solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
-    except WalkergenError:
-        return False
-    return True
 
 
 def _finding(finding: Finding) -> dict[str, str]:

@@ -4,12 +4,13 @@ It is what a command line says with names and --set, so that a page, a shell and
 thing in their own words.
 """
 
+import copy
 import json
 import math
 import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -120,10 +121,16 @@ class Document(NamedTuple):
 
     def _read(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
         own = self.own(prefix)
-        if name in templates.names(kind):
+        if name in _shipped(kind):
             read: Model = _of_template(name, kind, model, json.dumps(own), prefix)
             return read
         return assignments.read(templates.path_of(name, kind), model, own, SOURCE, prefix)
+
+
+@cache
+def _shipped(kind: str) -> frozenset[str]:
+    """Names of the templates of a kind, whose files do not change."""
+    return frozenset(templates.names(kind))
 
 
 @lru_cache(maxsize=MOST_READ)
@@ -132,7 +139,15 @@ def _of_template(name: str, kind: str, model: type[Model], own: str, prefix: str
 
     What is kept names no file that changes: those of a page are called by what is in them.
     """
-    return assignments.read(templates.path_of(name, kind), model, json.loads(own), SOURCE, prefix)
+    settings, data = _as_shipped(name, kind, model)
+    anew: Model = assignments.assigned(settings, copy.deepcopy(data), json.loads(own), SOURCE, prefix)
+    return anew
+
+
+@cache
+def _as_shipped(name: str, kind: str, model: type[Model]) -> tuple[Model, dict[str, Any]]:
+    """Template, and the data in its file."""
+    return assignments.with_data(templates.path_of(name, kind), model, {})
 
 
 def read(data: Any, place: Place) -> Document:
@@ -144,7 +159,7 @@ def read(data: Any, place: Place) -> Document:
         raise InputError(f"{SOURCE}: document: must be a table")
     message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene), ("printers", message.printer)):
-        if name not in templates.names(kind) and not (kind == "walkers" and name == place.own):
+        if name not in _shipped(kind) and not (kind == "walkers" and name == place.own):
             raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
     values = _located("values", message.values, place.uploads)
     return Document(message.walker, message.scene, message.printer, values)

@@ -18,7 +18,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 
-from walkergen.app import answers, children, crowding, form, pictures, sentences, spans, statics, taking
+from walkergen.app import answers, children, crowding, curves, form, pictures, sentences, spans, statics, taking
 from walkergen.app import document as documents
 from walkergen.app.document import Document, Place
 from walkergen.app.workers import Workers
@@ -71,6 +71,8 @@ class Server(NamedTuple):
     """Document of the command line, with which a page begins."""
     running: children.Running
     """What has a child."""
+    steps: Workers
+    """Processes of walkers alone, so that a slider's step waits for nothing else."""
     workers: Workers
     """Processes of all else that takes its time."""
     anew: bool = False
@@ -85,7 +87,7 @@ def new(
     """Server with fresh secrets; `away` if other machines can reach it."""
     place = Place(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
-    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), anew, once)
+    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)
 
 
 def application(server: Server) -> Any:
@@ -94,6 +96,7 @@ def application(server: Server) -> Any:
         "start": _start,
         "walker": _walker,
         "outlook": _outlook,
+        "curve": _curve,
         "shares": _shares,
         "form": _form,
         "spans": _spans,
@@ -284,23 +287,30 @@ async def _keep(server: Server, request: Request) -> Response:
 async def _walker(server: Server, request: Request) -> Response:
     """Facts on the walker and its triangles: a line of JSON, then little-endian numbers."""
     document, _ = await _asked(server, request)
-    packed = await _worked(server, request, answers.packed, document)
+    packed = await _worked(server.steps, request, answers.packed, document)
     return Response(packed, media_type="application/octet-stream")
 
 
 async def _outlook(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json(await _worked(server, request, answers.outlook, document))
+    return _json(await _worked(server.workers, request, answers.outlook, document))
+
+
+async def _curve(server: Server, request: Request) -> Response:
+    """Curve of the walker against its tilt; of few points if `rough`, as while a slider moves."""
+    document, asked = await _asked(server, request)
+    rough = asked.get("rough") is True
+    return _json({"curve": await _worked(server.workers, request, curves.curve, document, rough)})
 
 
 async def _shares(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json({"shares": await _worked(server, request, answers.shares, document)})
+    return _json({"shares": await _worked(server.workers, request, answers.shares, document)})
 
 
 async def _form(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json(await _worked(server, request, form.whole, document))
+    return _json(await _worked(server.workers, request, form.whole, document))
 
 
 async def _spans(server: Server, request: Request) -> Response:
@@ -309,12 +319,12 @@ async def _spans(server: Server, request: Request) -> Response:
     keys = asked.get("keys")
     if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
         raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
-    return _json({"spans": await _worked(server, request, spans.spans, document, keys)})
+    return _json({"spans": await _worked(server.workers, request, spans.spans, document, keys)})
 
 
-async def _worked(server: Server, request: Request, work: Callable[..., Result], *given: Any) -> Result:
+async def _worked(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
     """Result of what takes its time. Raises ClientDisconnect where the page has gone meanwhile."""
-    result = await children.while_heard(request.receive, server.workers.answer(work, *given))
+    result = await children.while_heard(request.receive, workers.answer(work, *given))
     if result is None:
         raise ClientDisconnect
     return result
@@ -353,26 +363,26 @@ async def _run(server: Server, request: Request) -> Response:
 async def _crowd(server: Server, request: Request) -> Response:
     """Let walkers run in a dish; `crowded` then hands out what is played."""
     document, _ = await _asked(server, request)
-    words = await _worked(server, request, crowding.words, document, server.folder / "crowds")
+    words = await _worked(server.workers, request, crowding.words, document, server.folder / "crowds")
     return Streamed(children.run(server.running, children.COMMANDS, [words]))
 
 
 async def _crowded(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json(await _worked(server, request, crowding.played, document, server.folder / "crowds"))
+    return _json(await _worked(server.workers, request, crowding.played, document, server.folder / "crowds"))
 
 
 async def _design(server: Server, request: Request) -> Response:
     """Search for a walker of a wished speed, as `walkergen design` does."""
     document, wish = await _asked(server, request)
-    words = await _worked(server, request, taking.search, document, wish, server.folder / "designs")
+    words = await _worked(server.workers, request, taking.search, document, wish, server.folder / "designs")
     return Streamed(children.run(server.running, children.COMMANDS, [words]))
 
 
 async def _ordered(server: Server, request: Request) -> taking.Order:
     document, asked = await _asked(server, request)
     what, copies = asked.get("what"), asked.get("copies", 1)
-    return await _worked(server, request, taking.order, document, what, copies, server.folder)
+    return await _worked(server.workers, request, taking.order, document, what, copies, server.folder)
 
 
 async def _make(server: Server, request: Request) -> Response:
@@ -386,7 +396,7 @@ async def _make(server: Server, request: Request) -> Response:
 async def _take(server: Server, request: Request) -> Response:
     """Hand out files that were made."""
     order = await _ordered(server, request)
-    name, data = await _worked(server, request, taking.collected, order)
+    name, data = await _worked(server.workers, request, taking.collected, order)
     shells = [documents.shell(words) for words in order.commands]
     headers = {"content-disposition": f'attachment; filename="{name}"', "walkergen-shell": json.dumps(shells)}
     return Response(data, media_type="application/octet-stream", headers=headers)

@@ -58,7 +58,8 @@ class _Ending(uvicorn.Server):
     async def shutdown(self, sockets: Any = None) -> None:
         logging.getLogger("uvicorn.error").disabled = True
         await children.end(self._served.running)
-        self._served.workers.end()
+        for workers in (self._served.steps, self._served.workers):
+            workers.end()
         await super().shutdown(sockets)
 
 
@@ -76,7 +77,8 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     served = servers.new(folder, _hosts(names, port), first, own, away, anew)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
     address = f"http://{_bracketed(host)}:{port}/{path}"
-    served.workers.begin()
+    for workers in (served.steps, served.workers):
+        workers.begin()
     print(f"the page: {address}", flush=True)
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
     if browser and not away:

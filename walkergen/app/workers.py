@@ -23,8 +23,8 @@ from walkergen.app.document import SOURCE
 from walkergen.errors import InputError, WalkergenError
 from walkergen.points import worker_pool
 
-FIRST, MOST = 2, 6
-"""Processes at the start, and at most: others begin where work takes long, so that no page waits for another's."""
+MOST = 6
+"""Processes at most: one begins at the start, others where work takes long, so that no page waits for another's."""
 
 BUSY_S = 0.3
 """Time for which work waits for a process before another one begins."""
@@ -41,8 +41,11 @@ GRACE_S = 0.5
 LOOK_S = 0.05
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-NEEDED = ["walkergen.app.answers", "walkergen.app.form", "walkergen.app.taking", "walkergen.app.crowding"]
+NEEDED = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "taking", "crowding")]
 """Modules that answers need: where processes can be copied, one imports them for all."""
+
+LATER, CALM_S = "walkergen.points.short", 1.0
+"""Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second."""
 
 MOST_BYTES = 6 * 2**30
 """Addresses that a process may use: where a system has such a limit."""
@@ -71,10 +74,9 @@ class Workers:
         self._counting = threading.Lock()
 
     def begin(self) -> None:
-        """Start the first processes, which import while the page loads."""
-        for _ in range(FIRST):
-            self._count += 1
-            self._idle.put(_begun())
+        """Start the first process, which imports while the page loads."""
+        self._count = 1
+        self._idle.put(_begun())
 
     async def answer(self, work: Callable[..., Result], *given: Any) -> Result:
         """Result of work in a process; cancelling it ends the work. Raises WalkergenError."""
@@ -103,14 +105,8 @@ class Workers:
     def _taken(self) -> Worker:
         """Idle process, or another one where all are at work for long."""
         while True:
-            with self._counting:
-                few = self._count < FIRST
-                if few:
-                    self._count += 1
-            if few:
-                return _begun()
             with contextlib.suppress(queue.Empty):
-                return self._idle.get(timeout=BUSY_S)
+                return self._idle.get(timeout=BUSY_S if self._count else 0.0)
             with self._counting:
                 more = self._count < MOST
                 if more:
@@ -192,6 +188,8 @@ def _serve(connection: Connection) -> None:
     with contextlib.suppress(EOFError, OSError):
         connection.send("ready")
         while True:
+            if not connection.poll(CALM_S):
+                importlib.import_module(LATER)
             work, given = connection.recv()
             connection.send(_result(work, given))
 

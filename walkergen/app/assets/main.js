@@ -5,11 +5,12 @@ import { compare, startCompare } from './compare.js';
 import { startDish } from './dish.js';
 import { askSpans, make, rebuild, refuse, showValue, takeFile } from './form.js';
 import { runShort, startJobs } from './jobs.js';
-import { showOutlook, showShares, showSpeed, startChart } from './outlook.js';
+import { showCurve, showOutlook, showShares, showSpeed, startChart } from './outlook.js';
 import { markLegs, showPart, startPart } from './part.js';
 import * as state from './state.js';
 
 const SETTLED_MS = 150; // without a change after which what is slower is asked for
+const RESTED_MS = 700; // and what takes longest
 const KEPT_MS = 800;
 const SHORT_MS = 1200; // before a short run tells what nothing else does
 
@@ -42,15 +43,28 @@ const look = lastOnly(async () => {
   if (answer.refused) return;
   showOutlook(answer);
   markLegs(answer.legs_at_fault);
-  await showMeasure();
+});
+
+// The curve does not depend on the walker's own tilt; while other sliders move it has few points.
+const untilted = ({ values, ...names }) =>
+  JSON.stringify([names, state.without(values, walker?.facts.tilt_key ?? 'legs.tilt_deg')]);
+let whole = ''; // what the whole curve was drawn of
+const drawCurve = lastOnly(async (rough) => {
+  const document = state.current();
+  const asked = untilted(document);
+  const answer = await ask('curve', { document, rough: rough && asked !== whole });
+  byId('chart').ariaBusy = String(document !== state.current());
+  if (answer.refused) return;
+  if (!rough) whole = asked;
+  showCurve(answer.curve);
 });
 
 // What to measure next is reckoned where somebody reads it.
-async function showMeasure() {
+const showMeasure = lastOnly(async () => {
   if (!byId('measure-next').open) return;
   const answer = await ask('shares', { document: state.current() });
   showShares(answer.shares ?? []);
-}
+});
 
 let short = null; // run that tells what nothing else does
 const shortSoon = settled(() => {
@@ -59,7 +73,8 @@ const shortSoon = settled(() => {
   runShort(short.signal).then((told) => told && refresh(), () => {});
 }, SHORT_MS);
 
-const lookSoon = settled(look, SETTLED_MS);
+const lookSoon = settled(() => Promise.all([look(), drawCurve(true)]), SETTLED_MS);
+const restSoon = settled(() => Promise.all([drawCurve(false), showMeasure()]), RESTED_MS);
 const keepSoon = settled(() => ask('keep', { document: state.current() }), KEPT_MS);
 const rebuildSoon = settled(rebuild, SETTLED_MS);
 
@@ -75,9 +90,10 @@ function changed(document, why) {
   stopJobs();
   short?.abort();
   arrived ||= why !== 'begin';
-  byId('findings').ariaBusy = 'true';
+  byId('findings').ariaBusy = byId('chart').ariaBusy = 'true';
   refresh();
   lookSoon();
+  restSoon();
   keepSoon();
   shortSoon();
   askSpans();

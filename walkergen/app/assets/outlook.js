@@ -179,10 +179,14 @@ export function showWaiting(text) {
   say({ text, sure: false });
 }
 
-/** Show what follows more slowly: the curve, what the printer makes of it, words. */
-export function showOutlook(outlook) {
-  curve = outlook.curve;
+/** Show the curve, or that there is none. */
+export function showCurve(drawn) {
+  curve = drawn;
   drawChart();
+}
+
+/** Show what the printer makes of the walker, and words. */
+export function showOutlook(outlook) {
   byId('findings').replaceChildren(
     ...(outlook.findings.length ? outlook.findings : [{ level: 'good', text: 'It prints as drawn.' }])
       .map(({ level, text }) => make('li', { className: level, textContent: level === 'good' ? text : `${level}: ${text}` })),

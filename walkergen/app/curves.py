@@ -1,0 +1,76 @@
+"""Curve of a page: predicted speed against tilt, as far as the walker can be built."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from walkergen.app.document import Document
+from walkergen.errors import WalkergenError
+from walkergen.scene import Scene
+from walkergen.theory import prediction
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+STEEPEST_DEG = 45.0
+"""Tilt up to which the curve is drawn, unless the walker's own is larger."""
+
+STEP_DEG = 0.2
+"""Error of the tilt up to which a walker can be built, where that is less."""
+
+FEWER, ROUGH = 19, 13
+"""Points of the curve where the modeller joins legs to a body, as long as that takes, and while sliders move."""
+
+MOST = 32
+"""Curves that are kept."""
+
+Curve = dict[str, list[float | None]]
+
+
+def curve(document: Document, rough: bool) -> Curve | None:
+    """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built; of fewer points
+    if `rough`.
+
+    Its numbers are None at tilts that a run has yet to tell, the whole where legs share no tilt or no other can be
+    built. It does not depend on the walker's own tilt: dragging that asks for none anew. Raises InputError.
+    """
+    design, scene = document.design(), document.ground()
+    if not design.follows:
+        return None
+    far = max(STEEPEST_DEG, abs(design.tilt_deg))
+    low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
+    things = (design.unmarked.variant(tilt_deg=low), scene)
+    own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
+    high = _end(design, far)
+    return _drawn(own, ground, design.body.key, low, high, rough) if low < high else None
+
+
+@lru_cache(maxsize=MOST)
+def _drawn(design: str, scene: str, body: str, low: float, high: float, rough: bool) -> Curve | None:
+    """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
+    walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
+    count = ROUGH if rough else prediction.POINTS if walker.body.plain and not walker.parts else FEWER
+    drawn = prediction.curve(walker, ground, "coulomb", low, high, count)
+    if np.isfinite(drawn.speed).sum() < 2:
+        return None
+    columns = dict(zip(("low_95", "low_68", "high_68", "high_95"), drawn.bounds, strict=True))
+    columns |= {"tilt_deg": drawn.tilt_deg, "speed": drawn.speed}
+    return {name: [None if np.isnan(each) else each for each in values.tolist()] for name, values in columns.items()}
+
+
+def _end(design: Design, far: float) -> float:
+    """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
+    if _is_sound(design, far):
+        return far
+    near = design.tilt_deg
+    while abs(far - near) > STEP_DEG:
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if _is_sound(design, middle) else (near, middle)
+    return near
+
+
+def _is_sound(design: Design, tilt_deg: float) -> bool:
+    try:
+        solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
+    except WalkergenError:
+        return False
+    return True
