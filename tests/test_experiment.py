@@ -78,6 +78,36 @@ def test_an_error_out_of_reach_ends():
     assert alike.runs == FIRST_RUNS
 
 
+@pytest.mark.parametrize("wanted", ["1.5%", "0.8%"])
+def test_few_more_runs_are_made_than_an_error_needs(wanted):
+    error, more = Error(parse(wanted), "fall_s"), []
+    for seed in range(12):
+        measured = measure(Ball(sd_mm=100.0, seed=seed), error, threads=1)
+        own, runs = measured.experiment, measured.records
+        enough = (
+            n
+            for n in range(FIRST_RUNS, len(runs) + 1)
+            if (fall := own.quantities(runs[:n])[0]).half_width() <= error.allowed(fall.value)
+        )
+        more.append(len(runs) / next(enough))
+    assert max(more) <= 1.3
+    assert sum(more) / len(more) < 1.15
+
+
+def test_steps_that_cannot_do_are_passed_over():
+    made = []
+
+    class Counted(Ball):
+        def prepared(self):
+            made.append(self.step_s)
+            return self.fall
+
+    measure(Counted(), Error(parse("0.2%"), "fall_s"))
+    assert made == [1e-3, 5e-4]
+    measure(Counted(step_s=8e-3), Error(parse("0.4%"), "fall_s"))
+    assert made[2:] == [8e-3, 1e-3]
+
+
 def test_a_share_of_less_than_the_floor_counts_of_the_floor():
     five = Error(parse("5%"), "fall_s", floor=2.0)
     assert (five.allowed(1.0), five.allowed(None), five.allowed(-4.0)) == (0.1, 0.1, 0.2)
