@@ -33,7 +33,7 @@ ROOMS = {
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
     "theory": ["theory/impact", "theory/tensors", "theory/speed", "theory/balance", "theory/stationary"],
-    "predictions": ["theory/prediction", "theory/uncertain", "theory/surrogate"],
+    "predictions": ["theory/prediction", "theory/uncertain", "theory/surrogate", "theory/places", "theory/networks"],
     "simulation": [
         "simulation/plan",
         "simulation/experiments",

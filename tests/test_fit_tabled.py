@@ -11,7 +11,7 @@ from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.posterior import Observed
 from walkergen.points import speeds
 from walkergen.scene import Scene
-from walkergen.theory import prediction, surrogate, uncertain
+from walkergen.theory import places, prediction, surrogate, uncertain
 from walkergen.theory.prediction import MODEL, PRINT, SURROGATE
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
@@ -34,7 +34,7 @@ def speed(tilt, columns):
     columns = {SURROGATE.name: 0.0} | columns
     drawn = Drawn({name: np.array([value]) for name, value in columns.items()}, 1)
     mass = solids.mass_of(design)
-    known = surrogate.Known(design, LANE, surrogate.place_of(LANE, design, mass))
+    known = surrogate.Known(design, LANE, places.of(LANE, design, mass))
     return float(prediction.draws_of(known, drawn)[0])
 
 

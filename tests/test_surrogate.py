@@ -9,7 +9,7 @@ from evidence.tables import settings, simulate
 from evidence.tables.scatter import scatter
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.theory import surrogate, uncertain
+from walkergen.theory import networks, places, surrogate, uncertain
 from walkergen.theory.surrogate import UnknownError
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -134,7 +134,7 @@ READ = {
 def test_every_key_that_it_reads_moves_its_speed(key):
     scene = Scene().variant(**{key: READ[key]})
     mass = solids.mass_of(TEN)
-    at = [surrogate.Known(TEN, one, surrogate.place_of(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
+    at = [surrogate.Known(TEN, one, places.of(one, TEN, mass)).nominal[0] for one in (Scene(), scene)]
     assert at[0] != at[1]
 
 
@@ -166,27 +166,27 @@ def test_places_of_draws_are_those_of_walkers_so_built():
         "legs.thickness_mm": 0.42,
     }
     scene, design, mass = uncertain.applied(Scene(), TEN, values)
-    built = surrogate.place_of(scene, design, mass)
+    built = places.of(scene, design, mass)
     drawn = uncertain.Drawn({name: np.array([value]) for name, value in values.items()}, 1)
-    place = surrogate.place_of(Scene(), TEN, solids.mass_of(TEN)).drawn(TEN, Scene(), drawn)
-    for name, one, other in zip(surrogate.Place._fields, place, built, strict=True):
+    place = places.of(Scene(), TEN, solids.mass_of(TEN)).drawn(TEN, Scene(), drawn)
+    for name, one, other in zip(places.Place._fields, place, built, strict=True):
         # A thicker leg moves the centre of mass a little, which draws leave out
         assert float(np.ravel(one)[0]) == pytest.approx(float(other), rel=1e-2, abs=1e-3), name
 
 
 def test_a_spoilt_file_is_refused(tmp_path, monkeypatch):
-    data = bytearray(surrogate.FILE.read_bytes())
+    data = bytearray(networks.FILE.read_bytes())
     data[len(data) // 2] ^= 1
     for number, content in enumerate((b"", bytes(data), bytes(data[:5000]))):
         path = tmp_path / f"{number}.npz"
         path.write_bytes(content)
-        monkeypatch.setattr(surrogate, "FILE", path)
+        monkeypatch.setattr(networks, "FILE", path)
         with pytest.raises(InputError, match="install walkergen again"):
-            surrogate.arrays.__wrapped__()
+            networks.arrays.__wrapped__()
 
 
 def test_errors_told_are_those_of_rows_that_no_network_has_seen():
-    errors = surrogate.facts()["errors"]["flexible"]
+    errors = networks.facts()["errors"]["flexible"]
     assert errors["rows"] > 500
     assert errors["within_goal"] > 0.95
     assert errors["within_95"] > 0.9  # of which a few rows of chance
@@ -214,7 +214,7 @@ def test_scatter_in_time_and_between_prints_are_told_apart():
     rng = np.random.default_rng(4)
     inputs, uneven = rng.normal(size=(800, 2)), rng.choice([0.0, 0.1, 0.2], 800)
     runs = np.hypot(0.05, uneven)[:, None] * rng.standard_normal((800, 6))
-    terms = surrogate.features(inputs)
+    terms = networks.features(inputs)
     found = scatter(terms, uneven, runs.std(axis=1, ddof=1) / math.sqrt(6.0), np.full(800, 6.0))
-    assert np.median(surrogate.smooth(terms, found.in_time)) == pytest.approx(0.05, rel=0.1)
-    assert np.median(surrogate.smooth(terms, found.between_prints)) == pytest.approx(1.0, rel=0.1)
+    assert np.median(networks.smooth(terms, found.in_time)) == pytest.approx(0.05, rel=0.1)
+    assert np.median(networks.smooth(terms, found.between_prints)) == pytest.approx(1.0, rel=0.1)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.jobs.trust.published import FACTS
 from walkergen.scene import Contact, Prediction, Scene
-from walkergen.theory import prediction, surrogate, uncertain
+from walkergen.theory import places, prediction, uncertain
 from walkergen.theory.prediction import PRINT
 from walkergen.theory.surrogate import Known
 from walkergen.walker import solids
@@ -52,7 +52,7 @@ def speeds() -> tuple[Array, Array]:
         drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
         unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
         prints = drawn._replace(columns={**drawn.columns, PRINT.name: unevenness})
-        known = Known(design, scene, surrogate.place_of(scene, design, solids.mass_of(design)))
+        known = Known(design, scene, places.of(scene, design, solids.mass_of(design)))
         rows.append(prediction.draws_of(known, prints))
     labels = drawn.columns["contact.restitution"]
     return labels, np.array(rows).T

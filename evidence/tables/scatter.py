@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.theory import surrogate
+from walkergen.theory import networks
 
 Array = npt.NDArray[Any]
 
@@ -26,8 +26,8 @@ class Scatter(NamedTuple):
         Rows are weighted by it and not by their own: by chance alike are the prints of slow rows, so that their
         own would pull speeds down.
         """
-        between = uneven * surrogate.smooth(terms, self.between_prints)
-        return np.hypot(surrogate.smooth(terms, self.in_time), between)
+        between = uneven * networks.smooth(terms, self.between_prints)
+        return np.hypot(networks.smooth(terms, self.in_time), between)
 
 
 def scatter(terms: Array, uneven: Array, se: Array, runs: Array) -> Scatter:
@@ -41,8 +41,8 @@ def _likeliest(terms: Array, uneven: Array, observed: Array, half: Array) -> tup
 
     def loss(values: Array) -> tuple[float, Array]:
         in_time, between = values.reshape(2, -1)
-        first = surrogate.smooth(terms, in_time) ** 2
-        second = (uneven * surrogate.smooth(terms, between)) ** 2
+        first = networks.smooth(terms, in_time) ** 2
+        second = (uneven * networks.smooth(terms, between)) ** 2
         variance = first + second
         total = float(half @ (np.log(variance) + observed / variance))
         slope = 2.0 * half * (1.0 - observed / variance) / variance

@@ -18,8 +18,10 @@ from evidence.tables import settings, simulate
 from evidence.tables.scatter import scatter
 from walkergen.files import output
 from walkergen.points import worker_pool
-from walkergen.theory import surrogate
-from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, LINEAR_BELOW, Layer, Place
+from walkergen.theory import networks, places
+from walkergen.theory.networks import LINEAR_BELOW, Layer
+from walkergen.theory.places import Place
+from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, MOST_FALLS, NORMAL_95
 from walkergen.walker import solids
 from walkergen.walker.limbs import Kind
 
@@ -109,7 +111,7 @@ def rows(kind: Kind) -> Rows:
         if row["braced"] != (kind == "braced"):
             continue
         case = settings.case(row)
-        place = surrogate.place_of(case.scene, case.design, solids.mass_of(case.design))
+        place = places.of(case.scene, case.design, solids.mass_of(case.design))
         numbers = [row[name] for name in ("speed_mm_s", "se_mm_s", "runs", "toppled", "held_out")]
         speed, se, runs, toppled, held_out = (math.nan if value is None else value for value in numbers)
         parts.append((place, case.scene.drive.peak_speed, speed, se, runs, toppled / max(runs, 1.0), held_out))
@@ -162,7 +164,7 @@ def _slopes(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
 
 def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict[str, Array], dict[str, Any]]:
     """Arrays of one kind of legs, and its ranges and errors."""
-    plain, factors = surrogate.coordinates(every.places)
+    plain, factors = networks.coordinates(every.places)
     learnt = every.held_out == 0.0
     middle = plain[learnt].mean(axis=0)
     scale = np.maximum(plain[learnt].std(axis=0), np.ptp(plain[learnt], axis=0) / WIDEST)
@@ -171,7 +173,7 @@ def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict
     values, se = every.transformed
     good = np.isfinite(values) & (se < NOISIEST) & ~(every.falls > 0.0)
     chosen = np.flatnonzero(learnt & good)
-    terms, uneven = surrogate.features(inputs), every.places[:, Place._fields.index("unevenness_ratio")]
+    terms, uneven = networks.features(inputs), every.places[:, Place._fields.index("unevenness_ratio")]
     found = scatter(terms[chosen], uneven[chosen], se[chosen], every.runs[chosen])
     weights = 1.0 / (found.run_sd(terms, uneven)[chosen] ** 2 / every.runs[chosen] + ROUGH**2)
     tenth = np.random.default_rng(NETWORKS).permutation(len(chosen)) % NETWORKS
@@ -186,10 +188,10 @@ def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict
     fallen = ~(every.falls[told] <= 0.0)
     ones = np.ones((len(told), 1))
     tasks += [Task(inputs[told], ones, fallen, ones[:, 0], FALLS, True, seed) for seed in range(OUT)]
-    networks = list(pool.executor.map(trained, tasks))
+    ten = list(pool.executor.map(trained, tasks))
     arrays = {
-        **_arrays(networks[:NETWORKS], kind),
-        **_arrays(networks[NETWORKS:], f"{kind}_falls"),
+        **_arrays(ten[:NETWORKS], kind),
+        **_arrays(ten[NETWORKS:], f"{kind}_falls"),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
         f"{kind}_in_time": found.in_time,
@@ -206,10 +208,10 @@ def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict
     return arrays, ranges
 
 
-def _arrays(networks: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
+def _arrays(alike: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
     """Arrays, in single precision, of networks of one form."""
     arrays = {}
-    for place, layers in enumerate(zip(*networks, strict=True)):
+    for place, layers in enumerate(zip(*alike, strict=True)):
         arrays[f"{name}_weights{place}"] = np.stack([layer.weights for layer in layers]).astype(np.float32)
         arrays[f"{name}_bias{place}"] = np.stack([layer.bias for layer in layers]).astype(np.float32)
     return arrays
@@ -226,7 +228,7 @@ def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
 
     count = len(HIDDEN[kind]) + 1
     layers = [Layer(arrays[f"{kind}_weights{k}"], arrays[f"{kind}_bias{k}"]) for k in range(count)]
-    said = (surrogate.evaluated(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
+    said = (networks.evaluated(layers, unseen.inputs) * unseen.factors).sum(axis=-1)
     off, odd = said.mean(axis=0) - unseen.values, np.minimum(np.abs(unseen.factors).sum(axis=1), 1.0)
     parts = np.stack([said.std(axis=0, ddof=1), unseen.scatter * odd, odd])
 
@@ -238,30 +240,30 @@ def _error(arrays: Mapping[str, Array], kind: Kind, unseen: Unseen) -> Array:
     error = np.sqrt((shares[:, None] ** 2 * parts**2).sum(axis=0))
     told = error < np.quantile(error, TOLD)
     reach = float(np.quantile(np.abs(off[told]) / np.hypot(error, unseen.se)[told], 0.95))
-    return np.asarray(shares * reach / surrogate.NORMAL_95)
+    return np.asarray(shares * reach / NORMAL_95)
 
 
 def errors(kind: Kind, every: Rows) -> dict[str, float]:
     """How the surrogate does at held-out rows: what it answers, and how far that is from the runs."""
     unseen = every.only(every.held_out == 1.0)
-    speeds = surrogate.speeds_at(kind, unseen.places)
+    speeds = networks.speeds_at(kind, unseen.places)
     speed = unseen.peak * LINEAR_BELOW * np.sinh(speeds.centre)
     error = unseen.peak * LINEAR_BELOW * np.cosh(speeds.centre) * speeds.error
     goal = np.maximum(GOAL_SHARE * np.abs(speed), GOAL_MM_S)
-    sure = speeds.falls <= surrogate.MOST_FALLS
-    answered = sure & (surrogate.NORMAL_95 * error <= goal)
+    sure = speeds.falls <= MOST_FALLS
+    answered = sure & (NORMAL_95 * error <= goal)
     fell = ~(unseen.falls <= 0.0)
     good = answered & np.isfinite(unseen.se)
     off = np.abs(speed - unseen.speed)[good]
     within = np.maximum(GOAL_SHARE * np.abs(unseen.speed[good]), GOAL_MM_S)
-    noise = surrogate.NORMAL_95 * unseen.se[good]
+    noise = NORMAL_95 * unseen.se[good]
     return {
         "rows": float(len(speed)),
         "answered": float(answered.mean()),
         "median_mm_s": float(np.median(off)),
         "within_goal": float(np.mean(off <= np.hypot(within, noise))),
         "within_goal_noise_not_taken_off": float(np.mean(off <= within)),
-        "within_95": float(np.mean(off <= np.hypot(surrogate.NORMAL_95 * error[good], noise))),
+        "within_95": float(np.mean(off <= np.hypot(NORMAL_95 * error[good], noise))),
         "fell_where_sure": float(np.mean(fell[sure])),
         "sure_of_those_that_walk": float(np.mean(sure[~fell])),
     }
@@ -287,9 +289,9 @@ def _write(arrays: Mapping[str, Array], facts: Mapping[str, Any]) -> None:
     """Write the file; equal arrays give equal bytes."""
     kept = {**arrays, "facts": np.array(json.dumps(facts))}
     stream = io.BytesIO()
-    np.savez(stream, allow_pickle=False, **kept, digest=np.array(surrogate.digest_of(kept)))
-    output.write(surrogate.FILE, stream.getvalue())
-    for remembered in (surrogate.arrays, surrogate.digest, surrogate.facts, surrogate.layers_of):
+    np.savez(stream, allow_pickle=False, **kept, digest=np.array(networks.digest_of(kept)))
+    output.write(networks.FILE, stream.getvalue())
+    for remembered in (networks.arrays, networks.digest, networks.facts, networks.layers_of):
         remembered.cache_clear()
 
 

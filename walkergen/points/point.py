@@ -12,7 +12,7 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
-from walkergen.theory import surrogate
+from walkergen.theory import networks
 from walkergen.walker.design import Design
 
 ALONE = "alone"
@@ -82,7 +82,7 @@ def refused(error: WalkergenError) -> Record:
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
-    table = [point.scene.prediction.model_dump(), surrogate.digest()]
+    table = [point.scene.prediction.model_dump(), networks.digest()]
     facts = [
         *experiments.facts(point.scene, point.design),
         *(table if point.predicted else []),

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from walkergen.files import words
 from walkergen.scene import Scene
-from walkergen.theory import standing, surrogate, uncertain
+from walkergen.theory import places, standing, surrogate, uncertain
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
 from walkergen.theory.surrogate import NORMAL_95, Known, UnknownError
@@ -231,7 +231,7 @@ def spread(design: Design, mass: MassProperties, scene: Scene, drawn: Drawn | No
 def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
-    masses = scaled(mass, drawn.of("body mass", 1.0), surrogate.leg_masses(design, drawn))
+    masses = scaled(mass, drawn.of("body mass", 1.0), places.leg_masses(design, drawn))
     by_foot = stationary(
         design,
         masses,

@@ -14,7 +14,8 @@ from walkergen.errors import InputError
 from walkergen.lab.fit.emulated import STILL, Ground, Setting, on_plate
 from walkergen.lab.fit.parameters import SCATTER
 from walkergen.theory import prediction, surrogate
-from walkergen.theory.surrogate import LINEAR_BELOW, UnknownError
+from walkergen.theory.networks import LINEAR_BELOW
+from walkergen.theory.surrogate import UnknownError
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 

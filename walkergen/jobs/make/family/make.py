@@ -22,7 +22,7 @@ from walkergen.printing import packing as plate
 from walkergen.printing.findings import Finding, refuse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
-from walkergen.theory import prediction, surrogate
+from walkergen.theory import networks, prediction
 from walkergen.theory.prediction import Curve
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
@@ -232,7 +232,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,
-        "surrogate": surrogate.digest(),
+        "surrogate": networks.digest(),
         "versions": versions(),
         "time_taken_s": round(seconds, 3),
     }
