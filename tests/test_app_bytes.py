@@ -184,7 +184,9 @@ def test_a_walker_that_only_runs_know_has_the_number_of_predict(doors, tmp_path)
 
 @pytest.mark.slow
 def test_numbers_of_a_run_equal_those_of_simulate(doors, tmp_path):
-    event = doors.ask("run", {"document": CHANGED}).events[-1]
+    *before, event = doors.ask("run", {"document": CHANGED}).events
+    shares = [each["progress"][1] for each in before if "progress" in each]
+    assert shares == sorted(shares)  # one bar, whose parts follow one another
     words = documents.arguments(documents.read(CHANGED, doors.server.place), "simulate", "--json")
     clocks = {"wall_s": 0.0, "cpu_s": 0.0}
     printed = json.loads(command(tmp_path, words))

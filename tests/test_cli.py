@@ -350,6 +350,7 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
 
     monkeypatch.setattr(show, "FIRST_S", 0.01)
     with show.progress("simulate", wanted=True) as update:
+        update("runs", 1, 4)
         update("runs", 3, 4)
         for _ in range(500):  # 5 s: a busy machine
             time.sleep(0.01)

@@ -210,11 +210,13 @@ def test_only_what_prints_is_proposed(bench, tmp_path):
     assert any(one.met for one in result.designs)
 
 
-def test_interrupted_nothing_is_written_and_the_same_command_goes_on(tmp_path):
+def test_interrupted_nothing_is_written_and_the_same_command_goes_on_with_one_bar(tmp_path):
     store = Store(tmp_path / "points.sqlite")
+    told = []
 
     def interrupt(what, done, total):
-        if what.startswith("round") or done > 200:
+        told.append(done)
+        if what == "first designs":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -222,7 +224,12 @@ def test_interrupted_nothing_is_written_and_the_same_command_goes_on(tmp_path):
     assert not (tmp_path / "out").exists()
     rows = store._base.execute("SELECT count(*) FROM points").fetchone()[0]
     assert rows >= 200
-    make.make(job_of(spans=(TILT,)), Bench(store, None, unheard), tmp_path / "out", pictures=False)
+    assert len(set(told)) > 50  # of predictions each is told
+    told.clear()
+    tell = Bench(store, None, lambda what, done, total: told.append((done, total)))
+    make.make(job_of(spans=(TILT,)), tell, tmp_path / "out", pictures=False)
+    assert told == sorted(told)
+    assert told[-1] == (100, 100)
     assert (tmp_path / "out" / "design-1.toml").exists()
     store.close()
 
@@ -351,3 +358,11 @@ def simulated_wishes(folder, count):
         met += result.designs[0].met
     store.close()
     return met
+
+
+def test_the_last_stage_of_a_search_takes_as_long_as_its_runs():
+    stages = search.stages(job_of(model="space"))
+    assert 0.0 < stages.survey < stages.first < stages.rounds < 1.0
+    for number in range(search.ROUNDS):
+        begin, end = stages.round(number)
+        assert stages.first <= begin < end < stages.rounds

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from walkergen.app import children, sentences
 from walkergen.app.document import SOURCE, Document
 from walkergen.errors import WalkergenError
+from walkergen.files.progress import stretch
 
 if TYPE_CHECKING:
     from walkergen.files.progress import Progress
@@ -53,22 +54,27 @@ def _predict(design: "Design", scene: "Scene") -> None:
 def _simulate(design: "Design", scene: "Scene") -> None:
     from walkergen.jobs.make.family import play
 
-    run = scene.run
+    run, tell = scene.run, _teller()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
-    if run.seconds * run.runs > 2.0 * seconds * runs:
+    before, rest = seconds * runs, run.seconds * run.runs  # simulated time of both, by which one bar grows
+    if not rest > 2.0 * before:
+        before = 0.0
+    shares = before / (before + PLAYED_S + rest), (before + PLAYED_S) / (before + PLAYED_S + rest)
+    if before:
         few = run.model_copy(update={"seconds": seconds, "runs": runs})
-        children.say(_measured(design, scene.model_copy(update={"run": few})) | {"first": True})
+        first = scene.model_copy(update={"run": few})
+        children.say(_measured(design, first, stretch(tell, 0.0, shares[0])) | {"first": True})
     with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
         children.say({"played": play.run(design, scene, seconds=PLAYED_S)})
-    children.say(_measured(design, scene) | {"first": False})
+    children.say(_measured(design, scene, stretch(tell, shares[1], 1.0)) | {"first": False})
 
 
-def _measured(design: "Design", scene: "Scene") -> dict[str, Any]:
+def _measured(design: "Design", scene: "Scene", progress: "Progress") -> dict[str, Any]:
     """What `simulate` says of a walker, and in a sentence."""
     from walkergen.jobs.run.simulate import make, report
     from walkergen.walker import solids
 
-    facts = report.of(make.measure(make.asked(scene, design, solids.mass_of(design)), _teller())).facts
+    facts = report.of(make.measure(make.asked(scene, design, solids.mass_of(design)), progress)).facts
     return {"facts": facts, "text": sentences.run(facts)}
 
 

@@ -106,6 +106,7 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
     """Say how far a job is in a line now and then, also while it says nothing itself."""
     begun, ended = time.monotonic(), threading.Event()
     state: list[tuple[str, int, int]] = []
+    start: list[tuple[float, float]] = []  # when something was done first, and which share: before, it got ready
 
     def tell() -> None:
         pause = FIRST_S
@@ -115,8 +116,8 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 what, done, total = state[0]
                 part = f"{done} %" if total == 100 else f"{done} of {total}"
                 share = f", {part}" if done else ""
-                passed = time.monotonic() - begun
-                rest = f"{_rest(passed, done, total)} left" if done else f"{passed:.0f} s so far"
+                left = _left(*start[0], time.monotonic(), done / total) if start else None
+                rest = f"{time.monotonic() - begun:.0f} s so far" if left is None else f"{_about(left)} left"
                 try:
                     print(plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True)
                 except OSError:  # nobody reads it
@@ -124,6 +125,8 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
 
     def update(what: str, done: int, total: int) -> None:
         state[:] = [(what, done, total)]
+        if done and not start:
+            start.append((time.monotonic(), done / total))
 
     thread = threading.Thread(target=tell, daemon=True)
     thread.start()
@@ -134,9 +137,14 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
         thread.join()
 
 
-def _rest(passed: float, done: int, total: int) -> str:
-    """Time that is left after `passed` seconds at the same pace, in words."""
-    return _about(passed * (total - done) / done)
+HONEST = 0.05
+"""Share that must be done before the time left is told."""
+
+
+def _left(begun: float, before: float, now: float, share: float) -> float | None:
+    """Time that is left at the pace since a share was done `before`, s; None while too little was done to tell."""
+    gone = share - before
+    return (now - begun) * (1.0 - share) / gone if gone > HONEST else None
 
 
 def _about(seconds: float) -> str:

@@ -16,3 +16,8 @@ def part(progress: Progress, number: int, count: int, title: str = "") -> Progre
     A title stands in place of what the part says it does.
     """
     return lambda what, done, total: progress(title or what, number * total + done, count * total)
+
+
+def stretch(progress: Progress, begin: float, end: float) -> Progress:
+    """Progress of a stretch of a job, from one share of the whole to another, in percent."""
+    return lambda what, done, total: progress(what, int(100.0 * (begin + (end - begin) * done / max(total, 1))), 100)

@@ -11,7 +11,7 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar
 
-from walkergen.files.progress import Progress, silent
+from walkergen.files.progress import Progress, silent, stretch
 from walkergen.numerics.quantity import Quantity
 from walkergen.points.tolerance import Tolerance
 from walkergen.simulation import batch
@@ -167,7 +167,9 @@ def measure(
             one = measured.experiment.prepared()
         started = time.perf_counter()
         try:
-            fresh = batch.run(one, range(len(measured.records), measured.runs), progress, threads)
+            done = len(measured.records)
+            tell = stretch(progress, done / measured.runs, 1.0)
+            fresh = batch.run(one, range(done, measured.runs), tell, threads)
         except KeyboardInterrupt:
             if not measured.records:
                 raise

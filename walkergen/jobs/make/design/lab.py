@@ -8,7 +8,7 @@ import numpy as np
 
 from walkergen.errors import WalkergenError
 from walkergen.files.config import validate
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, stretch
 from walkergen.jobs.make.design import wish as wishes
 from walkergen.jobs.make.design.box import Box
 from walkergen.jobs.make.design.wish import Seen, Wish
@@ -83,12 +83,20 @@ class Job(NamedTuple):
         return IN_SPACE if self.model == "space" else IN_A_PLANE
 
 
+PREDICTED_S, PROPOSED_S = 0.3, 20.0
+"""Time that costs as much, if simulated, as a prediction with its checks, and as designs to be proposed, s."""
+
+
 class Bench(NamedTuple):
     """Where points are evaluated, and who is told."""
 
     store: Store
     pool: WorkerPool | None
     progress: Progress
+
+    def at(self, begin: float, end: float) -> "Bench":
+        """Bench on which a stretch of the whole job is done, from one share to another."""
+        return self._replace(progress=stretch(self.progress, begin, end))
 
 
 class Trial(NamedTuple):
@@ -181,6 +189,12 @@ def read(
 def parts(job: Job, effort: Effort | None) -> int:
     """Number of points of a trial: with the slope in friction, one to either side as well."""
     return 3 if job.wish.calm and (effort is not None or not job.simulated) else 1
+
+
+def cost(job: Job, effort: Effort | None) -> float:
+    """Simulated time that costs as much as a trial, s."""
+    each = PREDICTED_S if effort is None else effort.runs * min(effort.seconds, job.scene.run.seconds)
+    return parts(job, effort) * each
 
 
 def points(

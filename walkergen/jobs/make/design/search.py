@@ -30,8 +30,8 @@ MET = 1.0
 FIRST, NEAR = 24, 8
 """Numbers of points that begin a search: spread over what can be made, and best as predicted."""
 
-ROUNDS = 6
-"""Largest number of rounds in which designs are proposed, tried and learnt from."""
+ROUNDS, USUAL_ROUNDS = 6, 3
+"""Largest number of rounds in which designs are proposed, tried and learnt from, and how many it usually takes."""
 
 MOST_SAMPLES = 2048
 
@@ -77,13 +77,46 @@ class Search(NamedTuple):
     """Emulated value of the wish's quantity at each."""
 
 
+class Stages(NamedTuple):
+    """Shares of a search's time at which its stages end; the last is the verification's."""
+
+    survey: float
+    first: float
+    rounds: float
+
+    def round(self, number: int) -> tuple[float, float]:
+        """Begin and end of a round, from 0: of few rounds each is long, as most searches need no more."""
+        begin, end = (self.rounds - (self.rounds - self.first) * 0.5**count for count in (number, number + 1))
+        return begin, end
+
+
+def stages(job: Job) -> Stages:
+    """Stages of a search by what they cost."""
+    efforts = job.efforts
+    spread, close, verified = efforts if job.simulated else (None, None, None)
+    costs = np.cumsum(
+        [
+            _samples(job) * lab.PREDICTED_S,
+            (FIRST + NEAR) * lab.cost(job, spread),
+            USUAL_ROUNDS * (WANTED * lab.cost(job, close) + lab.PROPOSED_S),
+            WANTED * lab.cost(job, verified),
+        ]
+    )
+    return Stages(*(costs[:3] / costs[3]).tolist())
+
+
+def _samples(job: Job) -> int:
+    """Number of predictions that a search begins with."""
+    return int(min(128 * 2 ** len(job.box.spans), MOST_SAMPLES))
+
+
 def survey(job: Job, bench: Bench) -> Survey:
     """Predict a sample. Raises InputError when nothing can be built and printed."""
-    count = min(128 * 2 ** len(job.box.spans), MOST_SAMPLES)
+    count = _samples(job)
     space = job.box.sample(count, job.seed)
     rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True)))) for row in space.rows()]
     plain = job._replace(wish=job.wish._replace(calm=False))
-    trials = lab.tried(plain, bench, rows, None, "predictions")
+    trials = lab.tried(plain, bench.at(0.0, stages(job).survey), rows, None, "predictions")
     feasible = np.array([trial.usable for trial in trials])
     if not feasible.any():
         raise InputError(_nothing(job, trials))
@@ -122,13 +155,14 @@ def search(job: Job, bench: Bench, seen: Survey) -> Search:
     """
     efforts = job.efforts
     first, second = (efforts.spread, efforts.close) if job.simulated else (None, None)
-    trials = lab.tried(job, bench, _first(job, seen), first, "first designs")
+    shares = stages(job)
+    trials = lab.tried(job, bench.at(shares.survey, shares.first), _first(job, seen), first, "first designs")
     view = _view(job, seen, trials)
     for number in range(ROUNDS):
         proposed = _proposed(view, number)
         if not proposed:
             break
-        new = lab.tried(job, bench, proposed, second, f"round {number + 1}")
+        new = lab.tried(job, bench.at(*shares.round(number)), proposed, second, f"round {number + 1}")
         trials = [trial for trial in trials if trial.values not in proposed] + new
         view = _view(job, seen, trials)
     chosen = view.best()

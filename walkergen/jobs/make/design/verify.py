@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from walkergen.files import templates
 from walkergen.files.config import validate
-from walkergen.jobs.make.design import lab
+from walkergen.jobs.make.design import lab, search
 from walkergen.jobs.make.design import wish as wishes
 from walkergen.jobs.make.design.lab import Bench, Job, Trial
 from walkergen.jobs.make.design.search import Search
@@ -64,7 +64,7 @@ def verify(job: Job, bench: Bench, result: Search) -> list[Verified]:
             first = first._replace(keep=(*first.keep, "spread"))
         requests += [first, *points[1:]]
     rows = [trial.values for trial in result.chosen]
-    fresh = lab.read(job, bench, rows, requests, effort, "verification")
+    fresh = lab.read(job, bench.at(search.stages(job).rounds, 1.0), rows, requests, effort, "verification")
     return [
         _verified(job, old, expected, new, design, text, scene)
         for old, expected, new, design, text, scene in zip(
