@@ -12,7 +12,7 @@ test:
 
 # What `test` leaves out: long runs, other programs, pictures that code has left behind
 slow:
-	$(PYTHON) -m pytest -m "(slow or programs or pictures) and not nightly"
+	$(PYTHON) -m pytest -m "(slow or programs or pictures) and not nightly" --durations=25
 
 nightly:
 	$(PYTHON) -m pytest -m nightly

@@ -1,8 +1,12 @@
-"""Cases that wait for the night: each compiles a kernel of its own, for half a minute."""
+"""Cases that wait for the night: those that take long, or are much like others."""
 
 import pytest
 
 
-def at_night(cases, but):
-    """Cases of a parametrized test, of which by day only `but` runs."""
-    return [case if case == but else pytest.param(case, marks=pytest.mark.nightly) for case in cases]
+def by_day(cases, *some):
+    """Cases of a parametrized test, of which only some run by day."""
+    return [case if case in some else _by_night(case) for case in cases]
+
+
+def _by_night(case):
+    return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.nightly)

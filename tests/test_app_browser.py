@@ -113,6 +113,7 @@ def test_a_slider_moves_the_walker_and_its_speed_together(page):
     made_again(page, path, lines)
 
 
+@pytest.mark.nightly
 def test_a_drag_is_one_step_to_undo(page):
     first = page.speed()
     set_range(page, "legs.tilt_deg", 20.0)  # at all tilts its speed is known
@@ -137,6 +138,7 @@ def test_a_name_that_is_typed_prints_as_a_walker(page):
     made_again(page, path, lines)
 
 
+@pytest.mark.nightly
 def test_a_polygon_grows_by_its_points(page):
     page.choose("#shape", "polygon")
     page.type("body.points_mm", "[[-14,-7],[14,-7],[14,7],[-14,7]]")
@@ -222,6 +224,7 @@ def test_ten_walkers_run_in_a_dish(page):
     page.until(lambda: page.text("#dish-time").startswith("5."))
 
 
+@pytest.mark.nightly
 def test_a_walker_with_a_motor_runs_on_a_table(page):
     page.template("coinbot")
     page.until(lambda: page.find("#choose-scene").get_attribute("value") == "table-motor")
@@ -231,6 +234,7 @@ def test_a_walker_with_a_motor_runs_on_a_table(page):
     assert page.find("#choose-scene").get_attribute("value") == "lane-90hz"
 
 
+@pytest.mark.nightly
 def test_the_marker_on_the_curve_drags_the_tilt(page):
     marker = page.find("#marker .touch")
     drag = ActionChains(page.browser, duration=30).move_to_element(marker).click_and_hold()
@@ -315,6 +319,7 @@ def test_a_walker_of_a_wished_speed_is_found_and_taken(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly
 def test_two_designs_stand_side_by_side(page):
     first = page.speed()
     page.click("#hold")
@@ -331,6 +336,7 @@ def test_two_designs_stand_side_by_side(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly
 def test_a_leg_that_the_printer_drops_is_named(page):
     page.choose("#choose-printer", "ender3")
     page.type("legs.flexible_thickness_mm", 0.2)
@@ -340,6 +346,7 @@ def test_a_leg_that_the_printer_drops_is_named(page):
     made_again(page, *page.take("plate"))
 
 
+@pytest.mark.nightly
 def test_legs_one_by_one_are_added_and_removed(page):
     def legs():
         tables = page.browser.find_elements(By.CSS_SELECTOR, '[data-title^="walker: legs "]')
@@ -373,6 +380,7 @@ def test_the_page_of_the_report_is_the_commands(page):
     made_again(page, *page.take("page"))
 
 
+@pytest.mark.nightly
 def test_on_a_plane_a_run_tells_how_the_walker_turns(page):
     page.choose("#choose-scene", sentences.title("plane-90hz"))
     page.type("scene.run.seconds", 4)
@@ -460,6 +468,7 @@ return [...paper.getImageData(0, 0, 64, 48).data].filter((_, k) => k % 4 === 0);
 """Red of the pixels of the 3D view as it is at that moment."""
 
 
+@pytest.mark.nightly
 def test_a_page_in_the_dark_prints_its_view_in_light_colours(page):
     """A copy of the view in light colours stands in its place as long as the page prints."""
     media = [{"name": "prefers-color-scheme", "value": "dark"}]

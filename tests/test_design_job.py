@@ -65,7 +65,7 @@ def hidden(count, seed):
         yield {"legs.tilt_deg": tilt, "legs.length_mm": length, "legs.flexible_thickness_mm": thickness}
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_wishes_made_from_known_designs_are_met(bench):
     met, seen = 0, search.survey(job_of(), bench)
     speeds = [predicted(job_of(), values) for values in hidden(20, 14)]
@@ -81,6 +81,7 @@ def test_wishes_made_from_known_designs_are_met(bench):
     assert met >= 0.9 * len(known)
 
 
+@pytest.mark.slow
 def test_the_fastest_is_that_of_a_dense_grid(bench):
     job = job_of(Wish("speed", None, False, SHARE))
     found = search.search(job, bench, search.survey(job, bench))
@@ -93,6 +94,7 @@ def test_the_fastest_is_that_of_a_dense_grid(bench):
     assert found.chosen[0].seen.value >= 0.99 * max(speed for speed in grid if speed is not None)
 
 
+@pytest.mark.slow
 def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
     # Steeper than the tilts at which feet stick and speeds depend on friction otherwise.
     spans = (Span("legs.tilt_deg", 16.0, 40.0), LENGTH)

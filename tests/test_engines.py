@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from night import at_night
+from night import by_day
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
@@ -59,7 +59,7 @@ def test_threads_change_no_bit_and_few_runs_are_the_first_of_many(model):
         np.testing.assert_array_equal(a.tally.counts, b.tally.counts)
 
 
-@pytest.mark.parametrize("model", at_night(MODELS, but="compliant"))
+@pytest.mark.parametrize("model", by_day(MODELS, "compliant"))
 def test_a_second_harmonic_is_driven_and_paid_for(model):
     drive = {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio": 0.3}
     run = {"seconds": 0.3, "discard_seconds": 0.05}

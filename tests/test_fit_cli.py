@@ -89,7 +89,7 @@ def filmed(tilts, restitution, friction):
     return HEAD + "".join(lines)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     (tmp_path / "speeds.csv").write_text(filmed((8.0, 12.0, 20.0), 0.6, 0.2))
     words = ("fit", "speeds.csv", "--model", "compliant", "--predict", "15", "--json")
@@ -130,7 +130,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     assert design.limbs[0].thickness_sd == pytest.approx(learnt["thickness_mm"]["sd"])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short, tmp_path):
     (tmp_path / "speeds.csv").write_text("tilt_deg,speed_mm_s,speed_se_mm_s,legs\n15,42,1,flexible\n15,0.2,1,braced\n")
     result = run("fit", "speeds.csv", "--model", "space", "--predict", "15", "--no-pictures")

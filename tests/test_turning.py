@@ -100,14 +100,14 @@ def test_noise_of_headings_is_no_diffusion(lost):
 
 
 GAPS = {"one by one": 0.0, "short blocks": 8.0, "long blocks": 60.0}
-QUICK = {(0.95, 8.0), (0.5, 0.0), (0.5, 60.0)}
-"""Shares and gaps of the quick suite; each takes five seconds."""
+BY_DAY = (0.5, 60.0)
+"""Share and gaps of the quick suite; each takes five seconds."""
 
 
 @pytest.mark.parametrize(
     ("kept", "gap"),
     [
-        pytest.param(kept, gap, id=f"{kept}-{name}", marks=[pytest.mark.slow] * ((kept, gap) not in QUICK))
+        pytest.param(kept, gap, id=f"{kept}-{name}", marks=[pytest.mark.nightly] * ((kept, gap) != BY_DAY))
         for kept in (0.95, 0.85, 0.75, 0.5)
         for name, gap in GAPS.items()
     ],
@@ -183,6 +183,7 @@ def _exact_exponent(lag):
     return np.log(up / down) / (2 * np.log(1.001))
 
 
+@pytest.mark.slow
 def test_persistence_holds_where_a_film_does_not_tell_that_turning_lasts():
     walker = Walker(inertia=0.1, turn_memory=0.15)
     inside = []
