@@ -227,6 +227,7 @@ def _version(way: str) -> str:
 
 def all_bare(folder: Path) -> None:
     make = with_bare()
+    folder.mkdir(exist_ok=True)
     for tilt in COLD_TILTS:
         for kind in LEG_THICKNESS:
             make((tilt, kind), folder)

@@ -36,8 +36,7 @@ class Pair:
             work = work_for(world.walker, state)
             place(world, state, work)
             state[W_X : W_X + 3] = work.R.T @ (0.0, spin, 0.0)
-        self.crowd = run.gathered(self.plan, self.walkers)
-        self.walkers = [(mover.world, mover.state) for mover in self.crowd.movers]
+        self.crowd, self.walkers = run.gathered(self.plan, self.walkers)
 
     @property
     def walker(self):

@@ -162,8 +162,7 @@ def simulated(motions, seconds, push=None, **keys):
     if push is not None:
         (world, state), second = pair.walkers
         world = world._replace(acting=world.acting._replace(gravity=Gravity(push, 1e-9, push)))
-        pair.crowd = run.gathered(pair.plan, [(world, state), second])
-        pair.walkers = [(mover.world, mover.state) for mover in pair.crowd.movers]
+        pair.crowd, pair.walkers = run.gathered(pair.plan, [(world, state), second])
     pair.advance(seconds)
     found = []
     for world, state in pair.walkers:

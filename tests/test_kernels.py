@@ -1,13 +1,18 @@
 """The disk cache of kernels: edits to anything a kernel is made of must start a fresh one."""
 
 import ast
+import gc
+import sys
+import weakref
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
+import numpy as np
 import pytest
 
 import walkergen
-from walkergen.numerics.kernels import SOURCES, kernel
+from walkergen.numerics.kernels import SOURCES, borrowed, kernel, listed, uncounted
 
 PACKAGE = Path(walkergen.__file__).parent
 COVERED = {path for pattern in SOURCES for path in PACKAGE.glob(pattern)}
@@ -63,3 +68,37 @@ def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
     assert not _twice.outer.signatures
     assert _twice(pair) == 1.25
     assert len(_twice.outer.signatures) == 1
+
+
+class Pair(NamedTuple):
+    """Arrays of a walker, in short."""
+
+    own: np.ndarray
+    shared: np.ndarray
+
+
+@uncounted
+def _raise(pairs, i):
+    pair = borrowed(pairs, i)
+    pair.own[0] += pair.shared[1]
+
+
+@kernel
+def _raise_all(pairs):
+    for _ in range(100):
+        for i in range(3):
+            _raise(pairs, i)
+
+
+def test_items_of_a_list_are_read_without_counting_references_that_would_never_be_returned():
+    shared = np.arange(2.0)
+    items = [Pair(np.full(1, float(i)), shared) for i in range(3)]
+    pairs = listed(items)
+    before = sys.getrefcount(shared)
+    _raise_all(pairs)
+    assert [item.own[0] for item in items] == [100.0, 101.0, 102.0]
+    gone = weakref.ref(shared)
+    assert sys.getrefcount(shared) == before
+    del pairs, items, shared
+    gc.collect()
+    assert gone() is None

@@ -49,7 +49,7 @@ if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
         print(f"compiling kernels, once: those that came are not used, {_unfit}", file=sys.stderr)
 
 import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set first)
-from numba.extending import typeof_impl  # noqa: E402
+from numba.extending import intrinsic, typeof_impl  # noqa: E402
 
 if _sums:
     shipped.serve(_sums)
@@ -123,6 +123,14 @@ def lean(function: F) -> F:
     return _compiled(function, _nrt=False, forceinline=True)
 
 
+def uncounted(function: F) -> F:
+    """Compile `function` as `kernel` does, without counting references: it must allocate nothing.
+
+    For what is as large as a step, and called from several places. All that it inlines is `lean`.
+    """
+    return _compiled(function, _nrt=False)
+
+
 def entry(function: F, *arguments: Any) -> F:
     """Machine code of a kernel for arguments of these types, compiled if need be.
 
@@ -135,9 +143,48 @@ def entry(function: F, *arguments: Any) -> F:
 
 
 def listed(items: Iterable[Any]) -> Any:
-    """List of tuples of one type, for kernels; a plain one where the compiler is off."""
+    """List of tuples of one type, for kernels; a plain one where the compiler is off.
+
+    Kernels of our own fill it: those of numba's list are compiled anew in every process, for 7 s of
+    CPU where tuples are as large as a walker. Its items are read by `borrowed`.
+    """
     if numba.config.DISABLE_JIT:
         return list(items)
-    from numba.typed import List
+    first, *others = items
+    made = _list_of(first)
+    for item in others:
+        _append(made, item)
+    return made
 
-    return List(items)
+
+@kernel
+def _list_of(item: Any) -> Any:
+    items = numba.typed.List()
+    items.append(item)
+    return items
+
+
+@kernel
+def _append(items: Any, item: Any) -> None:
+    items.append(item)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _borrowed(typing: Any, items: Any, i: Any) -> Any:
+    from numba.typed.listobject import _list_getitem_borrowed
+
+    getter, load = _list_getitem_borrowed._defn(typing, items, i)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        some = builder.extract_value(load(context, builder, getter, arguments), 1)
+        return context.cast(builder, some, getter.return_type[1], items.item_type)
+
+    return items.item_type(items, i), code
+
+
+def _item(items: Any, i: int) -> Any:
+    return items[i]
+
+
+borrowed = _item if numba.config.DISABLE_JIT else _borrowed
+"""Item i of what `listed` made, for kernels that count no references (`lean`, `uncounted`)."""

@@ -31,7 +31,7 @@ from walkergen.crowd.space.bodies import (
     Z,
 )
 from walkergen.crowd.space.gaps import closest, from_box, image, inward, outward
-from walkergen.numerics.kernels import inlined, kernel, lean
+from walkergen.numerics.kernels import lean, uncounted
 from walkergen.simulation import record
 from walkergen.simulation.space.state import C_X, C_Y, C_Z, LEGS, QUIET, V_X, W_X
 from walkergen.simulation.world import OK
@@ -132,7 +132,7 @@ def _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
     return v_x, v_y, v_z
 
 
-@inlined
+@lean
 def _spring_impulse(stiffness, depth, speed, tick):
     """Impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
 
@@ -145,7 +145,7 @@ def _spring_impulse(stiffness, depth, speed, tick):
     return 0.5 * stiffness * speed * inside * inside
 
 
-@inlined
+@lean
 def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
     """Impulse (g mm/s) along the normal in a tick, and the one of a spring that keeps nothing."""
     whole = _spring_impulse(stiffness, depth, abs(u), tick)
@@ -159,7 +159,7 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
     return whole * (stopped + (1.0 - stopped) * kept), whole
 
 
-@kernel
+@uncounted
 def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
     """Push bodies i and j (or a wall, -1) apart where they touch; or store the energy of that.
 
@@ -228,7 +228,7 @@ FLUSH = 0.05
 """Distance of two corners along their faces, mm, within which these faces end together."""
 
 
-@inlined
+@lean
 def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     """True where the touch of a corner of body i with the point (c_x, c_z) of body j is that of
     another corner too, which counts it.
@@ -252,7 +252,7 @@ def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
     return not at_corner
 
 
-@inlined
+@lean
 def _corners_of(crowd, i, j, layer, first, pushes):
     """Meet the corners of body i with body j at one end of their edges; returns how many touch.
 
@@ -284,7 +284,7 @@ def _corners_of(crowd, i, j, layer, first, pushes):
     return count
 
 
-@kernel
+@uncounted
 def meet(crowd, i, j, pushes):
     """Let bodies i and j push each other where they touch; returns how many corners do."""
     count = 0
@@ -294,7 +294,7 @@ def meet(crowd, i, j, pushes):
     return count
 
 
-@inlined
+@lean
 def _at_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
     """Push body i off a wall at a point, or store its energy; returns 1 where it touches."""
     if depth <= 0.0:
@@ -303,7 +303,7 @@ def _at_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
     return 1
 
 
-@kernel
+@uncounted
 def meet_wall(crowd, i, pushes):
     """Let body i push off the walls that it touches; returns how many points do."""
     bodies, ground, count = crowd.bodies, crowd.ground, 0

@@ -3,13 +3,13 @@
 import math
 
 from walkergen.crowd.space.bodies import COS, ENDLESS, LEAN_X, LEAN_Z, PERIODIC, RECTANGLE, RING, SIN, X, Z
-from walkergen.numerics.kernels import inlined
+from walkergen.numerics.kernels import lean
 
 FAR = 1e9
 """Gap of bodies that never meet, mm."""
 
 
-@inlined
+@lean
 def image(ground, d):
     """Shortest difference of two coordinates (mm) whose difference is d."""
     if ground.period > 0.0:
@@ -17,7 +17,7 @@ def image(ground, d):
     return d
 
 
-@inlined
+@lean
 def closest(bodies, kind, x, z):
     """Point of a kind's core closest to (x, z), all in its own frame: distance, point, whether it
     is a corner, and the number of that corner, or of the closer end of the edge.
@@ -39,7 +39,7 @@ def closest(bodies, kind, x, z):
     return math.sqrt(least), c_x, c_z, is_corner, end
 
 
-@inlined
+@lean
 def from_box(bodies, kind, x, z):
     """Distance of (x, z) from the box of a kind's core, all in its own frame."""
     box = bodies.box
@@ -48,7 +48,7 @@ def from_box(bodies, kind, x, z):
     return math.sqrt(d_x * d_x + d_z * d_z)
 
 
-@inlined
+@lean
 def outward(planar, i, height, b_x, b_z):
     """Place in the plane of a point of body i, given in its own frame at a height over C."""
     c, s = planar[i, COS], planar[i, SIN]
@@ -56,7 +56,7 @@ def outward(planar, i, height, b_x, b_z):
     return x, planar[i, Z] + height * planar[i, LEAN_Z] + s * b_x + c * b_z
 
 
-@inlined
+@lean
 def inward(planar, i, height, x, z):
     """Point (x, z) of the plane in the frame of body i at a height over its C."""
     c, s = planar[i, COS], planar[i, SIN]
@@ -65,7 +65,7 @@ def inward(planar, i, height, x, z):
     return c * d_x + s * d_z, c * d_z - s * d_x
 
 
-@inlined
+@lean
 def apart(bodies, ground, planar, i, j):
     """Lower bound of the gap of bodies i and j by their reach, mm."""
     d_x = image(ground, planar[i, X] - planar[j, X])
@@ -74,7 +74,7 @@ def apart(bodies, ground, planar, i, j):
     return math.sqrt(d_x * d_x + d_z * d_z) - reach - 2.0 * leaning(bodies, planar, i, j)
 
 
-@inlined
+@lean
 def leaning(bodies, planar, i, j):
     """How far the ends of two bodies' edges are displaced as they lean, at most, mm."""
     largest = 0.0
@@ -86,7 +86,7 @@ def leaning(bodies, planar, i, j):
     return largest
 
 
-@inlined
+@lean
 def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
     """Least gap of the corners of body i from body j, mm, or `least`, which is smaller.
 
@@ -109,7 +109,7 @@ def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
     return least
 
 
-@inlined
+@lean
 def gap_of(bodies, ground, planar, i, j, cutoff):
     """Gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
     least = FAR
@@ -121,7 +121,7 @@ def gap_of(bodies, ground, planar, i, j, cutoff):
     return least
 
 
-@inlined
+@lean
 def wall_gap(bodies, ground, planar, i):
     """Gap of body i from the walls, mm."""
     if ground.kind == PERIODIC or ground.kind == ENDLESS:

@@ -31,6 +31,10 @@ TICKS = 13.0
 says, half of that with twice as many."""
 
 
+Walkers = list[tuple[World, State]]
+"""World and state of each walker."""
+
+
 class CrowdPlan(NamedTuple):
     """Crowd to be run."""
 
@@ -120,13 +124,14 @@ def simulate(
     """
     started, run = time.thread_time(), plan.scene.run
     walkers = let_go(plan, number)
-    crowd = gathered(plan, walkers)
-    advance(crowd, run.discard_seconds, 1 if len(walkers) == 1 else 0, stopped)
+    crowd, walkers = gathered(plan, walkers)
+    blocks = 1 if len(walkers) == 1 else _blocks(plan, run.discard_seconds)
+    advance(crowd, run.discard_seconds, blocks, stopped)
     tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
-    crowd = recorded(plan, crowd, tallies)
-    energies, held = _energies(plan, crowd), float(steps.stored(crowd))
-    done = advance(crowd, run.seconds, 0, stopped, progress)
-    gained = _energies(plan, crowd) - energies
+    crowd, walkers = recorded(plan, walkers, crowd, tallies)
+    energies, held = _energies(plan, walkers), float(steps.stored(crowd))
+    done = advance(crowd, run.seconds, _blocks(plan, run.seconds), stopped, progress)
+    gained = _energies(plan, walkers) - energies
     balanced = [
         record.energy_error(sums, change, before)
         for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
@@ -150,9 +155,9 @@ def simulate(
     )
 
 
-def let_go(plan: CrowdPlan, number: int) -> list[tuple[World, State]]:
+def let_go(plan: CrowdPlan, number: int) -> Walkers:
     """World and state of each walker, at rest over its place; the first draws plate and phase."""
-    walkers: list[tuple[World, State]] = []
+    walkers: Walkers = []
     seed, phase = plan.scene.run.seed, None
     for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
         rng = np.random.default_rng([seed, number] if i == 0 else [seed, number, i])
@@ -177,27 +182,25 @@ def _put(world: World, state: State, x: float, y: float, heading: float) -> None
     place(world, state, work_for(world.walker, state))
 
 
-def gathered(plan: CrowdPlan, walkers: Sequence[tuple[World, State]]) -> bodies.Crowd:
-    """Crowd of walkers in these states, which nothing records."""
-    worlds, states = zip(*walkers, strict=True)
-    return _crowd(plan, worlds, states, [record.new() for _ in walkers])
+def gathered(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
+    """Crowd of walkers in these states, which nothing records; and they, with their states in it."""
+    return _crowd(plan, walkers, [record.new() for _ in walkers])
 
 
-def recorded(plan: CrowdPlan, before: bodies.Crowd, tallies: Sequence[record.Tally]) -> bodies.Crowd:
-    """The same crowd with these records, which begin now."""
-    worlds = [mover.world for mover in before.movers]
-    crowd = _crowd(plan, worlds, [mover.state for mover in before.movers], tallies)
+def recorded(
+    plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
+) -> tuple[bodies.Crowd, Walkers]:
+    """The same crowd and walkers with these records, which begin now."""
+    crowd, walkers = _crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
-    return crowd
+    return crowd, walkers
 
 
-def _crowd(
-    plan: CrowdPlan, worlds: Sequence[World], states: Sequence[State], tallies: Sequence[record.Tally]
-) -> bodies.Crowd:
-    count = len(worlds)
+def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
+    count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
     movers, free = bodies.movers_of(worlds, states, tallies)
-    return bodies.Crowd(
+    crowd = bodies.Crowd(
         kernels.listed(movers),
         free,
         bodies.bodies_of(plan.kinds, plan.shapes),
@@ -209,6 +212,13 @@ def _crowd(
         np.zeros(10),
         np.zeros(1),
     )
+    return crowd, [(mover.world, mover.state) for mover in movers]
+
+
+def _blocks(plan: CrowdPlan, seconds: float) -> int:
+    """Blocks of a single walker's record, whose bits depend on them."""
+    period = plan.plans[0].world.drive.period
+    return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MOST_BLOCKS)
 
 
 def advance(
@@ -218,14 +228,9 @@ def advance(
     stopped: Callable[[], bool],
     progress: Callable[[float], None] = lambda seconds: None,
 ) -> float:
-    """Advance by `seconds` in so many blocks; returns the seconds done.
-
-    Without a number, in the blocks of a single walker's record, whose bits depend on them.
-    """
+    """Advance by `seconds` in so many blocks; returns the seconds done."""
     if seconds <= 0.0:
         return 0.0
-    period = crowd.movers[0].world.drive.period
-    blocks = blocks or min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MOST_BLOCKS)
     block, done = seconds / blocks, 0.0
     pairs = np.zeros((8 * len(crowd.status), 2), np.int64)
     code = kernels.entry(steps.advance, crowd, pairs, block)
@@ -242,14 +247,10 @@ def advance(
     return done
 
 
-def _energies(plan: CrowdPlan, crowd: bodies.Crowd) -> Array:
+def _energies(plan: CrowdPlan, walkers: Walkers) -> Array:
     """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
-    return np.array(
-        [
-            plan.plans[kind].model.energy(mover.world, mover.state)
-            for kind, mover in zip(plan.kinds, crowd.movers, strict=True)
-        ]
-    )
+    of_kinds = [plan.plans[kind].model for kind in plan.kinds]
+    return np.array([model.energy(*walker) for model, walker in zip(of_kinds, walkers, strict=True)])
 
 
 def _unbalanced(book: Array, held: float) -> float:

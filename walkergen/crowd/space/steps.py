@@ -28,7 +28,7 @@ from walkergen.crowd.space.bodies import (
 )
 from walkergen.crowd.space.contacts import meet, meet_wall
 from walkergen.crowd.space.gaps import FAR, apart, gap_of, wall_gap
-from walkergen.numerics.kernels import inlined, kernel
+from walkergen.numerics.kernels import borrowed, kernel, lean, uncounted
 from walkergen.simulation.space.pose import place, plate_velocity
 from walkergen.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X, Array
 from walkergen.simulation.space.steps import advance_in
@@ -67,10 +67,10 @@ FORESEEN, IN_A_TICK = 2.0, 0.25
 that falls into them."""
 
 
-@kernel
+@uncounted
 def _move(crowd, i, t):
     """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
-    mover = crowd.movers[i]
+    mover = borrowed(crowd.movers, i)
     if t == 0.0:
         place(mover.world, mover.state, mover.work)
     elif crowd.status[i] == OK:
@@ -78,7 +78,7 @@ def _move(crowd, i, t):
     _show(crowd, i, mover)
 
 
-@inlined
+@lean
 def _show(crowd, i, mover):
     """Note what walker i shows from above, and a bound of how fast its outline moves."""
     state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
@@ -106,7 +106,7 @@ def _show(crowd, i, mover):
     planar[i, SPEED] = speed + crowd.law.margin
 
 
-@inlined
+@lean
 def _level_of(ticks, most):
     """Largest n with 2^n <= ticks, at most `most`."""
     level = 0
@@ -115,7 +115,7 @@ def _level_of(ticks, most):
     return level
 
 
-@inlined
+@lean
 def _note(crowd, row, column, count, late):
     """Book whether a pair touches, and whether it was found deeper than a tick explains."""
     touches = 1 if count > 0 else 0
@@ -126,7 +126,7 @@ def _note(crowd, row, column, count, late):
     crowd.touching[row, column] = touches
 
 
-@inlined
+@lean
 def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
     """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
 
@@ -143,7 +143,7 @@ def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
     return max(sure, min(likely, FORESEEN))
 
 
-@inlined
+@lean
 def _pair(crowd, i, j, seen, now):
     """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
 
@@ -161,7 +161,7 @@ def _pair(crowd, i, j, seen, now):
     return max(ticks, 1.0)
 
 
-@inlined
+@lean
 def _wall(crowd, i, seen, now):
     """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
     if crowd.status[i] != OK:
@@ -175,7 +175,7 @@ def _wall(crowd, i, seen, now):
     return max(ticks, 1.0)
 
 
-@kernel
+@uncounted
 def _neighbours(crowd, span, pairs):
     """List pairs that may touch within `span` seconds; returns how many."""
     count, n = 0, len(crowd.status)
@@ -190,7 +190,7 @@ def _neighbours(crowd, span, pairs):
     return count
 
 
-@kernel
+@uncounted
 def _round(crowd, pairs, count, plans, levels):
     """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
     n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
