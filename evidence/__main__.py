@@ -9,7 +9,7 @@ from pydantic import Field
 from walkergen import cli, request
 from walkergen.cli import build
 from walkergen.cli.layout import HELP_OPTIONS, Command
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
@@ -64,17 +64,13 @@ class CrowdsPublishedRequest(request.Request):
     seed: request.Seed = None
     out: request.Out = None
 
-    def about_s(self) -> float | None:
-        """Time that it takes."""
-        from evidence.crowds_published import make
-
-        return make.expected_s(self._size())
-
     def run(self, progress: Progress) -> "Report":
         """Compare."""
         from evidence.crowds_published import make
 
-        return make.make(self._size(), self.out or Path("out") / "crowds-published", progress)
+        size = self._size()
+        self._expect(lambda: Expected(make.expected_s(size)))
+        return make.make(size, self.out or Path("out") / "crowds-published", progress)
 
     def _size(self) -> "Size":
         """Runs that are asked for. Raises InputError."""

@@ -16,7 +16,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr,
 from walkergen import inputs
 from walkergen.errors import InputError
 from walkergen.files import assignments, config, plain, reading, words
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expect, Progress, unheard
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units
@@ -75,6 +75,8 @@ class Request(BaseModel):
     _shell: bool = PrivateAttr(False)
     """True where a command asks."""
 
+    _expect: Expect = PrivateAttr(default_factory=lambda: unheard)
+
     _notes: list[str] = PrivateAttr(default_factory=list)
     """What a person should know of what was read, a line each."""
 
@@ -109,9 +111,9 @@ class Request(BaseModel):
         """Folder to write to: a command has a default one, a function of Python writes where it is told to."""
         return getattr(self, "out", None) or (default if self._shell else None)
 
-    def about_s(self) -> float | None:
-        """Time (s) that it takes, where that is long and known."""
-        return None
+    def hear(self, expect: Expect) -> None:
+        """Have somebody told how long the job will take, as soon as it knows."""
+        self._expect = expect
 
     def inputs(self, more: Mapping[str, tuple[str, Any]] = MappingProxyType({})) -> inputs.Inputs:
         """Values that fields and --set give to keys of the design, and of the scene and printer that it has.

@@ -73,7 +73,7 @@ def function(name: str, request: "type[Request]") -> Callable[..., None]:
         if not request.reports:
             asked.run(silent)
             streams.leave(0)  # what was being made for a page may take long, and nobody waits for it
-        with show.progress(name, wanted=not quiet, about_s=asked.about_s()) as progress:
+        with show.progress(name, wanted=not quiet, hear=asked.hear) as progress:
             report = asked.run(progress)
         assert report is not None
         if not quiet:

@@ -13,6 +13,7 @@ from walkergen.files import plain
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from walkergen.files.progress import Expect, Expected
     from walkergen.files.report import Report
 
 
@@ -82,31 +83,74 @@ def text(line: str) -> None:
 FIRST_S, NEXT_S = 5.0, 15.0
 """Time (s) after which a job first says how far it is, and then again, where there is no bar."""
 
+WORTH_TELLING_S = 2.0
+"""Time (s) below which a job is over before anybody has read how long it will take."""
+
+
+HONEST = 0.05
+"""Share that must be done before the time left is told by the pace."""
+
+
+class Clock:
+    """Time that a job has taken, and what is left of it: by what it expected, and after that by its pace."""
+
+    def __init__(self, title: str) -> None:
+        """Clock of a job with a title, which begins now."""
+        self.title, self._begun, self._ends = title, time.monotonic(), 0.0
+        self._start: tuple[float, float] | None = None
+        """Time when something was done first, and its share: before, the job got ready."""
+
+    def expect(self, find: "Callable[[], Expected | None]") -> None:
+        """Print how long a job will take, the first time that it knows."""
+        if self._ends or (expected := find()) is None:
+            return
+        self._ends = time.monotonic() + expected.seconds
+        if expected.seconds >= WORTH_TELLING_S:
+            note = f"; {expected.note}" if expected.note else ""
+            print(f"{self.title}: {_about(expected.seconds)}{note}", file=sys.stderr, flush=True)
+
+    def note(self, done: int, total: int) -> None:
+        """Note how many steps are done."""
+        if done and self._start is None:
+            self._start = time.monotonic(), done / total
+
+    def left(self, done: int, total: int) -> str:
+        """Time that is left where so many steps are done, in words."""
+        now, share = time.monotonic(), done / total
+        if now < self._ends:
+            return f"{_about(self._ends - now)} left"
+        begun, before = self._start or (now, share)
+        if share - before > HONEST:
+            return f"{_about((now - begun) * (1.0 - share) / (share - before))} left"
+        return f"{now - self._begun:.0f} s so far"
+
 
 @contextmanager
-def progress(title: str, wanted: bool, about_s: float | None = None) -> Iterator[Callable[[str, int, int], None]]:
+def progress(
+    title: str, wanted: bool, hear: "Callable[[Expect], None] | None" = None
+) -> Iterator[Callable[[str, int, int], None]]:
     """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines.
 
-    Long work says at once about how long it takes, s.
+    What a job expects to take is printed as soon as it knows: `hear` is given whom it tells.
     """
-    if wanted and about_s is not None:
-        print(f"{title}: {_about(about_s)}", file=sys.stderr, flush=True)
     if not wanted:
         from walkergen import caches
 
         with caches.unannounced():
             yield lambda what, done, total: None
     else:
-        with _bar(title) if sys.stderr.isatty() else lines(title) as update:
+        clock = Clock(title)
+        if hear is not None:
+            hear(clock.expect)
+        with _bar(clock) if sys.stderr.isatty() else lines(clock) as update:
             yield update
 
 
 @contextmanager
-def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
+def lines(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Say how far a job is in a line now and then, also while it says nothing itself."""
-    begun, ended = time.monotonic(), threading.Event()
+    ended = threading.Event()
     state: list[tuple[str, int, int]] = []
-    start: list[tuple[float, float]] = []  # when something was done first, and which share: before, it got ready
 
     def tell() -> None:
         pause = FIRST_S
@@ -116,17 +160,15 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 what, done, total = state[0]
                 part = f"{done} %" if total == 100 else f"{done} of {total}"
                 share = f", {part}" if done else ""
-                left = _left(*start[0], time.monotonic(), done / total) if start else None
-                rest = f"{time.monotonic() - begun:.0f} s so far" if left is None else f"{_about(left)} left"
                 try:
-                    print(plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True)
+                    line = plain.line(f"{clock.title}: {what}{share}, {clock.left(done, total)}")
+                    print(line, file=sys.stderr, flush=True)
                 except OSError:  # nobody reads it
                     return
 
     def update(what: str, done: int, total: int) -> None:
         state[:] = [(what, done, total)]
-        if done and not start:
-            start.append((time.monotonic(), done / total))
+        clock.note(done, total)
 
     thread = threading.Thread(target=tell, daemon=True)
     thread.start()
@@ -137,44 +179,36 @@ def lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
         thread.join()
 
 
-HONEST = 0.05
-"""Share that must be done before the time left is told."""
-
-
-def _left(begun: float, before: float, now: float, share: float) -> float | None:
-    """Time that is left at the pace since a share was done `before`, s; None while too little was done to tell."""
-    gone = share - before
-    return (now - begun) * (1.0 - share) / gone if gone > HONEST else None
-
-
 def _about(seconds: float) -> str:
     return f"about {seconds:.0f} s" if seconds < 100.0 else f"about {seconds / 60.0:.0f} min"
 
 
 @contextmanager
-def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
+def _bar(clock: Clock) -> Iterator[Callable[[str, int, int], None]]:
     """Show a bar from the first time on that a job says how far it is."""
     with ExitStack() as stack:
         shown: list[Callable[[str, int, int], None]] = []
 
         def update(what: str, done: int, total: int) -> None:
             if not shown:
-                shown.append(_drawn_bar(title, stack))
+                shown.append(_drawn_bar(clock, stack))
             shown[0](what, done, total)
 
         yield update
 
 
-def _drawn_bar(title: str, stack: ExitStack) -> Callable[[str, int, int], None]:
+def _drawn_bar(clock: Clock, stack: ExitStack) -> Callable[[str, int, int], None]:
     """Bar that is drawn until a stack ends."""
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
     bar = stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
-    task = bar.add_task(plain.line(title))
+    task = bar.add_task(plain.line(clock.title), left="")
 
     def update(what: str, done: int, total: int) -> None:
-        bar.update(task, description=plain.line(f"{title}: {what}"), completed=done, total=total)
+        clock.note(done, total)
+        described = plain.line(f"{clock.title}: {what}")
+        bar.update(task, description=described, completed=done, total=total, left=clock.left(done, total))
 
     return update

@@ -1,6 +1,7 @@
 """A crowd in space: walkers placed, their runs, and what the films of them say."""
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from walkergen.crowd.space.run import CrowdPlan
 from walkergen.crowd.statistics import CrowdFilm, measure
 from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity
+from walkergen.points import expected
 from walkergen.scene import Scene
 from walkergen.simulation.batch import OneRun, Stopped, Tell
 from walkergen.walker import seen_above, solids
@@ -58,11 +60,7 @@ class InSpace(NamedTuple):
         Raises InputError where a crowd has no room, or contradicts the model in space.
         """
         job = self.job
-        plan = _plan(job)
-        about_C = _about_C(job, plan)
-
-        def placed(number: int) -> CrowdPlan:
-            return plan._replace(places=jobs.placed(job, about_C, number))
+        placed = _placed(job)
 
         def one(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
             def told(seconds: float) -> None:
@@ -83,6 +81,30 @@ class InSpace(NamedTuple):
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""
+
+
+def cost(job: Job) -> float:
+    """CPU seconds of a run of a crowd, by a moment of the first, once its walkers have landed."""
+    plan, times = _placed(job)(0), list[tuple[float, float]]()
+    _compile(plan, job.rate_hz)
+    over = expected.moment()
+
+    def told(seconds: float) -> None:
+        if seconds >= expected.SETTLING_S:
+            times.append((time.thread_time(), seconds))
+
+    run = plan.scene.run.model_copy(update={"seconds": expected.LONGEST_S, "discard_seconds": 0.0})
+    lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
+    crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), told)
+    spent, seconds = np.subtract(times[-1], times[0])
+    return float(spent / seconds) * (job.scene.run.seconds + job.scene.run.discard_seconds)
+
+
+def _placed(job: Job) -> Callable[[int], CrowdPlan]:
+    """What places the walkers of the run of a number. Raises InputError."""
+    plan = _plan(job)
+    about_C = _about_C(job, plan)
+    return lambda number: plan._replace(places=jobs.placed(job, about_C, number))
 
 
 def _plan(job: Job) -> CrowdPlan:

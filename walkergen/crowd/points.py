@@ -50,6 +50,11 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
     return tuple(made)
 
 
+def cost(point: Point) -> float:
+    """CPU seconds that a crowd takes, by a moment of it. Raises as `evaluate` does."""
+    return point.scene.run.runs * in_space.cost(in_space.asked(point.scene, [point.design], None, members.RATE_HZ))
+
+
 def evaluate(point: Point) -> Record:
     """Simulate a crowd as `walkergen crowd` does, on this thread alone, and measure it.
 

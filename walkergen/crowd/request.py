@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from walkergen import request
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expected, Progress
 from walkergen.inputs import Inputs
 from walkergen.request import Flag
 
@@ -107,9 +107,10 @@ class CrowdRequest(request.Request):
 
     def _crowd(self, progress: Progress) -> "Report":
         """Simulate the crowd, or write its input for LAMMPS."""
-        from walkergen.crowd import make, report
+        from walkergen.crowd import in_space, make, report
         from walkergen.crowd import members as crowd_members
         from walkergen.crowd import movie as crowd_movie
+        from walkergen.points import expected
 
         if self.movie is not None:
             crowd_movie.check(self.movie, "--movie")
@@ -124,6 +125,9 @@ class CrowdRequest(request.Request):
         folder = self.folder(Path("out") / report.name_of(job))
         if self.write_only:
             return report.write_inputs(job, folder or Path("out") / report.name_of(job))
+        if job.model == "space":
+            runs = scene.run.runs
+            self._expect(lambda: Expected(expected.by_clock(in_space.cost(job), runs, self.threads)))
         simulated = make.simulate(job, self.threads, progress)
         result = report.of(simulated, folder)
         if folder is not None:

@@ -1,9 +1,27 @@
-"""Progress: how a job that takes long says how far it is."""
+"""Progress: how a job that takes long says how far it is, and before that how long it will take."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many steps are done, and of how many."""
+
+
+class Expected(NamedTuple):
+    """Time that a job will take on this machine while nothing else runs."""
+
+    seconds: float
+    """Time by the clock from now on, s."""
+    note: str = ""
+    """What would take less, in words."""
+
+
+Expect = Callable[[Callable[[], Expected | None]], None]
+"""Called by a job with what finds how long it will take, or None where that is short; done where somebody hears."""
+
+
+def unheard(find: Callable[[], Expected | None]) -> None:
+    """Expect of whom nobody hears."""
 
 
 def silent(what: str, done: int, total: int) -> None:

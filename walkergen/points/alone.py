@@ -1,10 +1,11 @@
 """Points that are a walker alone: masses, predicted speed, what a simulation says (see `kinds`)."""
 
+import time
 from collections.abc import Sequence
 
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import InputError
-from walkergen.points import speeds, walkers
+from walkergen.points import expected, speeds, walkers
 from walkergen.points.kinds import Picture
 from walkergen.points.point import PREDICTION, Point, Record, Went, went
 from walkergen.points.walkers import Met
@@ -74,6 +75,19 @@ def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
     """What pictures of a table show: the speed."""
     return (Picture("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
+
+
+def cost(point: Point) -> float:
+    """CPU seconds that a point takes, by a moment of its runs, or the first of them; a prediction is made twice."""
+    if point.simulated:
+        walker = Walker(point.scene, point.design, solids.mass_of(point.design))
+        if point.wanted is not None:
+            return walkers.cost_to_error(walker, point.wanted)
+        return expected.of_run(walker) * walker.scene.run.runs
+    evaluate(point)  # what is read once for all points
+    started = time.thread_time()
+    evaluate(point)
+    return time.thread_time() - started
 
 
 def evaluate(point: Point) -> Record:

@@ -64,6 +64,9 @@ class Kind(Protocol):
     def pictures(self, keep: Sequence[str]) -> tuple[Picture, ...]:
         """What pictures of a table show."""
 
+    def cost(self, point: Point) -> float:
+        """CPU seconds that a point takes, found out in less. Raises WalkergenError for one that cannot be built."""
+
     def evaluate(self, point: Point) -> Record:
         """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
 

@@ -13,9 +13,11 @@ from walkergen.analysis.tracks import Tracks, of_places
 from walkergen.drive import Drive
 from walkergen.errors import InputError
 from walkergen.files import words
-from walkergen.files.progress import Progress, part, silent
+from walkergen.files.progress import Expect, Progress, part, silent, unheard
 from walkergen.numerics.statistics import Mean
-from walkergen.points.measure import FIRST_RUNS, Error, Measured, Runs, measure
+from walkergen.points import expected
+from walkergen.points.expected import Told
+from walkergen.points.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
 from walkergen.points.tolerance import Tolerance
 from walkergen.simulation import batch, experiments, observables, trajectory
 from walkergen.simulation.experiments import Results, Walker
@@ -94,20 +96,25 @@ class Met(NamedTuple):
 
 
 def to_error(
-    walker: Walker, wanted: Tolerance, of: str = SPEED, progress: Progress = silent, threads: int | None = None
+    walker: Walker,
+    wanted: Tolerance,
+    of: str = SPEED,
+    progress: Progress = silent,
+    threads: int | None = None,
+    expect: Expect = unheard,
 ) -> Met:
     """Simulate short runs of a walker, and more of them until an observable has an error.
 
-    The step is halved where it takes up more of the error than runs could make good. After Ctrl-C
-    the runs that are done. Raises InputError where the scene contradicts itself or the design, and
-    for an observable that no run gives, or that the step does not resolve.
+    The step is halved where it takes up more of the error than runs could make good. `expect` is told of the time that
+    is left once the first runs are made. After Ctrl-C the runs that are done. Raises InputError where the scene
+    contradicts itself or the design, and for an observable that no run gives, or that the step does not resolve.
     """
     if of not in observables.NAMES:
         raise InputError(f"--of {of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
     if of != SPEED and not wanted.relative:
         raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
     until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
-    results = _short(walker, until, progress, threads)
+    results = _short(walker, Told(until, expect), progress, threads)
     if results.step_errors[of].error is None:
         raise InputError(f"--error {wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
@@ -119,9 +126,19 @@ def short(walker: Walker, wanted: Tolerance, most: int, progress: Progress = sil
     return _short(walker, error_of_speed(wanted, walker.shaken)._replace(most=most), progress, None)
 
 
-def _short(walker: Walker, until: Error, progress: Progress, threads: int | None) -> Results:
-    few = walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
-    return _results(measure(few, until, progress, threads))
+def cost_to_error(walker: Walker, wanted: Tolerance) -> float:
+    """CPU seconds that an error of the speed takes, as the first runs tell, which are made."""
+    first = measure(_few(walker), Runs(FIRST_RUNS))
+    return expected.spent(first) + expected.cost_of_error(error_of_speed(wanted, walker.shaken), first)
+
+
+def _short(walker: Walker, until: Until, progress: Progress, threads: int | None) -> Results:
+    return _results(measure(_few(walker), until, progress, threads))
+
+
+def _few(walker: Walker) -> Walker:
+    """Walker with the runs with which an error begins."""
+    return walker.with_run(runs=FIRST_RUNS, seconds=min(walker.scene.run.seconds, LONGEST_S))
 
 
 def error_of_speed(wanted: Tolerance, shaken: Drive) -> Error:

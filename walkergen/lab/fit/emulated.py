@@ -17,11 +17,12 @@ from walkergen.files.progress import Progress, part
 from walkergen.lab.fit.parameters import ModelName, Unknown, values
 from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
-from walkergen.points import walkers
+from walkergen.points import expected, walkers
 from walkergen.points.store import Store
 from walkergen.scene import Drive, Scene
 from walkergen.simulation.experiments import Walker
 from walkergen.theory import uncertain
+from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -123,6 +124,11 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
         raise KeyboardInterrupt
     speeds |= fresh
     return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
+
+
+def cost(ground: Ground, setting: Setting) -> float:
+    """CPU seconds of a run of a walker in a setting, as design and scene have it."""
+    return expected.of_run(Walker(_short(ground, setting), setting.design, solids.mass_of(setting.design)))
 
 
 def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:

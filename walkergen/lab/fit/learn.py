@@ -12,7 +12,7 @@ from walkergen.analysis.speeds import Measured
 from walkergen.drive import OF_RATING
 from walkergen.errors import InputError
 from walkergen.files.config import validate
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expect, Expected, Progress, unheard
 from walkergen.lab.fit import emulated, identifiability, posterior, tabled, weighed
 from walkergen.lab.fit.emulated import Ground, Setting
 from walkergen.lab.fit.identifiability import Learnt
@@ -20,6 +20,7 @@ from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.parameters import KEYS, OF_SCENE, ModelName, held, unknown
 from walkergen.lab.fit.posterior import Observed, Posterior, Responds
 from walkergen.lab.report import named
+from walkergen.points import expected
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -73,7 +74,7 @@ class Learned(NamedTuple):
     """Design with the thickness and Young's modulus as learnt."""
 
 
-def learn(path: Path, job: Job, progress: Progress) -> Learned:
+def learn(path: Path, job: Job, progress: Progress, expect: Expect = unheard) -> Learned:
     """Learn from a CSV file of speeds by a model.
 
     Columns as in `theory.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
@@ -88,6 +89,8 @@ def learn(path: Path, job: Job, progress: Progress) -> Learned:
     ground = Ground(scene, model, unknown(scene, design, model, job.prior, fixed, seen.se is not None))
     settings, observed = _observed(design, seen)
     ahead = _ahead(job.ahead, design, seen, settings)
+    if model != "prediction":
+        expect(lambda: _time(ground, settings, ahead))
     respond = _by_table if model == "prediction" else _by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters
@@ -201,6 +204,13 @@ def _by_runs(
     drawn = _some(sampled, ground, AHEAD)
     y = emulated.batches(ground, ahead, drawn, progress, 2)
     return sampled, responses, _responses(ground, ahead, drawn, y)
+
+
+def _time(ground: Ground, settings: Sequence[Setting], ahead: Sequence[Setting]) -> Expected:
+    """Time of the runs of a fit, by a moment in each setting."""
+    counts = [FIRST + SECOND] * len(settings) + [AHEAD] * len(ahead)
+    costs = (emulated.cost(ground, setting) for setting in [*settings, *ahead])
+    return Expected(sum(expected.by_clock(each_s, count) for each_s, count in zip(costs, counts, strict=True)))
 
 
 def _some(sampled: Posterior, ground: Ground, count: int) -> Array:

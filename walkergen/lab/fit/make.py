@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expect, Progress, unheard
 from walkergen.lab.fit import learn, report, theory
 from walkergen.lab.fit.job import Job, completed
 from walkergen.lab.fit.report import FitReport
 from walkergen.lab.report import written
 
 
-def fit(path: Path, job: Job, folder: Path, progress: Progress) -> FitReport:
+def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = unheard) -> FitReport:
     """Fit a model to a CSV file of speeds, and write what follows into a folder.
 
     Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
@@ -22,6 +22,6 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> FitReport:
         fitted, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
         choices["mode"] = job.mode
     else:
-        fitted, word = report.of_model(learn.learn(path, job, progress), job, path, folder), "Learnt from"
+        fitted, word = report.of_model(learn.learn(path, job, progress, expect), job, path, folder), "Learnt from"
         choices |= {"model": job.model, "prior": job.prior}
     return written(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)

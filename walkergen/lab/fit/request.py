@@ -83,4 +83,4 @@ class FitRequest(request.Request):
         given = self.inputs(simulated)
         design, scene = given.design(self.design), given.scene(self.scene)
         job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)
-        return make.fit(self.speeds, job, output.results(self.speeds, self.out, "fit"), progress)
+        return make.fit(self.speeds, job, output.results(self.speeds, self.out, "fit"), progress, self._expect)

@@ -6,12 +6,14 @@ from typing import Any
 from walkergen.errors import InputError
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
-from walkergen.jobs.make.design import limits, report, search, verify
+from walkergen.files.progress import Expected
+from walkergen.jobs.make.design import lab, limits, report, search, verify
 from walkergen.jobs.make.design.lab import FRICTION, Bench, Job
 from walkergen.jobs.make.design.report import DesignReport
 from walkergen.jobs.make.design.verify import Verified
+from walkergen.points import alone, expected
 from walkergen.points.kinds import MODELS
-from walkergen.points.point import PREDICTION
+from walkergen.points.point import PREDICTION, Point
 from walkergen.scene import Scene
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids
@@ -71,6 +73,22 @@ def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> DesignR
             target.write(f"scene-{number}.toml", _scene(job, design, number).encode())
         target.finish(_facts(job))
     return written
+
+
+def time_of(job: Job, workers: int) -> Expected:
+    """Time of a search, by the cost of the design that it begins with."""
+    count = lab.parts(job, job.efforts.spread)
+    surveyed = search.sample_size(job)
+    work = [(Point(job.design, job.scene, False, ("speed", "printability"), None, job.printer), surveyed)]
+    if job.simulated:
+        efforts = zip(
+            job.efforts, (search.FIRST + search.NEAR, search.WANTED * search.USUAL_ROUNDS, search.WANTED), strict=True
+        )
+        work += [
+            (lab.points(job, job.design, job.scene, effort, None, job.seed)[0], count * trials)
+            for effort, trials in efforts
+        ]
+    return Expected(sum(expected.by_clock(alone.cost(point), trials, workers) for point, trials in work))
 
 
 def _scene(job: Job, design: Verified, number: int) -> str:

@@ -64,6 +64,7 @@ class DesignRequest(request.Request):
         make.check(job)
         folder = self.out or Path("out") / f"design-{wish.slug}"
         with closing(Store()) as store, inputs.pool_of(not job.simulated, self.workers) as pool:
+            self._expect(lambda: make.time_of(job, 1 if pool is None else pool.workers))
             report = make.make(job, Bench(store, pool, progress), folder, self.pictures)
         if not report.stopped:
             return report

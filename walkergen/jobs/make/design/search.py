@@ -96,7 +96,7 @@ def stages(job: Job) -> Stages:
     spread, close, verified = efforts if job.simulated else (None, None, None)
     costs = np.cumsum(
         [
-            _samples(job) * lab.PREDICTED_S,
+            sample_size(job) * lab.PREDICTED_S,
             (FIRST + NEAR) * lab.cost(job, spread),
             USUAL_ROUNDS * (WANTED * lab.cost(job, close) + lab.PROPOSED_S),
             WANTED * lab.cost(job, verified),
@@ -105,15 +105,9 @@ def stages(job: Job) -> Stages:
     return Stages(*(costs[:3] / costs[3]).tolist())
 
 
-def _samples(job: Job) -> int:
-    """Number of predictions that a search begins with."""
-    return int(min(128 * 2 ** len(job.box.spans), MOST_SAMPLES))
-
-
 def survey(job: Job, bench: Bench) -> Survey:
     """Predict a sample. Raises InputError when nothing can be built and printed."""
-    count = _samples(job)
-    space = job.box.sample(count, job.seed)
+    space = job.box.sample(sample_size(job), job.seed)
     rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True)))) for row in space.rows()]
     plain = job._replace(wish=job.wish._replace(calm=False))
     trials = lab.tried(plain, bench.at(0.0, stages(job).survey), rows, None, "predictions")
@@ -121,6 +115,11 @@ def survey(job: Job, bench: Bench) -> Survey:
     if not feasible.any():
         raise InputError(_nothing(job, trials))
     return Survey(trials, np.array([job.box.place(row) for row in rows]), feasible)
+
+
+def sample_size(job: Job) -> int:
+    """Number of predictions that a search begins with."""
+    return int(min(128 * 2 ** len(job.box.spans), MOST_SAMPLES))
 
 
 def _nothing(job: Job, trials: Sequence[Trial]) -> str:

@@ -1,6 +1,7 @@
 """Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
 
 import re
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -9,7 +10,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import output
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expect, Expected, Progress, unheard
 from walkergen.jobs.run.movie.footage import Footage, Shape, Title, impact_of, pace
 from walkergen.jobs.run.movie.shot import Shot, shot_of
 from walkergen.scene import Scene
@@ -54,6 +55,9 @@ FINE = 8
 
 TRAIL = 4
 """Poses for each frame from above: the trail bends between frames."""
+
+WRITTEN = 1.5
+"""Time of a frame, written, over that of drawing it."""
 
 HOLD_S = 1.5
 """Time for which the last frame stays before the GIF starts again, s."""
@@ -164,7 +168,7 @@ def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     return chosen
 
 
-def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
+def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = unheard) -> Made:
     """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
 
     Both files are written whole at the end; over one that is not ours only the GIF is, and only
@@ -175,6 +179,7 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
 
     draw, frames, footage = _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
     colours = impacts.colours(max(len(design.limbs) for design in job.members))
+    expect(lambda: _time(draw, frames))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
     with output.Folder(path.parent, "") as target:
@@ -185,6 +190,14 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
         if mp4 is not None and encoded.mp4 is not None:
             target.write(mp4.name, encoded.mp4)
     return Made(path, mp4, encoded.without_mp4, frames, footage)
+
+
+def _time(draw: "Draw", frames: int) -> Expected:
+    """Time of drawing all frames, by that of one, and of writing them."""
+    draw(0)
+    started = time.thread_time()
+    draw(frames // 2)
+    return Expected((time.thread_time() - started) * WRITTEN * frames)
 
 
 def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Footage]]:

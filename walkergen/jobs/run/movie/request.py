@@ -58,4 +58,4 @@ class MovieRequest(request.Request):
         times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
         job = make.plan(members, scene, **times, fps=self.fps, view=self.view)
         path = self.out or Path("out") / design.name / make.file_name(job, given.values)
-        return report.of(job, make.make(job, path, progress, named=self.out is not None))
+        return report.of(job, make.make(job, path, progress, self.out is not None, self._expect))

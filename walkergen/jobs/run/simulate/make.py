@@ -8,7 +8,7 @@ import numpy as np
 from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.files.progress import Progress, silent
+from walkergen.files.progress import Expect, Progress, silent, unheard
 from walkergen.jobs.run.simulate import orbit
 from walkergen.jobs.run.simulate.orbit import Orbit
 from walkergen.points import walkers
@@ -62,10 +62,13 @@ def asked(scene: Scene, design: Design, mass: MassProperties, interval: float | 
     return Walker(scene, design, mass, impacts=in_space and few, sample_interval=interval)
 
 
-def measure(walker: Walker, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED) -> Simulated:
+def measure(
+    walker: Walker, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED, expect: Expect = unheard
+) -> Simulated:
     """Simulate what is asked, and measure motion and landings of a walker in space.
 
-    With an error of the observable `of` as many runs as that needs, without landings. Raises
+    With an error of the observable `of` as many runs as that needs, without landings; `expect` is told of their time
+    once the first ones are made. Raises
     InputError where the scene contradicts itself, asks for too many samples, or no number of runs
     gives the observable to an error.
     """
@@ -73,7 +76,7 @@ def measure(walker: Walker, progress: Progress, wanted: Tolerance | None = None,
         trajectory.check(walker.scene, walker.sample_interval, walker.scene.run.runs)
     if wanted is None:
         return measured(walkers.simulate(walker, progress), progress)
-    met = walkers.to_error(walker._replace(impacts=False, sample_interval=None), wanted, of, progress)
+    met = walkers.to_error(walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect)
     return measured(met.results, progress)._replace(chosen=met)
 
 

@@ -93,6 +93,7 @@ class SimulateRequest(request.Request):
     def _single(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
         """Simulate one walker, and write its tracks where they are asked for."""
         from walkergen.jobs.run.simulate import make, report, trajectories
+        from walkergen.points import expected
         from walkergen.points.simplest import simplest
         from walkergen.points.tolerance import parse
         from walkergen.simulation.experiments import Walker
@@ -101,7 +102,10 @@ class SimulateRequest(request.Request):
         interval = None if self.trajectory is None else 1.0 / self.rate_hz
         found = simplest(Walker(scene, design, solids.mass_of(design)), progress)
         walker = make.asked(found.walker.scene, design, found.walker.mass, interval)
-        simulated = make.measure(walker, progress, None if self.error is None else parse(self.error), self.of)
+        wanted = None if self.error is None else parse(self.error)
+        if wanted is None:
+            self._expect(lambda: expected.of_runs([walker]))
+        simulated = make.measure(walker, progress, wanted, self.of, self._expect)
         result = report.of(simulated._replace(simplest=found), self.all)
         done, wished = simulated.point.summary.runs, simulated.scene.run.runs
         if done < wished:
@@ -119,8 +123,10 @@ class SimulateRequest(request.Request):
         Raises InputError for one that cannot be simulated, before any is.
         """
         from walkergen.jobs.run.simulate import several
+        from walkergen.points import expected
 
         wanted, rows = several.asked(scene, members), list[several.Row]()
+        self._expect(lambda: expected.of_runs(wanted))
         try:
             rows.extend(several.each(wanted, progress))
         except KeyboardInterrupt:
@@ -133,8 +139,12 @@ class SimulateRequest(request.Request):
     def _uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
         """Simulate uncertain prints: their speeds, with what to measure next."""
         from walkergen.jobs.run.simulate import prints
-        from walkergen.points import draws
+        from walkergen.points import draws, expected
+        from walkergen.simulation.experiments import Walker
+        from walkergen.walker import solids
 
+        walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
+        self._expect(lambda: expected.of_runs([walker]))
         measured = draws.measure(scene, design, self.draws, progress)
         result = prints.of(measured, design, scene.name, self.out)
         if self.out is not None:

@@ -9,11 +9,12 @@ from pydantic import BeforeValidator, Field
 
 from walkergen import inputs, request
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
     from walkergen.jobs.run.sweep.ask import Ask
+    from walkergen.jobs.run.sweep.cost import Cost
     from walkergen.jobs.run.sweep.report import SweepReport
     from walkergen.points.axes import Axis, Span
 
@@ -100,9 +101,18 @@ class SweepRequest(request.Request):
         folder = self.folder(Path("out") / "sweeps" / ask.name())
         few = not self._shell or (points.model == PREDICTION and points.space.points <= FEW_POINTS)
         with closing(Store()) as store, inputs.pool_of(few, self.workers, self.dask) as pool:
+            workers = 1 if pool is None else pool.workers
+
+            def estimate() -> cost.Cost | None:
+                """Cost of this sweep."""
+                return cost.estimate(points, store, workers)
+
             if not self.yes and points.space.points > cost.UNASKED:
-                estimate = cost.estimate(points, store, 1 if pool is None else pool.workers)
-                raise InputError(f"{cost.in_words(estimate)}; give --yes to begin, or take fewer points", "yes")
+                raise InputError(
+                    f"{cost.in_words(estimate(), points.space.points)}; give --yes to begin, or take fewer points",
+                    "yes",
+                )
+            self._expect(lambda: Expected(self.budget) if self.budget else _time(estimate()))
             job = make.Job(points, ask.title(), self.pictures, self.budget, kept=not self._shell)
             if folder is None:
                 return make.find(job, store, pool, progress)
@@ -123,6 +133,11 @@ class SweepRequest(request.Request):
         wanted = None if self.error is None else parse(self.error)
         sources = self.design, self.scene, self.printer
         return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "--set")
+
+
+def _time(cost: "Cost | None") -> Expected | None:
+    """Time of a cost that is known."""
+    return None if cost is None else Expected(cost.seconds)
 
 
 def _entry(key: str, values: Any) -> "Axis | Span":

@@ -11,7 +11,6 @@ from walkergen.jobs.trust.accuracy.ladder import Rung
 from walkergen.jobs.trust.accuracy.report import Answer
 from walkergen.jobs.trust.accuracy.setting import Measured
 from walkergen.jobs.trust.accuracy.survey import Survey
-from walkergen.points import tolerance
 
 Advised = Sequence[tuple[Answer, Advice | str]]
 """Answers, each with the advice that it tells, or why there is none."""
@@ -54,7 +53,7 @@ def _points(place: Place, advised: Advised, loop_s: float) -> Iterator[Point]:
         _, found = same[-1]
         if found.error < place.law.floor * size:
             continue
-        errors = ", ".join(answer.error.removesuffix(" %") for answer, _ in same)
+        errors = ", ".join(str(answer.error).removesuffix(" %") for answer, _ in same)
         told = f"{errors} %: {words.duration(same[0][0].expected_s or 0.0)}"
         yield Point(found.error / size, found.work * loop_s, told)
 
@@ -93,16 +92,14 @@ def of_survey(
             sizes = abs(bias.size) / unit.size, bias.se / unit.size
             marks.append(Mark(measured.setting.label, measured.cpu_s, *sizes))
     points = [
-        Point(_error(answer, unit.size), answer.expected_s * survey.cores, f"{answer.error}: {answer.setting}")
+        Point(
+            answer.error.value / (1.0 if answer.error.relative else unit.size),
+            answer.expected_s * survey.cores,
+            f"{answer.error}: {answer.setting}",
+        )
         for answer in answers
         if answer.known == "now" and answer.expected_s is not None
     ]
     note = "; ".join(f"{rung.series}: off by {words.number(100 * (rung.error or 0.0), 2)} %" for rung in formulas)
     floor = 2.0 * (reference.speed.se or 0.0) / unit.size
     return Shown(title, BARS if unit.relative else unit.name, curves, marks, points, floor, note)
-
-
-def _error(answer: Answer, size: float) -> float:
-    """Error of an answer in the unit of the figure."""
-    wanted = tolerance.parse(answer.error.replace(" ", ""))
-    return wanted.value if wanted.relative else wanted.value / size

@@ -15,7 +15,6 @@ from walkergen.jobs.trust.accuracy.ladder import Ladder
 from walkergen.jobs.trust.accuracy.report import Answer, Answers
 from walkergen.jobs.trust.accuracy.shipped import ERRORS, SPEED_ERRORS
 from walkergen.jobs.trust.accuracy.survey import Survey
-from walkergen.points import tolerance
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -161,10 +160,10 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     place = shipped.place_of(survey.design, survey.scene)
     before = [shipped.answer(place, error) for error in errors]
-    rows = [_answer(survey, error, old, progress) for error, old in zip(errors, before, strict=True)]
+    rows = [_answer(survey, old, progress) for old in before]
     rungs = list(models.formulas(survey, reference))
     simpler = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
-    refined = [row.error for row in rows if row.known == NOW]
+    refined = [str(row.error) for row in rows if row.known == NOW]
     lines = [
         f"truth: {models.certificate(survey, progress)}",
         f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
@@ -180,13 +179,13 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
     return Answers(rows, lines, draw)
 
 
-def _answer(survey: Survey, error: str, before: Answer, progress: Progress) -> Answer:
+def _answer(survey: Survey, before: Answer, progress: Progress) -> Answer:
     """Answer by the budget; the one `before` with the reason, where the budget was too short for it."""
-    wanted = tolerance.parse(error)
+    wanted = before.error
     choice = choose.choose(survey, wanted, progress)
     if not isinstance(choice, Choice):
         return before._replace(why=f"{before.why}; this budget: {choice}")
     bias = choice.bias_bound
     why = f"bias at most {words.number(bias, 2)} mm/s, ± {words.number(choice.se, 2)} for the runs"
     flags, takes_s = choice.setting.flags, choice.cpu_s / survey.cores
-    return Answer(str(wanted), flags, choice.runs, choice.seconds, takes_s, NOW, why)
+    return Answer(wanted, flags, choice.runs, choice.seconds, takes_s, NOW, why)

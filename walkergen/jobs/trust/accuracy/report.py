@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.trust.accuracy.pace import machine
+from walkergen.points.tolerance import Tolerance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,7 +26,7 @@ ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by the model's
 class Answer(NamedTuple):
     """Setting to run for an error that a person can bear."""
 
-    error: str
+    error: Tolerance
     setting: str
     runs: int | None
     seconds: float | None
@@ -36,9 +37,14 @@ class Answer(NamedTuple):
     step's bias falls, below what the reference is known to; now: by this budget."""
     why: str
 
+    @property
+    def plain(self) -> dict[str, Any]:
+        """The same with its error in words, for files."""
+        return self._asdict() | {"error": str(self.error)}
+
 
 ANSWER = (
-    report.text("error (95 %)", "error"),
+    Column("error (95 %)", lambda row: str(row.error)),
     report.text("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
     Column("takes", lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
@@ -92,7 +98,7 @@ def of(
         tables=[*tables, _every_rung(ladders) if ladders else _every_answer(rows)],
         facts={
             "ladders": {ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders},
-            "answers": [row._asdict() for row in rows],
+            "answers": [row.plain for row in rows],
             "simulated_s": simulated_s,
             "least_budget_s": least_s,
         },
@@ -112,4 +118,4 @@ def _every_rung(ladders: Sequence[Ladder]) -> Table:
 
 def _every_answer(answers: Sequence[Answer]) -> Table:
     """Table of the answers alone, where nothing was measured."""
-    return Table("accuracy", [tuple(answer) for answer in answers], Answer._fields)
+    return Table("accuracy", [tuple(answer.plain.values()) for answer in answers], Answer._fields)

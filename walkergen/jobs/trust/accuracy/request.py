@@ -8,7 +8,7 @@ from pydantic import BeforeValidator
 
 from walkergen import request
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
@@ -47,10 +47,6 @@ class AccuracyRequest(request.Request):
     ] = None
     out: request.Out = None
 
-    def about_s(self) -> float | None:
-        """Time that it takes: the budget, where something is measured."""
-        return self._budget_s if self._measures else None
-
     @property
     def _measures(self) -> bool:
         """Whether ladders are measured."""
@@ -78,6 +74,7 @@ class AccuracyRequest(request.Request):
                 "--only the answer is scaled"
             )
         only = list(dict.fromkeys(self.only or LADDERS))
+        self._expect(lambda: Expected(self._budget_s))
         report = make.make(make.Job(design, scene, only, self._budget_s), folder, progress, least.append)
         warnings = [
             f"--budget {words.budget(self._budget_s)}: too short for {','.join(only)}, which were given "

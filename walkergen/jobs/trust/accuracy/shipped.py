@@ -63,12 +63,12 @@ def answer(place: Place, error: str) -> Answer:
 def _told(place: Place, wanted: Tolerance, found: Advice | str) -> Answer:
     """Answer that tells an advice."""
     if not isinstance(found, Advice):
-        return Answer(str(wanted), "-", None, None, None, place.known, found)
+        return Answer(wanted, "-", None, None, None, place.known, found)
     known = LAW if found.error < place.law.floor * step_law.unit(place.speed, place.peak) else place.known
     takes_s = found.takes_s(pace.pace(), os.cpu_count() or 1)
     bias, se = (100.0 * part / step_law.unit(place.speed, place.peak) for part in (found.bias, found.se))
     why = f"bias at most {words.number(bias, 2)} %, ± {words.number(se, 2)} % for the runs"
-    return Answer(str(wanted), found.setting.flags, found.runs, found.seconds, takes_s, known, why)
+    return Answer(wanted, found.setting.flags, found.runs, found.seconds, takes_s, known, why)
 
 
 def lines(place: Place) -> Sequence[str]:

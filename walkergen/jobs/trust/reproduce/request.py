@@ -8,7 +8,7 @@ from pydantic import BeforeValidator
 
 from walkergen import request
 from walkergen.files.key_names import KINDS, TILTS
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:
@@ -36,17 +36,13 @@ class ReproduceRequest(request.Request):
     set: request.Settings = {}
     out: request.Out = None
 
-    def about_s(self) -> float | None:
-        """Time that it takes."""
-        from walkergen.jobs.trust.reproduce import make
-
-        return make.expected_s(self._job())
-
     def run(self, progress: Progress) -> "Report":
         """Compare."""
         from walkergen.jobs.trust.reproduce import make
 
-        return make.make(self._job(), self.out or Path("out") / "reproduce", progress)
+        job = self._job()
+        self._expect(lambda: Expected(make.expected_s(job)))
+        return make.make(job, self.out or Path("out") / "reproduce", progress)
 
     def _job(self) -> "Job":
         """Job that is asked for. Raises InputError."""

@@ -1,0 +1,84 @@
+"""How long a job says that it will take: before it runs, by a moment of it."""
+
+import pytest
+
+from walkergen.commands import request_of
+from walkergen.files import templates
+from walkergen.files.progress import silent
+from walkergen.jobs.run.sweep import cost
+from walkergen.points import expected, tolerance, walkers
+from walkergen.points.axes import Space, axis
+from walkergen.points.request import Request
+from walkergen.points.store import Store
+from walkergen.scene import Scene
+from walkergen.simulation.effects.resolve import changed
+from walkergen.simulation.experiments import Walker
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+TIMES = {"run.seconds": 6.0, "run.runs": 2, "run.discard_seconds": 0.1}
+
+
+def walker(**keys):
+    design = templates.load("koumakis2016", "walkers", Design)
+    scene = changed(templates.load("lane-90hz", "scenes", Scene), {"legs.model": "compliant", **keys})
+    return Walker(scene, design, solids.mass_of(design))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
+)
+def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
+    assert expected.next_cheaper(tolerance.parse(wanted)) == tolerance.parse(cheaper)
+
+
+def test_a_moment_tells_what_runs_cost():
+    asked = walker(**TIMES)
+    said = 2 * expected.of_run(asked)
+    assert 0.5 < said / walkers.simulate(asked, threads=1).summary.cpu_s < 2.0  # 0.8 to 1.3 on a machine of its own
+    assert expected.of_runs([asked]).seconds >= 0.4 * said
+    assert expected.of_runs([walker(**TIMES | {"run.seconds": 1.0})]) is None
+
+
+def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
+    heard = []
+    met = walkers.to_error(
+        walker(**{"run.seconds": 1.0}), tolerance.parse("2%"), expect=lambda find: heard.append(find())
+    )
+    assert heard[0].seconds > 0.0
+    assert heard[0].note.startswith("2 % ")
+    assert " in all, 5 % " in heard[0].note
+    assert met.error <= met.allowed
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("simulate", {"seconds": 0.05, "runs": 1}),
+        ("simulate", {"seconds": 0.05, "runs": 1, "tilt": "5,10", "model": "relaxed"}),
+        ("sweep", {"set": ["legs.tilt_deg=5,10"]}),
+        ("movie", {"seconds": 0.01, "slow": 8.0, "model": "relaxed"}),
+    ],
+)
+def test_commands_say_how_long_they_will_take(name, values, tmp_path):
+    heard = []
+    out = {"out": str(tmp_path / "film.gif")} if name == "movie" else {}
+    asked = request_of(name).asked(values | out)
+    asked.hear(heard.append)
+    asked.run(silent)
+    assert len(heard) == 1
+
+
+def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):
+    monkeypatch.setattr(expected, "MOMENT_S", 0.02)
+    scene = changed(templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2})
+    space = Space((axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
+    request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "relaxed")
+    store = Store()
+    try:
+        one, two = (cost.estimate(request, store, workers) for workers in (1, 2))
+        assert one.points == 60
+        assert 0.1 < two.seconds / one.seconds < 2.0
+        assert cost.estimate(request._replace(space=Space(space.axes[:0])), store, 1) is None
+    finally:
+        store.close()

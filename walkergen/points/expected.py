@@ -1,0 +1,140 @@
+"""Time that runs will take on this machine: what a moment of them takes, times their length, and what an error needs.
+
+A moment is simulated and timed, so that every effect and every model is counted as it is; of an error the first runs,
+which are made anyway, tell the scatter. Times by the clock are those of an idle machine.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from walkergen.files import words
+from walkergen.files.progress import Expect, Expected, unheard
+from walkergen.numerics import statistics
+from walkergen.points import worker_pool
+from walkergen.points.measure import Error, Measured
+from walkergen.points.tolerance import Tolerance
+from walkergen.simulation.batch import Stopped
+from walkergen.simulation.experiments import Walker
+from walkergen.simulation.model import Plan
+from walkergen.simulation.observables import SPEED
+from walkergen.simulation.run import ENDED_WELL, compile_kernels, simulate
+
+MOMENT_S = 0.4
+"""CPU time of a moment, s."""
+
+SETTLING_S, LONGEST_S = 0.1, 60.0
+"""Start of a moment, in which the walker lands, and its longest time after that, s."""
+
+SHORT_S = 10.0
+"""Simulated time of all runs below which they take no time that is worth a moment, s."""
+
+
+def moment() -> Stopped:
+    """What tells a run that its moment is over."""
+    ends = time.thread_time() + MOMENT_S
+    return lambda: time.thread_time() >= ends
+
+
+def rate(plan: Plan) -> float:
+    """CPU seconds of a simulated second of a walker, by a moment of its first run."""
+    compile_kernels(plan)
+    result = simulate(plan.lasting(seconds=LONGEST_S, discard_seconds=SETTLING_S), 0, moment())
+    return result.cpu_s / (SETTLING_S + result.measured_s)
+
+
+def of_run(walker: Walker) -> float:
+    """CPU seconds of one run of a walker."""
+    run = walker.scene.run
+    return rate(walker.plan()) * (run.discard_seconds + run.seconds)
+
+
+def by_clock(each_s: float, pieces: int, hands: int | None = None) -> float:
+    """Time by the clock (s) of pieces of work of so many CPU seconds each, in turns of `hands`, or of every core."""
+    return each_s * math.ceil(pieces / (hands or worker_pool.cores()))
+
+
+def of_runs(walkers: Sequence[Walker]) -> Expected | None:
+    """Time of the runs that the scenes of walkers ask for, one walker after the other; None where that is short."""
+    runs = [walker.scene.run for walker in walkers]
+    if sum(run.runs * (run.discard_seconds + run.seconds) for run in runs) < SHORT_S:
+        return None
+    return Expected(sum(by_clock(of_run(walker), walker.scene.run.runs) for walker in walkers))
+
+
+class Told(NamedTuple):
+    """Runs until an error is met, of which somebody is told how long they will take once the first ones are made."""
+
+    until: Error
+    expect: Expect = unheard
+
+    @property
+    def first(self) -> int:
+        """Number of runs to begin with."""
+        return self.until.first
+
+    def further(self, measured: Measured[Walker]) -> Measured[Walker] | None:
+        """More runs, or a finer experiment, as the error needs."""
+        more = self.until.further(measured)
+        if more is not None and measured.runs == self.until.first:
+            self.expect(lambda: to_error(self.until, measured))
+        return more
+
+
+def to_error(until: Error, measured: Measured[Walker]) -> Expected:
+    """Time that an error still takes after the first runs; and in all, beside what the next cheaper one would take."""
+    cheaper = until._replace(tolerance=next_cheaper(until.tolerance))
+    hands, left = worker_pool.cores(), cost_of_error(until, measured)
+    whole, other = (
+        words.duration((spent(measured) + cost) / hands) for cost in (left, cost_of_error(cheaper, measured))
+    )
+    return Expected(
+        left / hands, "" if whole == other else f"{until.tolerance} {whole} in all, {cheaper.tolerance} {other}"
+    )
+
+
+def cost_of_error(until: Error, measured: Measured[Walker]) -> float:
+    """CPU seconds that an error takes after the first runs; none where these do."""
+    if until.further(measured) is None:
+        return 0.0
+    finer = until.fine(measured)
+    runs = _runs(until, measured, finer)
+    if finer is measured.experiment:
+        return spent(measured) * max(runs - measured.runs, 0) / measured.runs
+    return of_run(finer) * runs
+
+
+def spent(measured: Measured[Any]) -> float:
+    """CPU seconds that runs took."""
+    return float(sum(record.cpu_s for record in measured.records))
+
+
+def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
+    """Fewest runs of an experiment that will meet an error, by the scatter of those that were made."""
+    (quantity,) = (own for own in finer.quantities(measured.records) if own.column == until.of)
+    scatter = _scatter(measured, until.of, quantity.se or 0.0)
+    for runs in range(until.first, until.most):
+        if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.allowed(
+            quantity.value
+        ):
+            return runs
+    return until.most
+
+
+def _scatter(measured: Measured[Walker], of: str, se: float) -> float:
+    """Standard deviation of one run: of the speed by the blocks of all runs, which tell more than the runs' own few."""
+    good = [record for record in measured.records if record.outcome in ENDED_WELL]
+    if of == SPEED and good:
+        series, block_s = [record.block_speeds for record in good], good[0].block_s
+        correlation = statistics.correlation_time(series, block_s)
+        known = None if correlation is None else statistics.error_of_mean(series, block_s, correlation)
+        se = se if known is None else known
+    return se * math.sqrt(len(good) or 1)
+
+
+def next_cheaper(wanted: Tolerance) -> Tolerance:
+    """Next larger error of the series 1, 2, 5, 10."""
+    digit = 10.0 ** math.floor(math.log10(wanted.value) + 1e-9)
+    larger = next(step * digit for step in (2.0, 5.0, 10.0) if step * digit > wanted.value * (1.0 + 1e-9))
+    return wanted._replace(value=float(f"{larger:.6g}"))
