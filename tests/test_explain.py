@@ -10,8 +10,9 @@ from walkergen.errors import InputError
 from walkergen.jobs.run.explain import make, measured
 from walkergen.jobs.run.simulate.request import SimulateRequest
 from walkergen.numerics.quantity import Quantity, Verdict
-from walkergen.points import variants
+from walkergen.points import alone, variants
 from walkergen.points.measure import Runs, measure
+from walkergen.points.point import Point
 from walkergen.points.simplest import simplest
 from walkergen.points.variants import Pairs, Variant
 from walkergen.request import parse_effects
@@ -99,6 +100,16 @@ def test_explain_measures_and_draws(run, tmp_path):
     assert {"effects.csv", "measured.csv", "explain.png", "explain.md"} <= {path.name for path in folder.iterdir()}
     rows = {row["effect"]: row for row in told["rows"]}
     assert rows["plate slope"]["cpu_ratio"] > 0.0
+
+
+def test_a_sweep_leaves_out_what_its_accepted_error_allows():
+    keys = {"legs.model": "relaxed", "run.runs": 1, "run.seconds": 0.05, "run.discard_seconds": 0.0}
+    small = {"drive.second_harmonic_ratio": 1e-3}
+    plain, whole, out = (
+        alone.evaluate(Point(DESIGN, LANE.variant(**keys | more), True, ("speed",)))["speed_mm_s"]
+        for more in ({}, small, small | {"run.accepted_error": 0.9})
+    )
+    assert out == plain != whole
 
 
 def test_keys_without_a_part_are_told():

@@ -105,11 +105,17 @@ def film_of(job: Job, times: Array, poses: Array) -> CrowdFilm:
 
 
 def checked(job: Job) -> Job:
-    """Return a job. Raises InputError for kinds of one name, too few frames and too many."""
+    """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"--count: two designs are called {max(names, key=names.count)!r}: rename one")
     run = job.scene.run
+    if run.accepted_error is not None:
+        raise InputError(
+            f"scene.run.accepted_error = {run.accepted_error:g}: is of one walker's speed, and a crowd has all that "
+            "its scene calls for: leave it out",
+            "scene.run.accepted_error",
+        )
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(
             f"--rate-hz {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "

@@ -8,6 +8,7 @@ from walkergen.errors import InputError
 from walkergen.points import expected, speeds, walkers
 from walkergen.points.kinds import Picture
 from walkergen.points.point import PREDICTION, Point, Record, Went, went
+from walkergen.points.simplest import simplest
 from walkergen.points.walkers import Met
 from walkergen.printing import checks
 from walkergen.printing.findings import listed as in_order
@@ -129,7 +130,7 @@ def evaluate(point: Point) -> Record:
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    walker, met = Walker(point.scene, point.design, mass), None
+    walker, met = simplest(Walker(point.scene, point.design, mass), threads=1).walker, None
     if point.wanted is None:
         results = walkers.simulate(walker, threads=1)
     else:
