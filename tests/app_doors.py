@@ -331,7 +331,7 @@ def messages(seed, count):
 
 def faults(answer):
     """What is wrong with an answer: nothing, where it is one or refuses in words."""
-    if answer.status in (200, 503):  # 503: the page went before its file was made
+    if answer.status in (200, 204, 503):  # the page went before its answer, or its file, was made
         return []
     if not 400 <= answer.status < 500:
         return [f"status {answer.status}"]

@@ -50,7 +50,7 @@ def test_a_speed_that_a_run_has_yet_to_tell_is_not_sure():
     ("text", "words"),
     [
         ("legs.tilt_deg = 89: must be >= -85 and <= 85", "tilt of the legs = 89: must be between -85 and 85"),
-        ("raise material.youngs_modulus_sd_gpa to 0.6", "raise Young's modulus sd of the material to 0.6"),
+        ("raise material.youngs_modulus_sd_gpa to 0.6", "raise deviation of Young's modulus of the material to 0.6"),
         ("set thin_walls = true; or 0.45 mm would do", "set thin walls: yes; or 0.45 mm would do"),
         ("legs[2].along_mm = 9: lies beyond", "along of leg 2 = 9: lies beyond"),
         ("bounds are wide; family --simulate puts runs in its place", "bounds are wide"),

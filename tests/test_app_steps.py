@@ -1,7 +1,7 @@
 """What a slider's step asks of the server: the walker at once, a curve of few points, the whole once it rests."""
 
 import pytest
-from app_doors import PAPER, document
+from app_doors import PAPER, Doors, document
 
 from walkergen.app import answers, curves
 from walkergen.app.document import Document
@@ -20,9 +20,12 @@ def test_a_curve_has_few_points_while_a_slider_moves():
             assert speed == whole["speed"][whole["tilt_deg"].index(tilt)]
 
 
-def test_a_curve_does_not_depend_on_the_tilt_and_is_none_where_legs_share_none():
+def test_a_curve_does_not_depend_on_the_tilt_and_is_none_where_legs_share_none(tmp_path):
     assert curves.curve(of_page(legs__tilt_deg=7.0), True) == curves.curve(of_page(legs__tilt_deg=13.0), True)
-    assert curves.curve(Document(**PAPER | {"walker": "unequal-legs"}), True) is None
+
+    unlike = {"document": PAPER | {"walker": "unequal-legs"}}
+    answer = Doors(tmp_path).ask("curve", unlike)
+    assert (answer.status, answer.json) == (200, {"curve": None})
 
 
 @pytest.mark.parametrize("key", ["legs.tilt_deg", "body.length_mm", "scene.contact.friction"])
@@ -37,3 +40,21 @@ def test_a_step_reads_no_file_of_a_template_again(monkeypatch, key):
     monkeypatch.setattr(config, "load", read)
     for ask in (answers.packed, answers.outlook):
         ask(steps[1])
+
+
+def test_a_finding_is_done_by_the_value_that_it_comes_with():
+    page = Document(**PAPER | {"walker": "coinbot", "printer": "ender3"})
+    page = page._replace(values={"legs.flexible_thickness_mm": 0.2} if page.design().pair else {})
+    does = [finding["does"] for finding in answers.outlook(page)["findings"] if finding["does"]]
+    assert does
+    done = page._replace(values={**page.values, **{each["key"]: each["value"] for each in does}})
+    left = [finding["does"] for finding in answers.outlook(done)["findings"]]
+    assert not [each for each in does if each in left]
+    assert not [each for each in does if "_" in each["words"]]
+
+
+def test_parts_of_a_spread_name_the_keys_where_what_was_measured_is_written():
+    parts = answers.shares(of_page())
+    keys = {part["key"] for part in parts}
+    assert {"scene.contact.restitution", "legs.flexible_thickness_mm", "material.youngs_modulus_gpa", ""} <= keys
+    assert answers.shares(Document(**PAPER | {"walker": "coinbot", "scene": "table-motor"})) == []

@@ -20,6 +20,7 @@ from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import findings
 from walkergen.printing.findings import About, Finding
+from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
@@ -53,7 +54,7 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
         "motor": design.motor is not None,
         "shaken": scene.drive.kind == "plate",
         "mass_g": float(member.mass.total),
-        "caption": report.caption,
+        "caption": sentences.plain(report.caption),
         "dimensions": list(_dimensions(design)),
         "centre": _centre(design, member.mass),
         "loads": list(_loads(design, member.mass)),
@@ -89,20 +90,31 @@ def outlook(document: Document) -> dict[str, Any]:
 
 
 def shares(document: Document) -> list[dict[str, Any]]:
-    """What is not known of the walker, each with its part of the spread of its speed, largest first.
+    """What is not known of the walker, each with its part of the spread of its speed, largest first, and the key under
+    which what somebody has measured of it is written, "" without one; nothing where only runs tell the speed.
 
-    Parts are those that knowing the one alone would remove; `alone` of none is what several make together.
+    Parts are those that knowing the one alone would remove; last is what several make together.
     Raises WalkergenError, as `walker` does.
     """
     design, scene = document.design(), document.ground()
     report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
     alone = [
-        {"key": share["name"], "name": sentences.name(share["name"]), "part": max(share["first"], 0.0)}
+        {"key": _key_of(share["name"], design), "name": sentences.name(share["name"]), "part": max(share["first"], 0.0)}
         for share in report.facts["rows"][0]["shares"]
     ]
+    if not alone:
+        return []
     rest = 1.0 - sum(part["part"] for part in alone)
     together = [{"key": "", "name": "several of them together", "part": rest}] if rest > 0.0 else []
     return sorted(alone, key=lambda part: -part["part"]) + together
+
+
+def _key_of(name: str, design: Design) -> str:
+    """Key on a page of what is not known, by its name in predictions; "" for what no key holds."""
+    table, _, key = name.partition(".")
+    if table == "legs":
+        return f"legs.{design.kind}_{key}" if design.pair else ""
+    return f"scene.{name}" if table in Scene.model_fields else name if key else ""
 
 
 def refusal(error: WalkergenError) -> list[dict[str, str]]:
@@ -127,8 +139,12 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
     return np.asarray(middles < bottom - LEGS_MM, dtype=np.uint8)
 
 
-def _finding(finding: Finding) -> dict[str, str]:
-    return {"level": finding.level, "text": sentences.plain(finding.text)}
+def _finding(finding: Finding) -> dict[str, Any]:
+    """Finding in words; where one number does as it says, this with the key that it sets, and words for a button."""
+    setting = finding.setting
+    text = sentences.plain(finding.text if setting is None else finding.seen_text)
+    does = None if setting is None else setting._asdict() | {"words": sentences.setting(*setting)}
+    return {"level": finding.level, "text": text, "does": does}
 
 
 def _of_legs(finding: Finding) -> bool:

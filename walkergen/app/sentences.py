@@ -103,7 +103,13 @@ def run(facts: Mapping[str, Any]) -> str:
 
 def name(key: str) -> str:
     """What is not known, by its key or by words, without its unit."""
-    return re.sub(r" \([^)]*\)$", "", key_names.label(key)) if "." in key else key
+    words = re.sub(r" \([^)]*\)$", "", key_names.label(key)) if "." in key else key
+    return re.sub(r"^(.+?) sd\b", r"deviation of \1", words)
+
+
+def setting(key: str, value: float) -> str:
+    """Value of a key of a walker or, after "printer.", of the printer, in words."""
+    return f"{name(key)}: {value:g} {key_names.UNITS.get(_ending(key), '')}".strip()
 
 
 def title(name: str) -> str:

@@ -202,7 +202,7 @@ def _door(server: Server, door: Callable[[Server, Request], Awaitable[Response]]
         except TimeoutError:
             return _refused(["the message did not come to its end"], 408)
         except ClientDisconnect:  # nobody reads this
-            return _refused(["nobody waits for this any more"], 400)
+            return Response(status_code=204)
 
     return endpoint
 
@@ -300,7 +300,7 @@ async def _curve(server: Server, request: Request) -> Response:
     """Curve of the walker against its tilt; of few points if `rough`, as while a slider moves."""
     document, asked = await _asked(server, request)
     rough = asked.get("rough") is True
-    return _json({"curve": await _worked(server.workers, request, curves.curve, document, rough)})
+    return _json(await _worked(server.workers, request, curves.answer, document, rough))
 
 
 async def _shares(server: Server, request: Request) -> Response:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from walkergen.printing import legs_up, pocket_checks, walls
-from walkergen.printing.findings import NOISE_MM, About, Finding, Level, at, new
+from walkergen.printing.findings import NOISE_MM, About, Finding, Level, Setting, at, new
 from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
 from walkergen.printing.walls import Wall
@@ -55,6 +55,10 @@ def of_batch(
             for finding in of_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
+
+
+BRIM = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
+"""What to do where little holds on to the bed, and a width that is common."""
 
 
 def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
@@ -126,10 +130,12 @@ def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
     """
     width, section, slant = printer.line_width_mm, wall.section, wall.slant
     lines, expected = section / width, walls.deviation(section, printer)
-    change, name = f"{_nearest_good(wall.thickness, printer, slant):g} mm would do", walls.the(wall.name)
+    better = _nearest_good(wall.thickness, printer, slant)
+    change, name = f"{better:g} mm would do", walls.the(wall.name)
 
     def finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
-        return new(wall.part, level, what, seen, limit, unit, change)
+        setting = Setting(wall.key, better) if wall.key and "would do" in change else None
+        return new(wall.part, level, what, seen, limit, unit, change, setting)
 
     if lines < ONE_LINE[0]:
         what = f"{name} is thinner than {ONE_LINE[0]:g} printed lines"
@@ -219,8 +225,11 @@ def _whole(part: About, what: str, length: float, height: float, key: str) -> It
         change = f"raise {key} or lower layer_height_mm"
         yield new(part, "error", f"the {what} is less than half a layer", length, 0.5 * height, "mm", change)
     elif abs(layers - whole) > NOISE_MM:
-        change = f"make {key} {max(1, whole) * height:.6g}, which is what prints"
-        yield new(part, "warning", f"the {what} is not a whole number of layers", layers, whole, "layers", change)
+        printed = float(f"{max(1, whole) * height:.6g}")
+        change = f"make {key} {printed:g}, which is what prints"
+        setting = Setting(key, printed) if key.startswith("body.") else None
+        what = f"the {what} is not a whole number of layers"
+        yield new(part, "warning", what, layers, whole, "layers", change, setting)
 
 
 def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
@@ -256,25 +265,24 @@ def _mesh(mesh: Mesh) -> Iterator[Finding]:
 def _repairs(design: Design) -> Iterator[Finding]:
     if changes := design.body.shape.changes:
         what = f"the body's file was not taken as it is ({'; '.join(changes)})"
-        yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at preview.png before the print")
+        yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at its picture before the print")
 
 
 def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
     area = section_area(mesh, 0.5 * printer.layer_height_mm)
-    change = "set brim_width_mm, and cut it off every leg"
     if area < SMALLEST_CONTACT_MM2:
-        yield new(About.WALKER, "advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2", change)
+        what = "little of it holds on to the bed"
+        yield new(About.WALKER, "advice", what, area, SMALLEST_CONTACT_MM2, "mm2", *BRIM)
     yield from _upright(walls.of_design(design))
 
 
 def _upright(upright: Sequence[Wall]) -> Iterator[Finding]:
     """Advice on walls that print high and thin."""
-    change = "set brim_width_mm, and cut it off every leg"
     for wall in upright:
         slenderness = wall.height / wall.thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
             what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
-            yield new(wall.part, "advice", what, slenderness, SLENDEREST_WALL, "", change)
+            yield new(wall.part, "advice", what, slenderness, SLENDEREST_WALL, "", *BRIM)
 
 
 def section_area(mesh: Mesh, height: float) -> float:

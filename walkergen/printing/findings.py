@@ -31,6 +31,13 @@ class About(StrEnum):
     PRINTER = "printer"
 
 
+class Setting(NamedTuple):
+    """A value of a key of the walker or, after "printer.", of the printer."""
+
+    key: str
+    value: float
+
+
 class Finding(NamedTuple):
     """A deviation of the print from the drawing, with its limit and a remedy."""
 
@@ -43,12 +50,19 @@ class Finding(NamedTuple):
     unit: str
     change: str
     part: About
+    setting: Setting | None = None
+    """What does as the remedy says, where one number does."""
 
     @property
     def text(self) -> str:
         """What, how much, and what to do, in one line, without its level and place."""
+        return f"{self.seen_text}: {self.change}"
+
+    @property
+    def seen_text(self) -> str:
+        """What, and how much."""
         unit = f" {self.unit}" if self.unit else ""
-        return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}: {self.change}"
+        return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}"
 
     @property
     def line(self) -> str:
@@ -56,9 +70,18 @@ class Finding(NamedTuple):
         return f"{self.where}: {self.text}"
 
 
-def new(part: About, level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+def new(
+    part: About,
+    level: Level,
+    what: str,
+    seen: float,
+    limit: float,
+    unit: str,
+    change: str,
+    setting: Setting | None = None,
+) -> Finding:
     """Finding whose place is not known yet."""
-    return Finding(level, "", what, float(seen), float(limit), unit, change, part)
+    return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
 
 
 def at(where: str, findings: Iterable[Finding]) -> list[Finding]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.printing import walls
-from walkergen.printing.findings import NOISE_MM, About, Finding, new
+from walkergen.printing.findings import NOISE_MM, About, Finding, Setting, new
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import pockets, solids
@@ -74,18 +74,20 @@ def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
         if step > limit + NOISE_MM:
             lower = math.floor(100.0 * limit / slope) / 100.0
             advice = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
+            thinner = Setting("printer.layer_height_mm", lower) if lower > 0.0 else None
             what = f"{walls.the(name)} prints as a staircase: a layer's step against half the thickness"
-            yield new(About.LEGS, "warning", what, step, limit, "mm", f"{advice}make the leg thicker")
+            yield new(About.LEGS, "warning", what, step, limit, "mm", f"{advice}make the leg thicker", thinner)
 
 
 def _soft(design: Design) -> Iterator[Finding]:
     material = design.material
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
     if not design.rigid and spread < LEAST_SPREAD_PERCENT:
-        enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
+        enough = math.ceil(LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa) / 100.0
         what = "legs printed upright bend across their layers, which is weaker and softer: the deviation of E"
-        change = f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg (calibrate pluck)"
-        yield new(About.LEGS, "advice", what, spread, LEAST_SPREAD_PERCENT, "%", change)
+        change = f"raise material.youngs_modulus_sd_gpa to {enough:g}, or pluck a printed leg (calibrate pluck)"
+        wider = Setting("material.youngs_modulus_sd_gpa", enough)
+        yield new(About.LEGS, "advice", what, spread, LEAST_SPREAD_PERCENT, "%", change, wider)
 
 
 def _overhang(design: Design, mesh: Mesh) -> Iterator[Finding]:

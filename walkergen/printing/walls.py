@@ -70,6 +70,8 @@ class Wall(NamedTuple):
     height: float
     """Height to which it prints, mm."""
     part: About = About.LEGS
+    key: str = ""
+    """Key that sets its thickness; "" where several do, or none."""
 
     @property
     def section(self) -> float:
@@ -80,7 +82,8 @@ class Wall(NamedTuple):
 def of_design(design: Design) -> list[Wall]:
     """Walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
     side = solids.on_side(design)
-    legs = [Wall(name, *sizes) for sizes, name in alike(design, lambda limb: _sizes(limb, side))]
+    key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
+    legs = [Wall(name, *sizes, key=key) for sizes, name in alike(design, lambda limb: _sizes(limb, side))]
     braces = [
         Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
         for sizes, name in alike(design, lambda limb: _brace_sizes(limb, side))

@@ -144,7 +144,8 @@ function listen() {
   });
 }
 
-const three = (value) => (value === null ? 'none' : Number(value.toPrecision(4)).toString());
+const three = (value) => Number(Math.abs(value) < 1e-9 ? 0 : value.toPrecision(4)).toString();
+const inUnit = (value, unit) => (value === null ? 'none' : `${three(value)} ${unit}`);
 const tableRow = (name, value) => make('tr', {}, make('th', { scope: 'row', textContent: name }), make('td', { textContent: value }));
 
 const range = (low, high) => (low === null || high === null ? 'unknown' : `${low.toFixed(0)} to ${high.toFixed(0)} mm/s`);
@@ -158,16 +159,16 @@ function say({ text, sure }) {
 export function showSpeed(facts) {
   walker = facts;
   const { row } = facts;
-  const legs = row.m_g === null ? [] : [tableRow('m, of one leg', `${three(row.m_g)} g`), tableRow('j', `${three(row.j_g_mm2)} g mm²`)];
-  const drawn = row.nominal_mm_s === undefined ? [] : [tableRow('speed as drawn', `${three(row.nominal_mm_s)} mm/s`)];
+  const legs = row.m_g === null ? [] : [tableRow('m, of one leg', inUnit(row.m_g, 'g')), tableRow('j', inUnit(row.j_g_mm2, 'g mm²'))];
+  const drawn = row.nominal_mm_s === undefined ? [] : [tableRow('speed as drawn', inUnit(row.nominal_mm_s, 'mm/s'))];
   say(facts.sentence);
   byId('masses').tBodies[0].replaceChildren(
-    tableRow('speed, the median of prints', `${three(row.speed_mm_s)} mm/s`), ...drawn,
+    tableRow('speed, the median of prints', inUnit(row.speed_mm_s, 'mm/s')), ...drawn,
     tableRow('68 % of the prints', range(row.speed_low_68_mm_s, row.speed_high_68_mm_s)),
     tableRow('95 % of the prints', range(row.speed_low_95_mm_s, row.speed_high_95_mm_s)),
-    tableRow('theory (eq. 15 of the paper)', `${three(row.theory_mm_s)} mm/s`),
-    tableRow('mass, as a balance shows it', `${three(facts.mass_g)} g`),
-    tableRow('M, of the body', `${three(row.M_g)} g`), tableRow('J', `${three(row.J_g_mm2)} g mm²`),
+    tableRow('theory (eq. 15 of the paper)', inUnit(row.theory_mm_s, 'mm/s')),
+    tableRow('mass, as a balance shows it', inUnit(facts.mass_g, 'g')),
+    tableRow('M, of the body', inUnit(row.M_g, 'g')), tableRow('J', inUnit(row.J_g_mm2, 'g mm²')),
     ...legs,
   );
   byId('caption').textContent = [facts.note, facts.caption].filter(Boolean).join('. ');
@@ -185,23 +186,46 @@ export function showCurve(drawn) {
   drawChart();
 }
 
+// A button that does as a finding says.
+function doing({ key, value, words }) {
+  const button = make('button', { type: 'button', textContent: `make it so: ${words}` });
+  button.addEventListener('click', () => set(key, value, 'shape'));
+  return button;
+}
+
 /** Show what the printer makes of the walker, and words. */
 export function showOutlook(outlook) {
   byId('findings').replaceChildren(
     ...(outlook.findings.length ? outlook.findings : [{ level: 'good', text: 'It prints as drawn.' }])
-      .map(({ level, text }) => make('li', { className: level, textContent: level === 'good' ? text : `${level}: ${text}` })),
+      .map(({ level, text, does }) =>
+        make('li', { className: level }, level === 'good' ? text : `${level}: ${text} `, ...(does ? [doing(does)] : []))),
   );
   byId('shell').textContent = outlook.shell;
   byId('python').textContent = outlook.python;
 }
 
-/** Show what makes prints differ, by its part. */
+// A button that leads to the control in which what was measured is written.
+function entering(key, name) {
+  const button = make('button', { type: 'button', textContent: 'enter what you measured' });
+  button.setAttribute('aria-label', `${name}: enter what you measured`);
+  button.addEventListener('click', () => {
+    const control = byId(`key-${key}`);
+    control.closest('details').open = true;
+    control.scrollIntoView({ block: 'center' });
+    control.focus();
+  });
+  return button;
+}
+
+/** Show what makes prints differ, by its part; nothing is known of walkers that only runs know. */
 export function showShares(shares) {
   byId('shares').replaceChildren(
     ...shares
       .filter(({ part }) => part > 0.005)
-      .map(({ name, part }) => make('li', {}, `${name}: ${Math.round(100 * part)}`)),
+      .map(({ key, name, part }) =>
+        make('li', {}, `${name}: ${Math.round(100 * part)} `, ...(byId(`key-${key}`) ? [entering(key, name)] : []))),
   );
+  byId('no-shares').hidden = shares.length > 0;
 }
 
 export { listen as startChart, tableRow };
