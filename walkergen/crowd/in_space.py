@@ -96,6 +96,8 @@ def cost(job: Job) -> float:
     run = plan.scene.run.model_copy(update={"seconds": expected.LONGEST_S, "discard_seconds": 0.0})
     lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
     crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), told)
+    if len(times) < 2:  # all have fallen
+        return 0.0
     spent, seconds = np.subtract(times[-1], times[0])
     return float(spent / seconds) * (job.scene.run.seconds + job.scene.run.discard_seconds)
 
