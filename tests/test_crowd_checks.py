@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from evidence.__main__ import commands
 from evidence.crowd_checks import checks, crowds, make, meetings, reasons, report, setting
 from evidence.crowd_checks.meetings import MEETINGS
+from evidence.crowd_checks.parts import Parts
 from evidence.crowd_checks.report import Checked, Row
 from evidence.crowd_checks.setting import RATE_HZ
 from walkergen.crowd import in_plane
@@ -187,3 +188,15 @@ def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
     assert {row["check"] for row in rows} == {"single", "binary", "collective"}
     assert all(math.isfinite(float(row["space"])) for row in rows)
     assert "verdict" in report.markdown()
+
+
+def test_what_ends_the_checks_loses_no_finished_part(tmp_path):
+    first = Parts(tmp_path / "checks", setting.QUICK)
+    assert first.kept("crowd, packing 0.3", lambda: Quantity("speed", "mm_s", 1.0, 0.1)) == Quantity(
+        "speed", "mm_s", 1.0, 0.1
+    )
+    again = Parts(tmp_path / "checks", setting.QUICK)
+    assert again.kept("crowd, packing 0.3", lambda: 1 / 0) == Quantity("speed", "mm_s", 1.0, 0.1)
+    assert Parts(tmp_path / "checks", setting.WHOLE).kept("crowd, packing 0.3", lambda: 2) == 2
+    again.done()
+    assert first.kept("crowd, packing 0.3", lambda: 3) == 3

@@ -5,9 +5,11 @@ densest of them with one thing changed, which says why it differs. Of each the s
 analysis in space and in a plane, all from rest.
 """
 
+from functools import partial
 from pathlib import Path
 
 from evidence.crowd_checks import checks, crowds, meetings, reasons, report, setting
+from evidence.crowd_checks.parts import Parts
 from evidence.crowd_checks.report import Checked, rows_of
 from evidence.crowd_checks.setting import Size
 from walkergen.crowd.flat import engine
@@ -22,24 +24,26 @@ STEPS = 7
 def make(size: Size, command: str, folder: Path, progress: Progress) -> Report:
     """Run the checks, and write crowd_checks.md and .csv; `command`: words that make them.
 
-    Equal sizes give equal bytes on one machine. Ctrl-C leaves no file. Raises InputError where
-    LAMMPS is absent.
+    Equal sizes give equal bytes on one machine. What ends it loses one part, of some minutes: the same
+    command goes on. Raises InputError where LAMMPS is absent.
     """
     engine.locate()
-    result = report.of(run(size, progress), folder, notes(size, command))
+    parts = Parts(folder, size)
+    result = report.of(run(size, parts, progress), folder, notes(size, command))
     with Folder(folder, "") as target:
         result.write(target, pictures=False)
+    parts.done()
     return result
 
 
-def run(size: Size, progress: Progress) -> Checked:
+def run(size: Size, parts: Parts, progress: Progress) -> Checked:
     """Rows of all three checks, and what they say of friction and of the stationary state."""
     design = setting.walker()
     mass = solids.mass_of(design)
     progress("alone in space", 0, STEPS)
-    assumed, alone = checks.alone_in_space(size, design, mass)
+    assumed, alone = parts.kept("alone", lambda: checks.alone_in_space(size, design, mass))
     progress("pairs in space", 1, STEPS)
-    met, rubbed = checks.pairs_in_space(size, design, mass, assumed)
+    met, rubbed = parts.kept("pairs", lambda: checks.pairs_in_space(size, design, mass, assumed))
     card = checks.rubbing(assumed, rubbed)
     progress("alone in the plane", 2, STEPS)
     rows = [*rows_of("single", alone, checks.alone_in_plane(size, card))]
@@ -47,15 +51,20 @@ def run(size: Size, progress: Progress) -> Checked:
     rows += rows_of("binary", met, checks.pairs_in_plane(size, card))
     progress("crowds in space", 4, STEPS)
     named = {f"packing {packing:g}": packing for packing in setting.PACKINGS}
-    space = {case: crowds.in_space(size, design, mass, card, at, size.crowd_runs) for case, at in named.items()}
+    space = {
+        case: parts.kept(f"space {case}", partial(crowds.in_space, size, design, mass, card, at, size.crowd_runs))
+        for case, at in named.items()
+    }
     progress("crowds in the plane", 5, STEPS)
     more = setting.MORE * size.crowd_runs
-    plane = {case: crowds.in_plane(size, card, at, more) for case, at in named.items()}
+    plane = {
+        case: parts.kept(f"plane {case}", partial(crowds.in_plane, size, card, at, more)) for case, at in named.items()
+    }
     numbers = [{case: one.numbers for case, one in of.items()} for of in (space, plane)]
     rows += rows_of("collective", *numbers)
     gained = {case: (one.gained, plane[case].gained) for case, one in space.items()}
     progress("crowds changed in one thing", 6, STEPS)
-    changed = reasons.measure(size, design, mass, card)
+    changed = reasons.measure(size, parts, design, mass, card)
     progress("done", STEPS, STEPS)
     return Checked(rows, assumed.friction, card.friction, rubbed, gained, changed)
 

@@ -1,9 +1,11 @@
 """Why a dense crowd in space is not that of the plane: it runs again in both, changed in one thing at a time."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import NamedTuple
 
 from evidence.crowd_checks import crowds, setting
+from evidence.crowd_checks.parts import Parts
 from evidence.crowd_checks.setting import PACKINGS, Size
 from walkergen.crowd.cards.card import Card
 from walkergen.numerics.quantity import Quantity
@@ -39,16 +41,17 @@ class Changed(NamedTuple):
     plane: Quantity
 
 
-def measure(size: Size, design: Design, mass: MassProperties, card: Card) -> list[Changed]:
+def measure(size: Size, parts: Parts, design: Design, mass: MassProperties, card: Card) -> list[Changed]:
     """Speeds of the densest crowd with each change."""
     found = []
     for change in CHANGES:
         space = None
         if change.space:
             keys = {f"crowd.{key}": value for key, value in change.space.items()}
-            whole = crowds.in_space(size, design, mass, card, DENSEST, size.changed_runs, **keys)
-            space = whole.numbers["speed"]
+            crowd = partial(crowds.in_space, size, design, mass, card, DENSEST, size.changed_runs, **keys)
+            space = parts.kept(f"space, {change.name}", crowd).numbers["speed"]
         other = card.model_copy(update=change.plane)
-        plane = crowds.in_plane(size, other, DENSEST, setting.MORE * size.changed_runs)
+        flat = partial(crowds.in_plane, size, other, DENSEST, setting.MORE * size.changed_runs)
+        plane = parts.kept(f"plane, {change.name}", flat)
         found.append(Changed(change.name, space, plane.numbers["speed"]))
     return found

@@ -1,0 +1,37 @@
+"""Finished parts of the checks, minutes each: kept until the whole is done, so that what ends it loses one at most."""
+
+import hashlib
+import pickle
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+from evidence.crowd_checks.setting import Size
+from walkergen.files import output
+from walkergen.points.point import digest
+
+Part = TypeVar("Part")
+
+
+class Parts:
+    """Parts of one size, by the sources of today: others are made anew."""
+
+    def __init__(self, folder: Path, size: Size) -> None:
+        """Parts beside the folder of the whole."""
+        name = hashlib.sha256(f"{digest()} {size!r}".encode()).hexdigest()[:16]
+        self._folder = folder.with_name(f"{folder.name}.parts-{name}")
+
+    def kept(self, name: str, make: Callable[[], Part]) -> Part:
+        """A part: as it was kept, or as it is made now, and kept."""
+        path = self._folder / f"{name}.pickle"
+        if path.exists():
+            part: Part = pickle.loads(path.read_bytes())
+            return part
+        part = make()
+        output.write(path, pickle.dumps(part))
+        return part
+
+    def done(self) -> None:
+        """Remove them: the whole is written."""
+        shutil.rmtree(self._folder, ignore_errors=True)
