@@ -19,6 +19,7 @@ import trimesh
 from app_doors import PAPER, Doors, document
 
 from walkergen.app import document as documents
+from walkergen.app import sentences
 
 CHANGED = document(
     legs__tilt_deg=12.5,
@@ -163,8 +164,8 @@ def test_numbers_equal_those_of_predict(doors, tmp_path, chosen):
     shares = doors.ask("shares", {"document": chosen}).json["shares"]
     words = documents.arguments(documents.read(chosen, doors.server.place), "predict")
     (row,) = json.loads(command(tmp_path, [*words, "--uncertain", "--json"]))["rows"]
-    first = {share["name"]: max(share["first"], 0.0) for share in row["shares"]}
-    assert {share["key"]: share["part"] for share in shares if share["key"]} == first
+    first = {sentences.name(share["name"]): max(share["first"], 0.0) for share in row["shares"]}
+    assert {share["name"]: share["part"] for share in shares if share["name"] in first} == first
     assert sum(share["part"] for share in shares) == pytest.approx(1.0, abs=0.1)
     assert {key: row[key] for key in facts["row"]} == facts["row"]
 

@@ -17,7 +17,7 @@ from walkergen.printing import checks
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments as simulated
-from walkergen.theory import prediction, surrogate
+from walkergen.theory import networks, prediction
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -238,7 +238,7 @@ def test_a_new_table_of_predictions_forgets_no_runs(monkeypatch):
     changed = [point_at(), point_at("space")]
     kept = point_at("space")._replace(keep=())
     before, same = [key(one) for one in changed], key(kept)
-    monkeypatch.setattr(surrogate, "digest", lambda: "another")
+    monkeypatch.setattr(networks, "digest", lambda: "another")
     assert all(key(one) != old for one, old in zip(changed, before, strict=True))
     assert key(kept) == same
     assert "predicted_mm_s" not in evaluate(point_at("relaxed")._replace(keep=()))

@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from typing import Any, NoReturn
 
 
@@ -77,15 +78,23 @@ def hear_everywhere() -> None:
 
     def again(lost: Any) -> None:
         if isinstance(lost.exc_value, KeyboardInterrupt):
-            threading.Timer(1e-3, _interrupt).start()  # in here it would be lost anew
+            over = threading.Event()
+            threading.Thread(target=_interrupt_after, args=(over,), daemon=True).start()
+            over.set()
         else:
             before(lost)
 
     sys.unraisablehook = again
 
 
-def _interrupt() -> None:
-    """Interrupt the main thread, where it can be also while it waits for the system."""
+LEAVING_S = 0.02
+"""Time that the main thread has to leave what an interrupt is lost in, s."""
+
+
+def _interrupt_after(over: threading.Event) -> None:
+    """Interrupt the main thread once something is over, where it can be also while it waits for the system."""
+    over.wait()
+    time.sleep(LEAVING_S)
     if sys.platform == "win32":
         _thread.interrupt_main()
     else:
