@@ -218,6 +218,7 @@ def test_a_run_plays_as_fast_as_it_is_and_slower_on_wish(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly  # a crowd's kernels take two minutes of a core to compile, while the page shows its bar
 def test_ten_walkers_run_in_a_dish(page):
     page.click("#crowd")
     page.until(lambda: page.find("#dish").is_displayed())
