@@ -7,7 +7,7 @@ import pytest
 from flat_cards import DISC, silent, with_lammps
 from flat_pairs import collide
 
-from walkergen.crowd.flat import contact, crowd, discs, doors
+from walkergen.crowd.flat import contact, crowd, deck, discs, doors
 from walkergen.dish import Dish
 from walkergen.theory.impact import Law, impact
 
@@ -34,6 +34,11 @@ def test_dashpot_of_a_restitution_has_it_when_integrated(wanted):
         v += h * force
         x += h * v
     assert -v == pytest.approx(wanted, abs=2e-4)
+
+
+def test_steps_resolve_the_dashpot_of_what_gives_little_back():
+    steps = [deck.mechanics([glider(restitution=one)]).contacts.longest_step for one in (0.5, 0.3, 0.1)]
+    assert steps[0] == steps[1] == pytest.approx(1.9 * steps[2], rel=0.05)
 
 
 @with_lammps

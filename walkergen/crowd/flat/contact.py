@@ -23,6 +23,10 @@ GIVE = 0.04
 STEPS_IN_TOUCH = 16
 """Steps in a contact of two typical points."""
 
+STEPS_IN_DAMPING = 4
+"""Least number of steps in which the dashpot of a contact fades a speed: several discs touch at once where faces meet.
+With two, as a restitution of 0.1 would have it, one of six dense crowds flew apart; with four none."""
+
 STEPS_IN_MEMORY = 100
 """Least number of steps in which a velocity forgets a push."""
 
@@ -89,14 +93,15 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     speed = max(2.0 * _approach(motion) for motion in motions)
     heaviest, lightest = 1.0 / min(light), 1.0 / (2.0 * max(light))
     stiffness = heaviest * (max(speed, 1.0) / give) ** 2
+    masses = {(i, j): 1.0 / (light[i] + light[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
     pairs = {
         (i, j): _contact(
             stiffness,
-            1.0 / (light[i] + light[j]),
+            mass,
             math.sqrt(cards[i].restitution * cards[j].restitution),
             math.sqrt(cards[i].friction * cards[j].friction),
         )
-        for i, j in combinations_with_replacement(range(len(cards)), 2)
+        for (i, j), mass in masses.items()
     }
     walls = [
         _contact(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
@@ -104,7 +109,12 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     ]
     touch = math.pi * math.sqrt(lightest / stiffness)
     memory = min(min(motion.relaxation, motion.sideways_relaxation, motion.turning_relaxation) for motion in motions)
-    return Contacts(pairs, walls, min(touch / STEPS_IN_TOUCH, memory / STEPS_IN_MEMORY))
+    fading = min(
+        *(mass / pairs[kinds].damping for kinds, mass in masses.items()),
+        *(1.0 / one / wall.damping for one, wall in zip(light, walls, strict=True)),
+    )
+    step = min(touch / STEPS_IN_TOUCH, fading / STEPS_IN_DAMPING, memory / STEPS_IN_MEMORY)
+    return Contacts(pairs, walls, step)
 
 
 def _approach(motion: Motion) -> float:
