@@ -112,7 +112,7 @@ def spent(measured: Measured[Any]) -> float:
 
 def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
     """Fewest runs of an experiment that will meet an error, by the scatter of those that were made."""
-    (quantity,) = (own for own in finer.quantities(measured.records) if own.column == until.of)
+    quantity = measured._replace(experiment=finer).quantities[until.of]
     scatter = _scatter(measured, until.of, quantity.se or 0.0)
     for runs in range(until.first, until.most):
         if quantity._replace(se=scatter / math.sqrt(runs), freedom=runs - 1.0).half_width() <= until.allowed(

@@ -144,7 +144,7 @@ class Error(NamedTuple):
         """Experiment whose bias leaves room for the scatter, as the runs already made tell; else the finest."""
         experiment = measured.experiment
         while (finer := experiment.finer()) is not None:
-            (quantity,) = (own for own in experiment.quantities(measured.records) if own.column == self.of)
+            quantity = measured._replace(experiment=experiment).quantities[self.of]
             if quantity.bias <= BIAS_PART * self.allowed(quantity.value):
                 break
             experiment = finer

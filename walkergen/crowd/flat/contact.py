@@ -91,8 +91,7 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     light = [lightness(card) for card in cards]
     give = GIVE * min(float(body.radii.max()) for body in discs)
     speed = max(2.0 * _approach(motion) for motion in motions)
-    heaviest, lightest = 1.0 / min(light), 1.0 / (2.0 * max(light))
-    stiffness = heaviest * (max(speed, 1.0) / give) ** 2
+    stiffness = 1.0 / min(light) * (max(speed, 1.0) / give) ** 2
     masses = {(i, j): 1.0 / (light[i] + light[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
     pairs = {
         (i, j): _contact(
@@ -107,7 +106,7 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
         _contact(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
         for one, card in zip(light, cards, strict=True)
     ]
-    touch = math.pi * math.sqrt(lightest / stiffness)
+    touch = math.pi * math.sqrt(min(masses.values()) / stiffness)
     memory = min(min(motion.relaxation, motion.sideways_relaxation, motion.turning_relaxation) for motion in motions)
     fading = min(
         *(mass / pairs[kinds].damping for kinds, mass in masses.items()),
