@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
+from walkergen.commands import request_of
 from walkergen.errors import InputError
 from walkergen.jobs.run.explain import make, measured
 from walkergen.jobs.run.simulate.request import SimulateRequest
@@ -155,10 +156,47 @@ def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
     assert simplest(held).walker.scene.legs.model == "auto"
 
 
-@pytest.mark.parametrize("more", [{"uncertain": True}, {"tilt": "5,10"}])
-def test_effects_are_left_out_of_one_walker_alone(more):
-    with pytest.raises(InputError, match=r"--effects 0\.01: (not with|means one walker)"):
-        SimulateRequest.asked({"effects": "auto:1%"} | more, shell=True).run(lambda *_: None)
+ACCEPTED = {"scene.run.accepted_error": 0.9}
+
+
+def test_an_accepted_error_holds_for_each_of_several_tilts_and_for_their_time():
+    few = {"scene.drive.second_harmonic_ratio": 1e-3, "scene.run.discard_seconds": 0.0, "tilt": "10,12"}
+    asked = {"model": "relaxed", "runs": 1, "seconds": 0.05, **few}
+
+    def told(values, **more):
+        keys = {key: value for key, value in (values | more).items() if "." in key}
+        plain = {key: value for key, value in values.items() if "." not in key}
+        return SimulateRequest.asked(plain | {"set": keys}).run(lambda *_: None)
+
+    without, whole, simple = (
+        told(asked, **more) for more in ({"scene.drive.second_harmonic_ratio": 0.0}, {}, ACCEPTED)
+    )
+    speeds = [[row["speed_mm_s"] for row in report.facts["rows"]] for report in (without, whole, simple)]
+    assert speeds[0] == speeds[2] != speeds[1]
+    assert [row["effects"]["left_out"][0]["effect"] for row in simple.facts["rows"]] == ["second harmonic"] * 2
+    assert sum("left out: second harmonic" in line for line in simple.lines) == 2
+
+
+def test_a_forecast_counts_what_an_accepted_error_leaves_out():
+    keys = {"legs.model": "relaxed", "run.runs": 1, "run.seconds": 1.0, "drive.second_harmonic_ratio": 1e-9}
+    scene = LANE.variant(**keys)
+    accepted = simplest(Walker(scene.variant(**{"run.accepted_error": 0.3}), DESIGN, solids.mass_of(DESIGN)))
+    assert accepted.cpu_s > 0.0
+    whole, simple = (
+        alone.cost(Point(DESIGN, scene.variant(**more), True)) for more in ({}, {"run.accepted_error": 0.3})
+    )
+    assert simple > whole + 0.5 * accepted.cpu_s
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("simulate", {"uncertain": True}), ("movie", {}), ("fit", {"model": "compliant"})]
+)
+def test_what_leaves_nothing_out_refuses_an_accepted_error(name, values, tmp_path):
+    if name == "fit":
+        values["speeds"] = tmp_path / "speeds.csv"
+        values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
+    with pytest.raises(InputError, match=r"^scene\.run\.accepted_error = 0\.9: .*; leave it out$"):
+        request_of(name).asked(values | {"set": ACCEPTED}).run(lambda *_: None)
 
 
 def test_the_share_is_written_as_auto():

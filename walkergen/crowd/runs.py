@@ -14,6 +14,7 @@ from walkergen.crowd.statistics import CrowdFilm, CrowdStatistics
 from walkergen.crowd.statistics.film import of_places
 from walkergen.crowd.statistics.measuring import FEWEST_FRAMES
 from walkergen.errors import InputError
+from walkergen.points import simplest
 from walkergen.scene import Scene
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.simulation.trajectory import check
@@ -110,12 +111,7 @@ def checked(job: Job) -> Job:
     if len(set(names)) < len(names):
         raise InputError(f"--count: two designs are called {max(names, key=names.count)!r}: rename one")
     run = job.scene.run
-    if run.accepted_error is not None:
-        raise InputError(
-            f"scene.run.accepted_error = {run.accepted_error:g}: is of one walker's speed, and a crowd has all that "
-            "its scene calls for: leave it out",
-            "scene.run.accepted_error",
-        )
+    simplest.refuse(job.scene, "is of one walker's speed, and a crowd has all that its scene calls for")
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(
             f"--rate-hz {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "

@@ -81,10 +81,11 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
 def cost(point: Point) -> float:
     """CPU seconds that a point takes, by a moment of its runs, or the first of them; a prediction is made twice."""
     if point.simulated:
-        walker = Walker(point.scene, point.design, solids.mass_of(point.design))
-        if point.wanted is not None:
-            return walkers.cost_to_error(walker, point.wanted)
-        return expected.of_run(walker) * walker.scene.run.runs
+        found = simplest(Walker(point.scene, point.design, solids.mass_of(point.design)), threads=1)
+        walker, wanted = found.walker, point.wanted
+        runs = walker.scene.run.runs
+        left = expected.of_run(walker) * runs if wanted is None else walkers.cost_to_error(walker, wanted)
+        return found.cpu_s + left
     evaluate(point)  # what is read once for all points
     started = time.thread_time()
     evaluate(point)

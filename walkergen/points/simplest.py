@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress, silent
 from walkergen.numerics.quantity import Verdict
@@ -9,6 +10,7 @@ from walkergen.points import variants
 from walkergen.points.measure import FIRST_RUNS, Measured, measure
 from walkergen.points.tolerance import Tolerance
 from walkergen.points.variants import Change, Pairs, Variant
+from walkergen.scene import Scene
 from walkergen.simulation.effects import rules
 from walkergen.simulation.effects.effect import ModelName, value_of
 from walkergen.simulation.effects.resolve import changed
@@ -45,6 +47,8 @@ class Simplest(NamedTuple):
     left_out: tuple[Change, ...] = ()
     """Changes of the speed, each with all before it left out as well."""
     kept: tuple[Change, ...] = ()
+    cpu_s: float = 0.0
+    """CPU time that finding it out took, s."""
 
     @property
     def lines(self) -> list[tuple[str, str]]:
@@ -86,6 +90,14 @@ def _in_words(change: Change) -> str:
     return f"{named} ({number} mm/s)"
 
 
+def refuse(scene: Scene, why: str) -> None:
+    """Refuse an accepted error where nothing is left out. Raises InputError that says why."""
+    accepted = scene.run.accepted_error
+    if accepted is not None:
+        key = "scene.run.accepted_error"
+        raise InputError(f"{key} = {accepted:g}: {why}; leave it out", key)
+
+
 def simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
     """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
 
@@ -106,9 +118,10 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
         if measured.partial:
             raise KeyboardInterrupt
         change = measured.experiment.changes(measured.records)[0]
+        spent = found.cpu_s + sum(run.cpu_s for runs in measured.records for run in runs)
         if until.verdict(measured) is Verdict.AGREE:
-            return found._replace(walker=variant.walker, left_out=(*found.left_out, change))
-        return found._replace(kept=(*found.kept, change))
+            return found._replace(walker=variant.walker, left_out=(*found.left_out, change), cpu_s=spent)
+        return found._replace(kept=(*found.kept, change), cpu_s=spent)
 
     until = Decided(Tolerance(accepted, relative=True))
     for model in _models(whole):

@@ -20,7 +20,7 @@ from walkergen.lab.fit.job import Job
 from walkergen.lab.fit.parameters import KEYS, OF_SCENE, ModelName, held, unknown
 from walkergen.lab.fit.posterior import Observed, Posterior, Responds
 from walkergen.lab.report import named
-from walkergen.points import expected
+from walkergen.points import expected, simplest
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -90,6 +90,7 @@ def learn(path: Path, job: Job, progress: Progress, expect: Expect = unheard) ->
     settings, observed = _observed(design, seen)
     ahead = _ahead(job.ahead, design, seen, settings)
     if model != "prediction":
+        simplest.refuse(scene, "a fit is of one model, and all that the scene calls for")
         expect(lambda: _time(ground, settings, ahead))
     respond = _by_table if model == "prediction" else _by_runs
     sampled, responses, later = respond(ground, settings, observed, ahead, progress)

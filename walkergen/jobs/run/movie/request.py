@@ -48,12 +48,14 @@ class MovieRequest(request.Request):
     def run(self, progress: Progress) -> "Report":
         """Film the walkers."""
         from walkergen.jobs.run.movie import make, report
+        from walkergen.points import simplest
 
         if self.out is not None and self.out.suffix.lower() != ".gif":
             told = f"--out {str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "out")
         given = self.inputs()
         scene, design = given.scene(self.scene), given.design(self.design)
+        simplest.refuse(scene, "is of a speed, and a film shows all that its scene calls for")
         members = given.members(design, self.tilt, self.legs, whole=False)
         times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
         job = make.plan(members, scene, **times, fps=self.fps, view=self.view)

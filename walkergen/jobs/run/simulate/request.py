@@ -84,7 +84,7 @@ class SimulateRequest(request.Request):
         members = given.members(given.design(self.design), self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs, or"
-            self.refuse(why, "trajectory", "error", "effects", "uncertain")
+            self.refuse(why, "trajectory", "error", "uncertain")
             return self._several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
             return self._uncertain(scene, members[0], progress)  # type: ignore[return-value]
@@ -125,24 +125,25 @@ class SimulateRequest(request.Request):
         from walkergen.jobs.run.simulate import several
         from walkergen.points import expected
 
-        wanted, rows = several.asked(scene, members), list[several.Row]()
-        self._expect(lambda: expected.of_runs(wanted))
+        found, rows = several.asked(scene, members, progress), list[several.Row]()
+        self._expect(lambda: expected.of_runs([simple.walker for simple in found]))
         try:
-            rows.extend(several.each(wanted, progress))
+            rows.extend(several.each(found, progress))
         except KeyboardInterrupt:
             missing = ", ".join(f"{member.tilt_deg:g} deg {member.kind}" for member in members[len(rows) :])
-            result = several.of(rows, scene, wanted)
-            told = f"interrupted after {len(rows)} of {len(wanted)} walkers; missing: {missing}"
+            result = several.of(rows, scene, found)
+            told = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
             return replace(result, warnings=[told, *result.warnings], code=130)
-        return several.of(rows, scene, wanted)
+        return several.of(rows, scene, found)
 
     def _uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
         """Simulate uncertain prints: their speeds, with what to measure next."""
         from walkergen.jobs.run.simulate import prints
-        from walkergen.points import draws, expected
+        from walkergen.points import draws, expected, simplest
         from walkergen.simulation.experiments import Walker
         from walkergen.walker import solids
 
+        simplest.refuse(scene, "is of a mean speed, and --uncertain asks how far prints lie apart")
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
         self._expect(lambda: expected.of_runs([walker]))
         measured = draws.measure(scene, design, self.draws, progress)

@@ -4,10 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from walkergen.files import report, words
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.run.simulate import orbit, tables
 from walkergen.points import speeds, walkers
+from walkergen.points.simplest import Simplest, simplest
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Walker
@@ -40,32 +41,41 @@ class Row(NamedTuple):
     warnings: Sequence[str]
     orbit: Mapping[str, Any] | None
     """Orbit that all runs share, so that they tell no error; None where they differ."""
+    effects: Mapping[str, Any] | None
+    """What an accepted error left out; None where none was accepted."""
 
 
-def asked(scene: Scene, members: Sequence[Design]) -> list[Walker]:
-    """Points of walkers in a scene, weighed. Raises InputError for one that cannot be simulated."""
-    experiments_of = [Walker(scene, member, solids.mass_of(member)) for member in members]
-    for experiment in experiments_of:
-        experiment.plan()
-    return experiments_of
+def asked(scene: Scene, members: Sequence[Design], progress: Progress) -> list[Simplest]:
+    """Walkers in a scene, weighed, without what an accepted error allows to leave out.
+
+    Raises InputError for one that cannot be simulated.
+    """
+    whole = [Walker(scene, member, solids.mass_of(member)) for member in members]
+    for walker in whole:
+        walker.plan()
+    return [
+        simplest(walker, part(progress, number, len(whole), names.part(walker.design)))
+        for number, walker in enumerate(whole)
+    ]
 
 
-def each(wanted: Sequence[Walker], progress: Progress) -> Iterator[Row]:
+def each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
     """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
 
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
-    titles = [names.part(experiment.design) for experiment in wanted]
-    for experiment, name, point in zip(wanted, titles, walkers.each(wanted, titles, progress), strict=True):
-        summary = point.summary
+    wanted = [simple.walker for simple in found]
+    titles = [names.part(walker.design) for walker in wanted]
+    for simple, name, point in zip(found, titles, walkers.each(wanted, titles, progress), strict=True):
+        walker, summary = simple.walker, point.summary
         shared = orbit.of(point, progress)
         if shared is not None:
             summary = orbit.of_prints(summary, shared)
-        predicted = speeds.predict(experiment.design, experiment.mass, experiment.scene, model="known")
+        predicted = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
         yield Row(
             name,
-            experiment.design.tilt_deg,
-            experiment.design.kind,
+            walker.design.tilt_deg,
+            walker.design.kind,
             point.model,
             point.method,
             predicted.speed_mm_s,
@@ -78,23 +88,31 @@ def each(wanted: Sequence[Walker], progress: Progress) -> Iterator[Row]:
             summary.outcomes,
             point.warnings,
             None if shared is None else tables.orbit_as_dict(shared),
+            simple.facts.get("effects"),
         )
 
 
-def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Walker]) -> Report:
+def of(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
     """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
-    title = f"{wanted[0].design.name} on {scene.name}, {tables.plate_in_words(scene)}"
-    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(wanted)}
+    title = f"{found[0].walker.design.name} on {scene.name}, {tables.plate_in_words(scene)}"
+    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(found)}
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
     note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
     return Report(
         name="simulate",
         title=title,
         facts=facts,
-        lines=[note] if kinds else [],
+        lines=[*([note] if kinds else []), *_left_out(found[: len(rows)])],
         tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
         warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
     )
+
+
+def _left_out(found: Sequence[Simplest]) -> Iterator[str]:
+    """What was left out of each walker's scene, and what was kept, in words."""
+    for simple in found:
+        for name, value in simple.lines:
+            yield f"{names.part(simple.walker.design)}, {name}: {value}"
 
 
 def _speed(row: Row) -> str:
