@@ -310,6 +310,7 @@ def test_the_keyboard_moves_the_marker(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly
 def test_a_walker_of_a_wished_speed_is_found_and_taken(page):
     page.find("#wished").clear()
     page.find("#wished").send_keys("40")

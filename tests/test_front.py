@@ -151,7 +151,11 @@ LONG = {"accuracy", "calibrate", "crowd", "design", "fit", "movie", "reproduce",
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in wg.__all__ if one in (*COMMANDS, "load")],
+    [
+        pytest.param(one, marks=[pytest.mark.nightly] if one == "reproduce" else [pytest.mark.slow] * (one in LONG))
+        for one in wg.__all__
+        if one in (*COMMANDS, "load")
+    ],
 )
 def test_the_example_of_a_docstring_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -299,11 +303,8 @@ MEASURING = {
 }
 
 
-SIMULATED = ("slide",)
-
-
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SIMULATED)) for one in MEASURING]
+    "name", [pytest.param(one, marks=[pytest.mark.nightly] * (one == "slide")) for one in MEASURING]
 )
 def test_what_was_measured_tells_the_same_as_by_the_commands(run, tmp_path, name):
     words, call = MEASURING[name]

@@ -128,7 +128,7 @@ def test_the_command_writes_the_same_bytes_again(tmp_path, monkeypatch):
     assert str(lone) == "--scene lane-90hz: only --format mjcf has a scene"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_page_runs_and_the_walker_as_it_says(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = PAGE.read_text(encoding="utf-8")

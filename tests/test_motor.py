@@ -280,7 +280,7 @@ PLASTIC = {
 @pytest.mark.parametrize(
     ("tilt", "push", "turned", "share"),
     [
-        pytest.param(0.0, 1.8, False, 0.05, marks=pytest.mark.slow),
+        pytest.param(0.0, 1.8, False, 0.05, marks=pytest.mark.nightly),
         pytest.param(10.0, 3.0, True, 0.2, marks=pytest.mark.nightly),
     ],
 )
