@@ -2,7 +2,7 @@
 
 The paper's walker over tilts, labels and friction, on the plane and in the lane, and the templates
 of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
-second call goes on where the first ended. The table, in Markdown, is that of docs/validation.md.
+second call goes on where the first ended. Its rows, in Markdown; docs/validation.md shows some.
 
     python benchmarks/steps.py [--finer 10] [--runs 16] [--seconds 3] [--out out/steps.csv]
 

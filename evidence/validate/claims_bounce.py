@@ -35,8 +35,8 @@ HOUSNER = (
 )
 ELGAWADY = (
     "M. A. ElGawady, Q. Ma, J. M. Butterworth, J. M. Ingham, Effects of interface material on the "
-    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract: "
-    "measured about {} of the predicted value on {}"
+    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract: about 0.97 (3 times as high as wide) "
+    "and 0.95 (5 times) of the predicted value on concrete, 0.67 (5 times) on rubber"
 )
 REAL_BASE = (
     "A rigid block on two corners, plastic, loses only what changing corners costs; a real "
@@ -210,7 +210,7 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
         yield formula.claim(quantity, "", rocking(slenderness), housner(slenderness))
     for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"), (5.0, 0.67, "rubber")):
         quantity = f"rocking block {slenderness:g} times as high as wide on {base}: spin kept, over Housner's"
-        measured = Outside(ELGAWADY.format(share, base), 0.02 / share, "our reading of 'about'", REAL_BASE)
+        measured = Outside(ELGAWADY, 0.02 / share, "our reading of 'about'", REAL_BASE)
         yield measured.claim(quantity, "", rocking(slenderness) / housner(slenderness), share)
 
 

@@ -65,7 +65,7 @@ def tensor(effort: Effort) -> Iterator[Claim]:
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.legs[0])
         for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)), ("yy", ours.yy, (1, 1))):
-            quantity = f"inverse mass H_{name} of the back foot at {tilt:g} deg"
+            quantity = f"inverse mass H_{name}, back foot, {tilt:g} deg"
             yield outside.claim(quantity, "1/g", float(value), float(theirs[place]))
 
 
@@ -79,8 +79,9 @@ def stationary(effort: Effort) -> Iterator[Claim]:
         for name, value, leg in feet:
             H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])
-            quantity = f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1"
-            yield Outside(PAPER.format("12, 15"), 1e-9, "as above").claim(quantity, "", float(value), float(theirs))
+            outside = Outside(PAPER.format("12, 15 at e = 0.9, μ = 0.1"), 1e-9, "as above")
+            quantity = f"speed over impact speed, {name} foot, {tilt:g} deg"
+            yield outside.claim(quantity, "", float(value), float(theirs))
 
 
 def energy_of_impacts(effort: Effort) -> Iterator[Claim]:

@@ -20,7 +20,7 @@ PAPER = "Koumakis et al. 2016"
 MEASURED, LABEL = 0.8, PAPER_CONTACT.restitution
 """Restitution that the paper measured, and label of a foot with which its speeds come out."""
 
-CONTACTS = ((MEASURED, "e = 0.8, as measured"), (LABEL, f"label e = {LABEL:g}, inferred from speeds"))
+CONTACTS = ((MEASURED, "e = 0.8, measured"), (LABEL, f"label {LABEL:g}, inferred"))
 
 TILTS = (5.0, 8.0, 10.0, 12.0, 15.0)
 GAMMAS = (1.2, 1.4, 1.6, 1.8, 2.2, 2.6)
@@ -30,16 +30,16 @@ LIVELY = 1.8
 LATE_S = 0.5
 """Lag from which to twice it runs of some seconds tell how a walker wanders, s."""
 
+INFERRED = "The contact was inferred from the paper's speeds."
 BOUNCE = (
-    "We have no proof of the reason. A nearly level drop of our walker leaves the paper's 0.8 open "
-    "for this label, and excludes it at 10 deg for the one that runs at the paper's speed (rows below): no label "
-    "meets both, on feet as stiff as their legs and at 1.8 g. On tips 40 to 50 times softer, or on "
-    "a plate that shakes 8 to 10 % less where walkers run, one label does (docs/causes.md)."
+    "The reason is not proven. No label meets both the paper's speed and its rebound (rows below) on feet as stiff as "
+    "their legs and at 1.8 g. On tips 40 to 50 times softer, or on a plate that shakes 8 to 10 % less where walkers "
+    "run, one label does (docs/causes.md)."
 )
 THRESHOLD = (
-    "In our model a walker that rebounds little sits on the plate until that falls away, and "
-    "friction wipes out there what a landing gave: it runs from about 1.6 g on. A noisy plate runs "
-    "it below, and so do softer tips with the measured restitution (docs/causes.md)."
+    "In our model a walker that rebounds little sits on the plate until that falls away, and friction wipes out there "
+    "what a landing gave: it runs from about 1.6 g on. A noisy plate runs it below, and so do softer tips with the "
+    "measured restitution (docs/causes.md)."
 )
 
 REBOUND = (
@@ -93,8 +93,7 @@ def predicted(effort: Effort) -> Iterator[Claim]:
             "speed", "mm_s", row.speed_mm_s, 0.5 * ((row.speed_high_68_mm_s or 0.0) - (row.speed_low_68_mm_s or 0.0))
         )
         circumstances = f"predicted, with half of its 68 % bounds, {name}"
-        why = "The contact was inferred from the paper's speeds."
-        yield _of_fact("speed at 10 deg", circumstances, ours, why, fitted=True)
+        yield _of_fact("speed at 10 deg", circumstances, ours, INFERRED, fitted=True)
 
 
 def theory_maximum(effort: Effort) -> Iterator[Claim]:
@@ -107,7 +106,7 @@ def speeds(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed at 10 deg, by contact."""
     for restitution, contact in CONTACTS:
         ensemble, fitted = in_space(10.0, effort, restitution), restitution == LABEL
-        why = "The label was inferred from the paper's speeds." if fitted else BOUNCE
+        why = INFERRED if fitted else BOUNCE
         yield _of_fact("speed at 10 deg", f"in space, {contact}", ensemble.speed, why, fitted)
 
 

@@ -33,11 +33,9 @@ SAME_FEET = 0.1
 that rule planar speeds are 5 and 8 % higher (benchmarks/rivals.py)."""
 
 SLIP_AND_FEET = (
-    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
-    "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
-    "leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, 36, 58 mm/s at 10 deg and at "
-    "36, 39, 43, 47 mm/s at 15 deg (± 1 to 3). MuJoCo's contacts stop within steps of 4 us "
-    "and are damped along the plate as well; what they give back is not set but found."
+    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the feet, of which the slightest "
+    "rebound counts: ours, ten times as stiff as a printed leg's, run with labels of 0.02, 0.05, 0.1, 0.2 at 5, 22, "
+    "36, 58 mm/s at 10 deg. MuJoCo's are damped along the plate as well; what they give back is not set but found."
 )
 TURNED = (
     "Within an impact our friction turns round with the slip (Routh, Keller); an engine "

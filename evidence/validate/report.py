@@ -98,35 +98,47 @@ def page(claims: Sequence[Claim], command: str) -> str:
     for group, title in TITLES.items():
         of_group = [claim for claim in claims if claim.group == group]
         if of_group:
-            reasons = list(dict.fromkeys(filter(None, map(_reason, of_group))))
+            equal = [claim for claim in of_group if _is_equal(claim)]
+            others = [claim for claim in of_group if claim not in equal]
+            reasons = list(dict.fromkeys(filter(None, map(_reason, others))))
             listed = [f"- **{LETTERS[at]}**: {reason}" for at, reason in enumerate(reasons)]
-            parts += [f"## {title}\n\n{_table(of_group, sources, reasons)}", "\n".join(listed)]
+            parts += [f"## {title}", _table(others, sources, reasons), "\n".join(listed), _agreements(equal, sources)]
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
     return "\n\n".join([*filter(None, parts), f"## Sources\n\n{PAPER}", "\n".join(listed)]) + "\n"
 
 
+def _is_equal(claim: Claim) -> bool:
+    """True for two numbers without errors that agree, of which nothing more is to be said than the value."""
+    without_errors = not (claim.ours.se or claim.theirs.se or claim.bound)
+    return without_errors and claim.verdict == Verdict.AGREE and bool(claim.theirs.value) and not claim.why
+
+
 def _head(claims: Sequence[Claim], command: str) -> str:
     meanings = "\n".join(f"- **{word}**: {meaning}" for word, meaning in WORDS.items())
+    disagree = [claim.group for claim in claims if claim.verdict == Verdict.DISAGREE]
+    groups = [f"{disagree.count(group)} of *{title}*" for group, title in TITLES.items() if group in disagree]
+    against = f" Those that disagree: {', '.join(groups)}." if groups else ""
     return f"""# {TITLE}
 
-Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which {counted(claims)}.
+{len(claims)} claims: {counted(claims)}.{against}
+Closed forms, engines and programs test the arithmetic; only the paper's walkers, and measured blocks, test the
+physics, and no walker of ours has been measured yet.
 
 ![Gaps over what is allowed, by group](validation.png)
 
-Errors are standard errors. The gap is ours less theirs, none on the right side of a bound; z is the gap over the
-error of both. A gap is allowed up to the margin: a tolerance, or our reading of a statement in words. We *agree*
-when all of the gap's bounds of 95 % (Student's t) lie within the margin, so that noise makes no agreement; without
-a margin two numbers with errors never do. Closed forms, engines and programs test the arithmetic; only the paper's
-walkers, and measured blocks, test the physics, and no walker of ours has been measured yet. A letter leads to what we
-take for the reason, or to a remark, below the table.
+Made by `{command}` (walkergen {__version__}), which writes every number as CSV too.
+Errors are standard errors; z is the gap, ours less theirs, over the error of both. It is allowed up to the margin: a
+tolerance, or our reading of a statement in words. A letter leads to what we take for the reason, or to a remark. A
+verdict goes by the gap's bounds of 95 % (Student's t), so that noise makes no agreement:
 
 {meanings}"""
 
 
 def _table(claims: Sequence[Claim], sources: Sequence[str], reasons: Sequence[str]) -> str:
+    """Table of claims; "" without any."""
     lines = [
-        "| quantity | walkergen | outside | gap | margin | z | verdict | source, reason |",
-        "|---|--:|--:|--:|--:|--:|---|--:|",
+        "| quantity | walkergen | outside | margin | z | verdict | source, reason |",
+        "|---|--:|--:|--:|--:|---|--:|",
     ]
     for claim in claims:
         reason = _reason(claim)
@@ -134,14 +146,27 @@ def _table(claims: Sequence[Claim], sources: Sequence[str], reasons: Sequence[st
             claim.quantity,
             _number(claim.ours),
             SIGNS[claim.bound] * (claim.theirs.value is not None) + _number(claim.theirs),
-            "" if claim.gap is None else f"{claim.gap:.2g}",
             "" if claim.gap is None else f"{claim.margin:.2g}",
             "" if claim.z is None else f"{claim.z:.1f}",
             f"**{claim.word}**",
             f"{sources.index(claim.source) + 1}" + (f" {LETTERS[reasons.index(reason)]}" if reason else ""),
         )
         lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    return "\n".join(lines) if claims else ""
+
+
+def _agreements(claims: Sequence[Claim], sources: Sequence[str]) -> str:
+    """List of equal numbers, a line a source; "" without any."""
+    lines = []
+    for source in dict.fromkeys(claim.source for claim in claims):
+        of_source = [claim for claim in claims if claim.source == source]
+        values = "; ".join(f"{claim.quantity} = {_number(claim.theirs)}" for claim in of_source)
+        sizes = [abs(claim.theirs.value or 1.0) for claim in of_source]
+        apart = max(abs(claim.gap or 0.0) / size for claim, size in zip(of_source, sizes, strict=True))
+        allowed = max(claim.margin / size for claim, size in zip(of_source, sizes, strict=True))
+        lines.append(f"- {values} ({sources.index(source) + 1}; {apart:.0g} of {allowed:.0g})")
+    head = "**Agree**, without chance (source; largest share by which the two differ, of what is allowed):\n\n"
+    return head + "\n".join(lines) if lines else ""
 
 
 def _number(quantity: Quantity) -> str:
