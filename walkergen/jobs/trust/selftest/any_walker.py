@@ -161,12 +161,12 @@ def _mesh(model: str) -> Iterator[Check]:
 
 CASES = [
     Case("space: mirror image of three unlike legs", "7", "mirror symmetry", SPACE, _images),
-    Case("space: two equal legs, listed or not", "7", "one walker, two spellings", SPACE, _listed),
+    Case("space: two equal legs, listed or not", "7", "identity: equal walkers move equally", SPACE, _listed),
     Case(
         "space: feet of another material without friction", "7", "Newton: momentum along a smooth plate", SPACE, _smooth
     ),
     Case("space: unlike legs, mixed legs, a disc between walls", "7", "first law: energy book", SPACE, _survivors),
     Case("space: a disc has no corners", "7", "symmetry under rotation", SPACE, _disc),
     Case("space: forty legs", "7", "geometry: feet in one plane; first law", SPACE, _forty),
-    Case("space: a box from a file", "7", "one body, two spellings", SPACE, _mesh),
+    Case("space: a box from a file", "7", "identity: equal bodies move equally", SPACE, _mesh),
 ]

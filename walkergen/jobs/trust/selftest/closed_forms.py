@@ -41,8 +41,34 @@ def leg(design: Design) -> Shape:
         area, along = area + disc, along + disc * side + 2.0 / 3.0 * r**3
         second += disc * (side**2 + 0.5 * r**2) + 4.0 / 3.0 * side * r**3
     u, v = along / area, across / area
+    return Shape(area, *_turned(design, u, v), second - area * (u**2 + v**2))
+
+
+def cut_off(design: Design, segments: int) -> Shape:
+    """What the polygon of a round foot lacks of its half circle, to leading order in its edges.
+
+    That is the same all along the arc, whose mean lies 2 r / pi from the circle's middle. Nothing of other feet.
+    """
+    if design.limbs[0].foot != "round":
+        return Shape(0.0, 0.0, 0.0, 0.0)
+    r = 0.5 * design.limbs[0].thickness
+    area, off = math.pi**3 * r**2 / (12.0 * segments**2), 2.0 * r / math.pi
+    return Shape(area, *_turned(design, design.limbs[0].length - r + off, 0.0), area * (r**2 - off**2))
+
+
+def without(whole: Shape, part: Shape) -> Shape:
+    """A figure without a part of it, by parallel axes."""
+    area = whole.area - part.area
+    x, y = whole.x - part.area * (part.x - whole.x) / area, whole.y - part.area * (part.y - whole.y) / area
+    second = whole.second - part.second
+    second -= part.area * whole.area / area * ((part.x - whole.x) ** 2 + (part.y - whole.y) ** 2)
+    return Shape(area, x, y, second)
+
+
+def _turned(design: Design, u: float, v: float) -> tuple[float, float]:
+    """Place along and across a leg, in the walker's directions."""
     sin, cos = math.sin(design.limbs[0].tilt), math.cos(design.limbs[0].tilt)
-    return Shape(area, cos * v - sin * u, -sin * v - cos * u, second - area * (u**2 + v**2))
+    return cos * v - sin * u, -sin * v - cos * u
 
 
 def brace_outside(design: Design) -> float:

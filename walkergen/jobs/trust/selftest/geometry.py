@@ -59,13 +59,6 @@ def _genus(mesh: Mesh) -> int:
     return 1 - euler // 2
 
 
-def _cut_off(design: Design, segments: int) -> float:
-    """Area (mm^2) that the polygon of a round foot lacks, to leading order in its edges."""
-    if design.limbs[0].foot != "round":
-        return 0.0
-    return math.pi**3 * (0.5 * design.limbs[0].thickness) ** 2 / (12.0 * segments**2)
-
-
 def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Check]:
     """Check for one closed body with its parts' volume and the closed forms' volume and inertia."""
     name, built = _name(design), solids.build(design, segments)
@@ -80,25 +73,24 @@ def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Che
     parts = body.volume + 2.0 * limb.volume
     yield _relative(f"{name}: union against its parts", whole.volume, parts, 1e-12, ROUNDING)
 
-    shape = closed_forms.leg(design)
-    cut = _cut_off(design, segments) / shape.area
-    area = shape.area * (1.0 - cut)
+    round_leg = closed_forms.leg(design)
+    shape = closed_forms.without(round_leg, closed_forms.cut_off(design, segments))
+    cut = 1.0 - shape.area / round_leg.area
     reason, limit = (POLYGON, 1e-11 + 0.01 * cut) if cut else (ROUNDING, 1e-11)
     if design.rigid and design.limbs[0].foot == "flat":
         expected = depth * (shape.area + closed_forms.brace_outside(design))
         yield _relative(f"{name}: leg and brace", limb.volume, expected, limit, reason)
     elif design.rigid:
         brace = design.limbs[0].brace * design.limbs[0].length / math.cos(design.limbs[0].tilt)
-        more = limb.volume / depth - area
+        more = limb.volume / depth - shape.area
         yield Check(f"{name}: less than a leg", -more / shape.area, limit, reason)
         yield Check(f"{name}: more than leg and brace", (more - brace) / shape.area, 0, EXACT)
     else:
-        yield _relative(f"{name}: leg's volume", limb.volume, depth * area, limit, reason)
-        # Area missing at the leg's end, a length from its centre: at most 4 times its share of j.
-        inertia, most = depth * shape.second, 4.0 * (1e-11 + 1.01 * cut)
-        yield _relative(f"{name}: leg's inertia", limb.inertia, inertia, most, reason)
+        yield _relative(f"{name}: leg's volume", limb.volume, depth * shape.area, limit, reason)
+        # What is missing lies at the leg's end: it counts up to 4 times its share in j.
+        yield _relative(f"{name}: leg's inertia", limb.inertia, depth * shape.second, 4.0 * limit, reason)
         off = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
-        yield Check(f"{name}: leg's centre", off / design.limbs[0].length, 1e-11 + 1.01 * cut, reason)
+        yield Check(f"{name}: leg's centre", off / design.limbs[0].length, limit, reason)
 
 
 def _all_sound(designs: Iterator[Design]) -> Iterator[Check]:
@@ -275,9 +267,9 @@ CASES: tuple[Case, ...] = tuple(
         ("legs thicker than the body", "closed forms of strips; Euler's number", _thick_legs),
         ("brace coplanar with the leg", "closed forms of strips; parallel axes", _coplanar_brace),
         ("a window of no width", "closed forms of strips; Euler's number", _opening_window),
-        ("leg flush with the body's end", "geometry of the design, by hand", _flush),
-        ("anchor at the body's edge", "geometry of the design, by hand", _anchor_at_edge),
-        ("parts that meet or vanish", "geometry of the design, by hand", _refusals),
+        ("leg flush with the body's end", "Euclid: a point on a line, and an ulp off it", _flush),
+        ("anchor at the body's edge", "trigonometry: a strip cut aslant, s / cos", _anchor_at_edge),
+        ("parts that meet or vanish", "Euclid: strips that cross, and lengths of 0", _refusals),
         ("a thousand times smaller and larger", "dimensional analysis: M ~ l^3, J ~ l^5", _any_size),
         ("a kilometre from the origin", "translation changes no volume or inertia", _far_away),
         ("edges of a round foot", "area of a circle and of its polygon", _round_feet),

@@ -254,7 +254,7 @@ CASES = [
     ),
     Case("upright walker: closed-form speeds", "6.1", "mirror symmetry", IMPACT_LAW, _upright_factors),
     Case("no friction: one impact", "6.2", "Coulomb at mu = 0", IMPACT_LAW, _no_friction),
-    Case("jamming: one impact", "6.2", "Painleve's tangential impact, solved by hand", IMPACT_LAW, _jamming),
+    Case("jamming: one impact", "6.2", "Painleve 1895: an impact stops the slip; Coulomb", IMPACT_LAW, _jamming),
     Case("painleve: a rod that slides and jams", "6.2", "Painleve 1895: mu >= 4/3 at tan = 2", IMPACT_LAW, _painleve),
     Case("impact law in exact fractions", "6.3", "exact rational arithmetic", IMPACT_LAW, _agrees_with_exact),
     Case("nearly singular tensor", "6.3", "exact rational arithmetic", IMPACT_LAW, _singular),
@@ -267,7 +267,11 @@ CASES = [
     ),
     Case("energy in one impact", "6.4", "Stronge 1990; Poisson: no gain at e <= 1", IMPACT_LAW, _energy),
     Case(
-        "legs of any mass: tensor", "6.5", "limit of a light rod on a hinge, by hand", IMPACT_LAW, _light_and_heavy_legs
+        "legs of any mass: tensor",
+        "6.5",
+        "Routh: a thin rod's inertia about its hinge, m l^2 / 3",
+        IMPACT_LAW,
+        _light_and_heavy_legs,
     ),
     Case("mirror image: one impact", "6.13", "mirror symmetry", IMPACT_LAW, _mirror),
 ]

@@ -185,7 +185,13 @@ def _upright(model: str) -> Iterator[Check]:
 CASES = [
     Case("space: mirror image and quarter turn", "7", "mirror symmetry; isotropy of the plane", SPACE, _images),
     Case("space: a symmetric start stays in its plane", "7", "mirror symmetry", SPACE, _held),
-    Case("space: a roll of 1e-9 rad changes nothing at once", "7", "continuity in the start", SPACE, _tiny_roll),
+    Case(
+        "space: a roll of 1e-9 rad changes nothing at once",
+        "7",
+        "Cauchy: a motion is continuous in its start",
+        SPACE,
+        _tiny_roll,
+    ),
     Case("space: free top over 1e4 turns", "7", "Euler's top: energy and angular momentum", SPACE, _top),
     Case("space: a million turns of the heading", "7", "isotropy of the plane", SPACE, _turned),
     Case("space: 1e9 mm from the origin", "7", "translation along the plate", SPACE, _far),

@@ -171,7 +171,7 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
 CASES = [
     Case("space: no friction, no push along the plate", "7", "Newton: momentum along a smooth plate", SPACE, _smooth),
     Case("space: friction, jamming and beyond", "7", "first law: energy book; Coulomb's cone", SPACE, _rough),
-    Case("space: landing without slip", "7", "continuity in the slip", SPACE, _without_slip),
+    Case("space: landing without slip", "7", "Coulomb: continuous in the slip", SPACE, _without_slip),
     Case(
         "space: undamped smooth feet keep their energy",
         "7",
