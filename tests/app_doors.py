@@ -29,8 +29,8 @@ PATIENCE_S = 180.0
 PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s", "values": {}}
 """Document of a page that sets nothing anew."""
 
-QUICK = ("start", "walker", "outlook", "curve", "shares", "form", "spans", "keep", "upload", "take")
-MAKING = ("run", "crowd", "design", "make")
+QUICK = ("start", "walker", "outlook", "curve", "shares", "form", "spans", "keep", "upload", "take", "effects_drawn")
+MAKING = ("run", "crowd", "design", "make", "effects")
 """Doors that answer by themselves, and those behind which a child works."""
 
 

@@ -225,6 +225,20 @@ def test_ten_walkers_run_in_a_dish(page):
     page.until(lambda: page.text("#dish-time").startswith("5."))
 
 
+@pytest.mark.slow
+def test_effects_are_measured_on_the_page(page):
+    page.type("legs.tilt_deg", 12)
+    page.click("#numbers summary")
+    page.click("#measure-effects")
+    page.until(lambda: page.find("#effects").is_displayed())
+    assert page.find("#effects-picture").get_property("naturalWidth") > 300
+    assert "mm/s" in page.text("#effects-rows")
+    assert page.text("#effects-advice")
+    page.type("legs.tilt_deg", 14)
+    page.until(lambda: not page.find("#effects").is_displayed())
+    assert page.problems() == []
+
+
 @pytest.mark.nightly
 def test_a_walker_with_a_motor_runs_on_a_table(page):
     page.template("coinbot")

@@ -162,7 +162,7 @@ def watched(monkeypatch, paths):
 @pytest.mark.parametrize("kind", ["walker", "scene", "printer"])
 def test_walkers_scenes_and_printers_are_named_not_located(doors, tmp_path, kind, name):
     (tmp_path / "x.toml").write_text("nothing")
-    for door in ("walker", "form", "keep", "run", "crowd", "design", "make"):
+    for door in ("walker", "form", "keep", "run", "crowd", "design", "make", "effects", "effects_drawn"):
         answer = doors.ask(door, {"document": PAPER | {kind: name}, "what": "stl", "wish": "fastest"})
         assert (answer.status, faults(answer)) == (422, [])
 

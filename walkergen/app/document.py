@@ -56,6 +56,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "family": ("scene.", "printer."),
     "predict": ("scene.",),
     "simulate": ("scene.",),
+    "explain": ("scene.",),
     "crowd": ("scene.",),
     "design": ("scene.", "printer."),
 }

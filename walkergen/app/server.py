@@ -18,7 +18,19 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 
-from walkergen.app import answers, children, crowding, curves, form, pictures, sentences, spans, statics, taking
+from walkergen.app import (
+    answers,
+    children,
+    crowding,
+    curves,
+    effects,
+    form,
+    pictures,
+    sentences,
+    spans,
+    statics,
+    taking,
+)
 from walkergen.app import document as documents
 from walkergen.app.document import Document, Place
 from walkergen.app.workers import Workers
@@ -104,6 +116,8 @@ def application(server: Server) -> Any:
         "run": _run,
         "crowd": _crowd,
         "crowded": _crowded,
+        "effects": _effects,
+        "effects_drawn": _effects_drawn,
         "design": _design,
         "make": _make,
         "take": _take,
@@ -370,6 +384,19 @@ async def _crowd(server: Server, request: Request) -> Response:
 async def _crowded(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
     return _json(await _worked(server.workers, request, crowding.played, document, server.folder / "crowds"))
+
+
+async def _effects(server: Server, request: Request) -> Response:
+    """Measure what each effect changes of the speed; `effects_drawn` then hands out the picture."""
+    document, _ = await _asked(server, request)
+    words = await _worked(server.workers, request, effects.words, document, server.folder / "effects")
+    return Streamed(children.run(server.running, children.COMMANDS, [words]))
+
+
+async def _effects_drawn(server: Server, request: Request) -> Response:
+    document, _ = await _asked(server, request)
+    drawn = await _worked(server.workers, request, effects.picture, document, server.folder / "effects")
+    return _json({"picture": drawn})
 
 
 async def _design(server: Server, request: Request) -> Response:

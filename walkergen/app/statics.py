@@ -13,7 +13,7 @@ ASSETS = {
     "app.css": "text/css",
     **{
         f"{name}.js": "text/javascript"
-        for name in ("ask", "state", "form", "part", "outlook", "jobs", "dish", "compare", "main")
+        for name in ("ask", "state", "form", "part", "outlook", "jobs", "dish", "effects", "compare", "main")
     },
 }
 """Files of the page beside its HTML, and their types."""

@@ -41,7 +41,7 @@ GRACE_S = 0.5
 LOOK_S = 0.05
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-NEEDED = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "taking", "crowding")]
+NEEDED = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "taking", "crowding", "effects")]
 """Modules that answers need: where processes can be copied, one imports them for all."""
 
 LATER, CALM_S = "walkergen.points.short", 1.0

@@ -2,13 +2,14 @@
 
 import { ask, askFile, byId, events } from './ask.js';
 import { playCrowd } from './dish.js';
+import { showEffects } from './effects.js';
 import { make, nameOf } from './form.js';
-import { showWaiting, tableRow } from './outlook.js';
+import { showWaiting, tableRow, withError } from './outlook.js';
 import { playRun } from './part.js';
 import { change, current, without } from './state.js';
 
 const HONEST = 0.05; // share that must be done before the time left is told
-const WORDS = { kernels: 'getting ready', runs: 'running' };
+const WORDS = { kernels: 'getting ready', runs: 'running', seconds: 'measuring' };
 
 // A bar and a line that say how far a job is.
 function barOf(bar, line) {
@@ -87,12 +88,6 @@ function jobOf({ start, stop, bar, tell, name, message, work, again = 'again' })
 }
 
 const UNITS = { rad_s: 'rad/s', mm: 'mm', rad2_s: 'rad²/s' };
-
-const withError = (value, se) => {
-  if (!se) return Number(value.toPrecision(3)).toString();
-  const digits = Math.max(0, 1 - Math.floor(Math.log10(se)));
-  return `${value.toFixed(digits)} ± ${se.toFixed(digits)}`;
-};
 
 // Rows of a run: what was measured, with errors or why there is no number, and what it was of.
 function showRun({ facts, text, first }) {
@@ -175,6 +170,10 @@ export function startJobs() {
     start: 'crowd', stop: 'stop-crowd', bar: 'crowd-bar', tell: 'crowding', name: 'crowd', message,
     work: async () => playCrowd(await ask('crowded', message())),
   });
+  const stopEffects = jobOf({
+    start: 'measure-effects', stop: 'stop-effects', bar: 'effects-bar', tell: 'effects-told', name: 'effects', message,
+    work: async ({ output }) => showEffects(JSON.parse(output), await ask('effects_drawn', message())),
+  });
   const wish = byId('wish');
   jobOf({
     start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'design', again: 'find',
@@ -192,7 +191,8 @@ export function startJobs() {
     if (!stopRun()) byId('progress').textContent = '';
     if (!stopCrowd()) byId('crowding').textContent = '';
     byId('ran').tBodies[0].replaceChildren();
-    byId('dish').hidden = true;
+    if (!stopEffects()) byId('effects-told').textContent = '';
+    byId('dish').hidden = byId('effects').hidden = true;
   };
 }
 

@@ -228,4 +228,11 @@ export function showShares(shares) {
   byId('no-shares').hidden = shares.length > 0;
 }
 
+/** Number with its standard error, to two digits of it. */
+export function withError(value, se) {
+  if (!se) return Number(value.toPrecision(3)).toString();
+  const digits = Math.max(0, 1 - Math.floor(Math.log10(se)));
+  return `${value.toFixed(digits)} ± ${se.toFixed(digits)}`;
+}
+
 export { listen as startChart, tableRow };

@@ -1,0 +1,31 @@
+"""What each effect changes of a page's walker: the command that measures it, and its picture for the page."""
+
+import base64
+from pathlib import Path
+
+from walkergen.app import answers
+from walkergen.app import document as documents
+from walkergen.app.document import Document
+from walkergen.errors import InputError
+
+MOST_BYTES = 10_000_000
+"""Largest picture that is handed out."""
+
+
+def words(document: Document, folder: Path) -> list[str]:
+    """Words after `walkergen` that measure each effect, and draw it below `folder`. Raises InputError."""
+    return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
+
+
+def picture(document: Document, folder: Path) -> str:
+    """Picture that was drawn, as an address of its own. Raises InputError where there is none."""
+    path = _folder(document, folder) / "explain.png"
+    try:
+        data = path.read_bytes()[:MOST_BYTES]
+    except OSError:
+        raise InputError(f"{documents.SOURCE}: no effects of this walker were measured") from None
+    return f"data:image/png;base64,{base64.b64encode(data).decode()}"
+
+
+def _folder(document: Document, folder: Path) -> Path:
+    return folder / answers.part_name(document)
