@@ -1,7 +1,8 @@
 """Report of the claims: a table, and a page with each number's error bar, source, z-score and verdict."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -160,13 +161,24 @@ def _agreements(claims: Sequence[Claim], sources: Sequence[str]) -> str:
     lines = []
     for source in dict.fromkeys(claim.source for claim in claims):
         of_source = [claim for claim in claims if claim.source == source]
-        values = "; ".join(f"{claim.quantity} = {_number(claim.theirs)}" for claim in of_source)
+        names = _without_repeats([claim.quantity for claim in of_source])
+        values = "; ".join(f"{name}: {_number(claim.theirs)}" for name, claim in zip(names, of_source, strict=True))
         sizes = [abs(claim.theirs.value or 1.0) for claim in of_source]
         apart = max(abs(claim.gap or 0.0) / size for claim, size in zip(of_source, sizes, strict=True))
         allowed = max(claim.margin / size for claim, size in zip(of_source, sizes, strict=True))
         lines.append(f"- {values} ({sources.index(source) + 1}; {apart:.0g} of {allowed:.0g})")
     head = "**Agree**, without chance (source; largest share by which the two differ, of what is allowed):\n\n"
     return head + "\n".join(lines) if lines else ""
+
+
+def _without_repeats(names: Sequence[str]) -> Iterator[str]:
+    """Names, each without the words with which the one before it begins too."""
+    before = list[str]()
+    for name in names:
+        words = name.split()
+        alike = list(takewhile(lambda pair: pair[0] == pair[1], zip(before, words, strict=False)))
+        yield " ".join(words[len(alike) :])
+        before = words
 
 
 def _number(quantity: Quantity) -> str:
