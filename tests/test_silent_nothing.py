@@ -25,6 +25,7 @@ NUMBERS = {
     "plate_noise": "plate.noise_ratio = 0",
     "plate_roughness": "plate.roughness_um = 0",
     "tether": "tether.stiffness_n_per_m = 0",
+    "lid": "arena.lid_mm is not given",
     "local_stiffness": "feet.local_stiffness_ratio is not given",
     "gyroscopic_torque": "there is no motor",
 }
@@ -74,7 +75,14 @@ TURNED = {
         "roughness_um": 3.0,
         "roughness_length_mm": 2.0,
     },
-    "arena": {"kind": "plane", "width_mm": 200.0, "gap_mm": 8.4, "wall_friction": 0.5, "wall_restitution": 0.9},
+    "arena": {
+        "kind": "plane",
+        "width_mm": 200.0,
+        "gap_mm": 8.4,
+        "lid_mm": 10.53,
+        "wall_friction": 0.5,
+        "wall_restitution": 0.9,
+    },
     "legs": {"model": "relaxed", "damping_ratio": 0.1, "spring": "frequency"},
     "feet": {
         "damping": "hysteretic",

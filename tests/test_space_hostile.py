@@ -68,6 +68,14 @@ REFUSED = {
         {"arena": {"kind": "lane", "gap_mm": 8.0}, "legs": {"model": "space"}},
         r"arena.gap_mm = 8: the walker is 8 mm deep and needs 8.042 mm; widen the lane",
     ),
+    "a lid as low as the walker is high": (
+        {"arena": {"kind": "plane", "lid_mm": 10.4}, "legs": {"model": "space"}},
+        r"arena.lid_mm = 10.4: the walker is 10.38\d* mm high and needs 10.5\d* mm to be let go; raise the lid",
+    ),
+    "a lid in a plane model": (
+        {"arena": {"kind": "lane", "lid_mm": 20.0}, "legs": {"model": "compliant"}},
+        "arena.lid_mm = 20: only the model 'space' knows lids",
+    ),
     "a plane between walls": ({"arena": {"gap_mm": 8.5}}, "gap_mm = 8.5 has no meaning on a plane"),
     "corners as high as legs": ({"feet": {"unevenness_um": 7.6e3}}, r"feet.unevenness_um = 7600: must lie in 0..750"),
     "a band reversed": (

@@ -83,6 +83,7 @@ UNMET = {
     "drive.gamma": 5.0,
     "plate.slope_deg": 30.0,
     "arena.gap_mm": 8.01,
+    "arena.lid_mm": 11.0,
 }
 
 

@@ -103,7 +103,7 @@ class Plate(Section):
 
 
 class Arena(Section):
-    """Ground on which the walker may run: a lane between walls, or a plane."""
+    """Ground on which the walker may run: a lane between walls, or a plane; under a lid, or open."""
 
     kind: Literal["lane", "plane"] = "lane"
     length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
@@ -113,6 +113,8 @@ class Arena(Section):
     """Width of a plane, mm, about the start. None: endless."""
     gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
+    lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
+    """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
     wall_friction: Friction = 0.25
     wall_restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
 
@@ -240,6 +242,7 @@ class Effects(Section):
     roll_and_yaw: bool | None = None
     leg_twist: bool | None = None
     lane_walls: bool | None = None
+    lid: bool | None = None
     local_stiffness: bool | None = None
     unevenness: bool | None = None
     plate_noise: bool | None = None

@@ -117,10 +117,11 @@ def _reasons(scene: Scene, design: Design) -> Iterator[str]:
     yield from beyond(scene)
 
 
-BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contact", "drive", "arena"})
+BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contact", "drive"})
 """Tables of a scene that the surrogate reads, or that change no mean speed."""
 
 READ = {
+    "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
     "plate": {"slope_deg", "noise_ratio"},
     "feet": {"unevenness_um", "unevenness_sd_um"},
     "legs": {"model", "damping_ratio", "damping_ratio_sd"},

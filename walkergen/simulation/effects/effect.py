@@ -12,7 +12,7 @@ from walkergen.walker.mass import MassProperties
 
 ModelName = Literal["rigid", "relaxed", "compliant", "space"]
 
-WALLS, NOISE, MOTOR, GYROSCOPIC = "lane walls", "plate noise", "motor", "gyroscopic torque"
+WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
 """Effects whose modules are imported with the first scene that calls for them."""
 
 METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"}

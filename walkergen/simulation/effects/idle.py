@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 
-from walkergen.simulation.effects.effect import WALLS, Case, value_of
+from walkergen.simulation.effects.effect import LID, WALLS, Case, value_of
 
 OF_MODELS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("feet.damping", "feet.stiffness_ratio", "feet.tangential_ratio"), ("space",)),
@@ -23,7 +23,7 @@ OF_NUMBERS: Mapping[str, tuple[str, ...]] = {
 }
 """Keys that say nothing without a number."""
 
-OF_WALLS = ("arena.gap_mm", "arena.wall_friction", "arena.wall_restitution")
+OF_WALLS = ("arena.wall_friction", "arena.wall_restitution")
 OF_SWINGING = ("legs.damping_ratio", "legs.spring")
 OF_FEET = ("contact.restitution", "contact.friction")
 
@@ -56,7 +56,9 @@ def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
         if not value_of(scene, number):
             yield from ((key, f"{number} = 0") for key in keys)
     if not on(WALLS) and scene.effects.lane_walls is not False:
-        yield from ((key, "no walls") for key in OF_WALLS)
+        yield "arena.gap_mm", "no walls"
+        if not on(LID):
+            yield from ((key, "no walls") for key in OF_WALLS)
     for key in OF_FEET:
         if all(getattr(limb, key.partition(".")[2]) is not None for limb in limbs):
             yield key, "every leg has its own"

@@ -1,6 +1,6 @@
 """Rules of effects: those that a scene may call for, and every one.
 
-Walls, noise and motor are imported with the first scene that has them.
+Walls, lid, noise and motor are imported with the first scene that has them.
 """
 
 from walkergen.simulation.effects import (
@@ -18,7 +18,7 @@ from walkergen.simulation.effects import (
     twist,
     unevenness,
 )
-from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, NOISE, WALLS, Case, Rule
+from walkergen.simulation.effects.effect import GYROSCOPIC, LID, MOTOR, NOISE, WALLS, Case, Rule
 
 COMMON: tuple[Rule, ...] = (
     tensor.RULE,
@@ -40,7 +40,7 @@ COMMON: tuple[Rule, ...] = (
 )
 """Rules that are judged in every scene, in the order in which `explain` shows them."""
 
-RARE = (WALLS, NOISE, MOTOR, GYROSCOPIC)
+RARE = (WALLS, LID, NOISE, MOTOR, GYROSCOPIC)
 """Names of the effects of all other rules."""
 
 
@@ -51,6 +51,10 @@ def of(case: Case) -> tuple[Rule, ...]:
         from walkergen.simulation.effects import walls
 
         rules.append(walls.RULE)
+    if scene.arena.lid_mm or scene.effects.lid:
+        from walkergen.simulation.effects import lid
+
+        rules.append(lid.RULE)
     if scene.plate.noise_ratio or scene.effects.plate_noise:
         from walkergen.simulation.effects import noisy_plate
 
@@ -64,6 +68,6 @@ def of(case: Case) -> tuple[Rule, ...]:
 
 def every() -> tuple[Rule, ...]:
     """All rules, also of effects that a scene has not."""
-    from walkergen.simulation.effects import motor, noisy_plate, walls
+    from walkergen.simulation.effects import lid, motor, noisy_plate, walls
 
-    return (*COMMON, walls.RULE, noisy_plate.RULE, motor.RULE, motor.SPIN_RULE)
+    return (*COMMON, walls.RULE, lid.RULE, noisy_plate.RULE, motor.RULE, motor.SPIN_RULE)

@@ -55,8 +55,10 @@ def pass_time(world, state, t):
 
 
 @lean
-def _swing_speed(state, R, points, shift, fast, leg, f, k):
-    """Speed (mm/s) by which the legs' swing may bring contact k faster to the plate than now."""
+def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
+    """Speed (mm/s) by which the legs' swing may bring contact k faster to its surface than now: to
+    the plate (`side` 1), or to the lid (-1).
+    """
     n, speed = shift.shape[1], 0.0
     for j in range(n):
         d, own = -(R[1, 0] * shift[0, j] + R[1, 1] * shift[1, j]), j - leg * f
@@ -64,7 +66,7 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
             turned = points[k].turned[own]
             d += R[1, 0] * turned[0] + R[1, 1] * turned[1] + R[1, 2] * turned[2]
         angle, rate = state[LEGS + j], state[LEGS + n + j]
-        speed += d * rate + abs(d) * math.sqrt(rate * rate + fast[j] * angle * angle)
+        speed += side * d * rate + abs(d) * math.sqrt(rate * rate + fast[j] * angle * angle)
     return speed
 
 
@@ -200,8 +202,9 @@ def clear_time(world, state, work, longest):
                 root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
                 clear *= 2.0 / (1.0 + root)
         else:
-            closing = lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z)
-            closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k)
+            side = 1.0 if place[k] == 0.0 else -1.0
+            closing = side * (lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z))
+            closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k, side)
             if steep > 0.0:
                 closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
             drawn = fall + _drawn(walker, points, k, force, torque)

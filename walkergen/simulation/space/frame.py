@@ -182,8 +182,7 @@ def _directions(world, state, work, near, lifted, h, t, m):
                 R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z,
                 R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
             )
-            upright = 1.0 if p == upward[k] else 0.0
-            r = 3 * i + p
+            upright, r = upward[k, p], 3 * i + p
             bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
             near[i].speed[p] = -upright * lifted - 0.5 * t * bent
             near[i].drift[p] = bent - upright * lifting

@@ -44,7 +44,7 @@ def _land(state, at, t, u_n, u_a, u_c):
 def leave(state, at, k, on_plate, tally):
     """Count the landing of contact k that has ended; `at` is the place of its row in the state.
 
-    Impulses are added up for landings `on_plate`, not for touches of a lane's walls.
+    Impulses are added up for landings `on_plate`, not for touches of walls or of a lid.
     """
     stop = int(state[at + STOP])
     kind = TYPES_FORWARD[stop] if state[at + U_A] >= 0.0 else TYPES_BACKWARD[stop]

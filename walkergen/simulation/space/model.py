@@ -135,7 +135,7 @@ def momentum(world: World, state: State) -> float:
 def mirrored(walker: Walker, state: State) -> State:
     """State of the mirror image (x -> -x) of a walker, whose legs are listed the other way round.
 
-    `walker` is the one that the state belongs to. Edges between walls are listed from back to
+    `walker` is the one that the state belongs to. Points of the body are listed from back to
     front, as in both.
     """
     image, n = state.copy(), len(walker.stiffness)

@@ -1,7 +1,7 @@
-"""Points of a walker in space: corners of its feet, points that touch walls, the hull of its body.
+"""Points of a walker in space: corners of its feet, points that touch walls or a lid, the hull of its body.
 
 A body is as good as the convex hull of its corners: 8 of a rectangle, at most `MOST` of others. A
-round body touches walls at `ROUND` points of its outline, between which it reaches up to 2 % of its
+round body touches walls and lids at `ROUND` points of its outline, between which it reaches up to 2 % of its
 radius farther.
 """
 
@@ -22,7 +22,13 @@ MOST = 128
 """Largest number of points that stand for the hull of a body."""
 
 ROUND = 16
-"""Number of directions, seen from above, in which an outline's outermost points touch walls."""
+"""Number of directions, seen from above, in which an outline's outermost points touch walls or a lid."""
+
+SLOPES = (0.4, 1.0, 4.0)
+"""Slopes of the directions in which a body's outermost points may touch a lid."""
+
+SAME = 1e-9
+"""Difference (mm) of how far points reach that is none."""
 
 NONE = np.zeros(2)
 
@@ -32,11 +38,11 @@ def axis_of(limb: Limb) -> Array:
     return np.array([-math.sin(limb.tilt), -math.cos(limb.tilt), 0.0])
 
 
-def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool) -> dict[str, Any]:
-    """Points of contact: both corners of every foot, and points of the body between walls.
+def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool, lidded: bool) -> dict[str, Any]:
+    """Points of contact: both corners of every foot, and points of the body between walls or under a lid.
 
     `foot` is the number of the leg whose foot a point is, -1 for a point of the body; those come
-    last, from back to front. `centre`: C from O, mm; `free`: numbers of the legs that swing.
+    last, those of each kind from back to front. `centre`: C from O, mm; `free`: numbers of the legs that swing.
     """
     design, mass = case.design, case.mass
     rows: list[Any] = []
@@ -57,6 +63,11 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool) -> d
         for edge in _edges(design):
             root = np.array([*from_centre(design, mass, edge[:2]), edge[2]]) - centre
             rows.append((-1, root, NONE, 0.0, NONE, place, -1))
+    if lidded:
+        assert case.scene.arena.lid_mm is not None
+        for top in _tops(design):
+            root = np.array([*from_centre(design, mass, top[:2]), top[2]]) - centre
+            rows.append((-1, root, NONE, 0.0, NONE, -case.scene.arena.lid_mm, -1))
     keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
     return {key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)}
 
@@ -64,9 +75,13 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool) -> d
 def mirror_order(walker: Walker) -> Any:
     """Numbers of a walker's points of contact in the order of its mirror image's, shape (k,)."""
     feet = np.flatnonzero(walker.place == 0.0).reshape(-1, 2)[::-1].ravel()
-    edges = np.flatnonzero(walker.place > 0.0)
-    along, across = walker.root[edges, 0].round(6), walker.root[edges, 2]
-    return np.concatenate([feet, edges[np.lexsort((across, -along))]])
+    others = [np.flatnonzero(kind) for kind in (walker.place > 0.0, walker.place < 0.0)]
+    return np.concatenate([feet, *(kind[_from_back(walker.root[kind] * (-1.0, 1.0, 1.0))] for kind in others)])
+
+
+def _from_back(points: Array) -> Any:
+    """Numbers of points, shape (n, 3), in order from back to front, then across."""
+    return np.lexsort((points[:, 2], points[:, 0].round(6)))
 
 
 def corners_of(design: Design, mass: MassProperties, centre: Array) -> Array:
@@ -114,7 +129,22 @@ def _edges(design: Design) -> Array:
     hull = solid_of(shape).vertices - (0.0, 0.0, 0.5 * size.depth)
     if shape.mesh is None:
         hull = hull * (1.0, 0.0, 1.0)
+    corners = np.unique(hull[np.argmax(_directions(0.0) @ hull.T, axis=1)].round(9), axis=0)
+    return np.asarray(corners[_from_back(corners)])
+
+
+def _tops(design: Design) -> Array:
+    """Corners of the body that a lid may touch as it tilts, shape (n, 3), from its middle: from back to front."""
+    body, size = design.body, design.size
+    hull = _box(design) if body.plain else solid_of(body.shape).vertices - (0.0, 0.0, 0.5 * size.depth)
+    reach = _directions(*SLOPES) @ hull.T
+    outermost = (reach > reach.max(axis=1, keepdims=True) - SAME).any(axis=0)  # of equal ones all, as in the mirror
+    corners = np.unique(hull[outermost].round(9), axis=0)
+    return np.asarray(corners[_from_back(corners)])
+
+
+def _directions(*slopes: float) -> Array:
+    """`ROUND` directions of each of some slopes, shape (n, 3)."""
     turn = (np.arange(ROUND) + 0.5) * 2.0 * math.pi / ROUND
-    directions = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
-    corners = np.unique(hull[np.argmax(directions @ hull.T, axis=1)].round(9), axis=0)
-    return np.asarray(corners[np.lexsort((corners[:, 2], corners[:, 0].round(6)))])
+    flat = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
+    return np.concatenate([np.array([0.0, slope, 0.0]) + flat for slope in slopes])

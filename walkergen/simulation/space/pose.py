@@ -143,9 +143,12 @@ def locate(world, state, work):
         if walker.place[k] > 0.0:
             point.gap = walker.place[k] - abs(z)
         else:
-            bump, _, _ = _bumps(world.acting.roughness, x, z)
             y = state[C_Y] + R[1, 0] * p_x + R[1, 1] * p_y + R[1, 2] * p_z
-            point.gap = y - plate - bump
+            if walker.place[k] < 0.0:
+                point.gap = plate - walker.place[k] - y
+            else:
+                bump, _, _ = _bumps(world.acting.roughness, x, z)
+                point.gap = y - plate - bump
 
 
 @lean
@@ -154,6 +157,8 @@ def normal_of(roughness, place, state, R, points, k):
 
     `place` is that of its walls (0: none), as in `Walker`.
     """
+    if place < 0.0:
+        return 0.0, -1.0, 0.0
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
     if place > 0.0:

@@ -85,9 +85,10 @@ class Walker(NamedTuple):
     axis: Array
     """Unit vectors anchor -> foot along the relaxed legs' centre lines, shape (k, 2)."""
     place: Array
-    """Place |z| of the walls that a point may touch, shape (k,), mm; 0: it may touch the plate."""
-    upward: npt.NDArray[np.int64]
-    """Which direction of a contact (normal, along, across) is upright, shape (k,)."""
+    """Place |z| of the walls that a point may touch, shape (k,), mm; 0: it may touch the plate; below
+    0: the lid, so much lower than the plate as that is higher."""
+    upward: Array
+    """Upward component of a contact's directions (normal, along, across), shape (k, 3)."""
     friction: Array
     """Friction coefficients of the contacts, shape (k,)."""
     spring: Array

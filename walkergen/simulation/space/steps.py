@@ -60,11 +60,11 @@ STANDING = 3
 
 @lean
 def _turn_stretches(walker, state, turned):
-    """Turn tangential stretches on the plate against the heading, which turned by so many rad."""
+    """Turn tangential stretches on the plate and the lid against the heading, which turned by so many rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW * k
-        if state[at + MODE] != OPEN and walker.place[k] == 0.0:
+        if state[at + MODE] != OPEN and walker.place[k] <= 0.0:
             a, b = state[at + ALONG], state[at + ACROSS]
             state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
 
@@ -134,8 +134,9 @@ def _move_contacts(state, near, m, first, unloading, upward, t, h, lifted, tally
         k = near[i].number
         at = first + ROW * k
         if settle(state, near, i, at, unloading, t, h, sums):
-            leave(state, at, k, upward[k] == 0, tally)
-        sums[record.PLATE_WORK] += h * lifted * near[i].force[upward[k]]
+            leave(state, at, k, upward[k, 0] > 0.0, tally)
+        for p in range(3):
+            sums[record.PLATE_WORK] += h * lifted * upward[k, p] * near[i].force[p]
         span = 0.5 * h * near[i].share
         for p in range(3):
             near[i].speed[p] = 2.0 * near[i].middle[p] - near[i].speed[p]

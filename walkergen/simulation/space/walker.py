@@ -15,7 +15,7 @@ from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist
 from walkergen.simulation.effects import rotor as motors
-from walkergen.simulation.effects.effect import WALLS, Case
+from walkergen.simulation.effects.effect import LID, WALLS, Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
 from walkergen.simulation.space.state import Array, Options, Walker
@@ -73,7 +73,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     lock = inverse_inertia @ limbs.spin
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinges(case, free, freedoms)
-    points = points_of(case, free, centre, resolved.on(WALLS))
+    points = points_of(case, free, centre, resolved.on(WALLS), resolved.on(LID))
     feet = points.pop("foot")
     walker = Walker(
         mass=total,
@@ -90,7 +90,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         shift=limbs.momentum / total,
         lock=lock,
         **points,
-        upward=np.where(points["place"] > 0.0, 2, 0),
+        upward=_upward(points["place"]),
         friction=np.array([_friction(scene, design, foot) for foot in feet]),
         spring=np.zeros((0, 2)),
         damper=np.zeros(0),
@@ -163,8 +163,15 @@ def _forced(walker: Walker, rotor: motors.Rotor) -> Array:
     return np.asarray(np.linalg.solve(both, left.ravel()).reshape(2, -1))
 
 
+def _upward(place: Array) -> Array:
+    """Upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
+    upward = np.zeros((len(place), 3))
+    upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
+    return upward
+
+
 def _friction(scene: Scene, design: Design, foot: int) -> float:
-    """Friction of a point: a foot's own or the scene's, or that of the walls (foot -1)."""
+    """Friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
     if foot < 0:
         return scene.arena.wall_friction
     own = design.limbs[foot].friction
@@ -181,8 +188,8 @@ def _with_feet(walker: Walker, case: Case, feet_of_points: Array, local: bool) -
             "model has not; use 'viscous', or one restitution for all legs"
         )
     n, H = len(walker.stiffness), mobility(walker)
-    wall, label = walker.place > 0.0, case.scene.arena.wall_restitution
-    # A wall is as stiff as the first leg's corners
+    wall, label = walker.place != 0.0, case.scene.arena.wall_restitution
+    # Walls and lid are as stiff as the first leg's corners
     of_points = [of_legs[max(number, 0)] for number in feet_of_points]
     ratio = np.where(wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points]))
     spring = np.array([[foot.normal, foot.tangential] for foot in of_points])
@@ -254,7 +261,7 @@ def mobility(walker: Walker) -> Array:
     for k, leg in enumerate(walker.leg):
         point = walker.root[k] + [*walker.reach[k], walker.side[k]]
         along, up, across = np.eye(3)
-        axes = (across, along, up) if walker.place[k] > 0.0 else (up, along, across)
+        axes = (across, along, up) if walker.place[k] > 0.0 else (up, along, across)  # or down: the same mobility
         for p, direction in enumerate(axes):
             turn = np.cross(point, direction)
             row = J[3 * k + p]

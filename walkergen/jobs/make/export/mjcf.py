@@ -14,7 +14,8 @@ from walkergen.errors import InputError
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import GRAVITY, Drive, Scene
 from walkergen.shapes.mesh import Mesh
-from walkergen.simulation.effects import compliance, local_contact, turning, walls
+from walkergen.simulation.effects import compliance, local_contact, turning
+from walkergen.simulation.effects.effect import LID, WALLS
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import Walker
 from walkergen.simulation.space.walker import mobility
@@ -44,7 +45,7 @@ PLATE = 1e9
 """Mass of the plate, g: walkers do not move it."""
 
 
-ALLOWED = {compliance.NAME, local_contact.NAME, turning.NAME, walls.NAME}
+ALLOWED = {compliance.NAME, local_contact.NAME, turning.NAME, WALLS, LID}
 """Effects that have a switch and that the file holds."""
 
 
@@ -165,7 +166,7 @@ def _corners(walker: Walker, leg: int) -> str:
     for k in np.flatnonzero(walker.leg == leg):
         on_body = walker.root[k] if leg < 0 else 0.0
         inward = [0.0, 0.0, -math.copysign(RADIUS, walker.root[k, 2])]
-        inward = inward if walker.place[k] > 0.0 else [0.0, RADIUS, 0.0]
+        inward = inward if walker.place[k] > 0.0 else [0.0, math.copysign(RADIUS, walker.place[k]), 0.0]
         spheres.append(
             f'<geom name="corner{k}" type="sphere" size="{RADIUS}" mass="0" contype="0" '
             f'conaffinity="0" pos="{_point(on_body + _on_foot(walker)[k] + inward)}"/>'
@@ -174,12 +175,16 @@ def _corners(walker: Walker, leg: int) -> str:
 
 
 def _plate(drive: Drive, walker: Walker, height: float) -> str:
-    """The plate on its spring, and walls that ride on it, twice as high as the body's middle."""
-    place, walls = float(walker.place.max()), ""
+    """The plate on its spring, and walls that ride on it, twice as high as the body's middle, or a lid."""
+    place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
     for side in (-1, 1) if place > 0.0 else ():
         walls += f"""
       <geom name="wall{side:+d}" type="box" size="2000 5 {height!r}" rgba=".6 .6 .6 .2"
         pos="0 {side * (place + 5.0)!r} {height!r}" contype="0" conaffinity="0"/>"""
+    if lid > 0.0:
+        walls += f"""
+      <geom name="lid" type="box" size="2000 2000 5" pos="0 0 {lid + 5.0!r}" rgba=".6 .6 .6 .2" contype="0"
+        conaffinity="0"/>"""
     return f"""
     <body name="plate" pos="0 0 {drive.amplitude!r}" gravcomp="1">
       <joint name="plate" type="slide" axis="0 0 1" stiffness="{PLATE * drive.omega**2!r}"
@@ -191,7 +196,7 @@ def _plate(drive: Drive, walker: Walker, height: float) -> str:
 
 
 def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int]) -> str:
-    """Contacts of corners with the plate, and of the body's edges with both walls."""
+    """Contacts of corners with the plate, and of the body's points with both walls, or with a lid."""
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
     for k, friction in enumerate(walker.friction):
@@ -199,7 +204,7 @@ def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int]) -> str:
         slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
         sideways = 2.0 * math.sqrt(walker.spring[k, 1] / slip) * unit / IMPRATIO
         normal = _numbers(-unit * walker.spring[k, 0], -unit * walker.damper[k])
-        for other in ("wall-1", "wall+1") if walker.place[k] > 0.0 else ("plate",):
+        for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
             pairs += f'''
     <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"
       solreffriction="{_numbers(-1.0, -sideways)}" friction="{_numbers(friction, friction)} 0 0 0"
