@@ -77,8 +77,27 @@ def with_data(
 ) -> tuple[Model, dict[str, Any]]:
     """As `read`, with the data that the contents were validated from, for `assigned`."""
     data, text = contents(path, model)
-    settings = validate(data, model, str(path), text)
+    try:
+        settings = validate(data, model, str(path), text)
+    except InputError as error:
+        if not values:
+            raise
+        return _mended(error, data, model, values, source, prefix), data
     return (assigned(settings, data, values, source, prefix) if values else settings), data
+
+
+def _mended(
+    error: InputError, data: dict[str, Any], model: type[Model], values: Mapping[str, Any], source: str, prefix: str
+) -> Model:
+    """Contents of a file with values of which something mends what is wrong in it.
+
+    Raises the error of the file alone where they leave that as it is, else that of all together.
+    """
+    try:
+        return assigned(model.model_construct(), data, values, source, prefix)
+    except InputError as other:
+        same = [line.partition(": ")[2] for line in str(error).splitlines()]
+        raise error if [line.partition(": ")[2] for line in str(other).splitlines()] == same else other
 
 
 def changed(section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:

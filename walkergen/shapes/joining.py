@@ -3,6 +3,7 @@
 A leg is followed from its foot upward along its centre line, in the frame of walkergen (y up).
 """
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -51,6 +52,8 @@ class Footing(NamedTuple):
     """Distance along the centre line from the foot to where the leg's whole section is covered,
     mm: the highest point of the body's lower surface over the section. A leg that ends deeper than
     this leaves no gap."""
+    above: float
+    """Distance to where, beyond that, a part of the section comes out of the body again, mm."""
 
 
 def footing(body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs") -> Footing:
@@ -76,12 +79,13 @@ def footing(body: Body, foot: Array, direction: Array, thickness: float, width: 
     if len(lower) != 1:
         raise GeometryError(f"{place} begins within the body; make the leg longer")
     reach = float(lower[0].max())
+    above = min((float(height.min()) for height in heights if height.min() >= CRUMB * far), default=math.inf)
     if reach > far * (1.0 - CRUMB):
         raise GeometryError(
             f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
             "it lies under a hole or beyond an edge; move it or make it smaller"
         )
-    return Footing(foot + distance * direction, reach)
+    return Footing(foot + distance * direction, reach, above)
 
 
 def prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:

@@ -7,6 +7,7 @@ the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put
 paper's object.
 """
 
+import copy
 import hashlib
 import math
 import os
@@ -100,8 +101,8 @@ class Design(Section):
     def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data in which a new shape of the body takes away what followed from the former.
 
-        So do the places of two equal legs, which are found anew, and masses and marks of the former. What is set
-        beside it stays.
+        So do the places of two equal legs, which are found anew, masses and marks of the former, and the family: legs
+        that were found do not stand at every tilt. What is set beside it stays.
         """
         body = data.get("body")
         former = {key: getattr(self.body, key) for key in SOURCES}
@@ -110,6 +111,8 @@ class Design(Section):
             return data
         if source is not None:
             data["body"] = Body.reshaped(body, source, self.body, values)
+            if source != "profile_mm" and not any(key.partition(".")[0] == "family" for key in values):
+                data["family"] = copy.deepcopy(STORY)
             if "name" not in values:
                 data["name"] = named(Path(str(values[f"body.{source}"])).stem)
                 data.pop("description", None)
@@ -505,7 +508,7 @@ class Design(Section):
 
 def named(text: str) -> str:
     """Name that file names may hold, of a text in any script."""
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
     return name or f"walker-{hashlib.sha256(text.encode()).hexdigest()[:6]}"
 

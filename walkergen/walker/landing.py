@@ -10,6 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from walkergen.errors import GeometryError
 from walkergen.shapes import joining
 from walkergen.shapes.extrusion import extruded
 from walkergen.shapes.mesh import Mesh
@@ -70,8 +71,12 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     # Beyond its anchor a leg goes straight up, as its struts do
     upright = [(0.0, 2.0 * met.half_width)] if sin else []
     upright += [(strut.offset, strut.thickness) for strut in met.section.struts(met)]
+    above = math.inf if sin else footing.above - length
     for offset, thickness in upright:
         foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])
-        rise = joining.footing(ground, foot, UP, thickness, limb.width, key).reach
-        over = max(over, float(foot[1]) + rise - met.bottom)
+        straight = joining.footing(ground, foot, UP, thickness, limb.width, key)
+        over = max(over, float(foot[1]) + straight.reach - met.bottom)
+        above = min(above, float(foot[1]) + straight.above - met.bottom)
+    if over + MARGIN_MM > above:
+        raise GeometryError(f"{key}: the leg comes out of the body again, {above:.3g} mm above where it meets it")
     return met._replace(embedding=over + MARGIN_MM)

@@ -9,13 +9,13 @@ direction that a walker that leans by LEAN falls back on its feet.
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import GeometryError, InputError, SolidError
-from walkergen.shapes import joining
+from walkergen.shapes import joining, units
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Legs, Limb, pair_of
 
@@ -44,11 +44,22 @@ ROWS_APART_MM = 60.0
 """Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
 590 Hz, six times the paper's drive, so that the body counts as rigid."""
 
+LONGEST = 180.0
+"""Length of a body, mm, that fits on the beds of all common printers."""
+
 LARGER = tuple(1.35**step for step in range(1, 8))
 """Sizes, over a body's own, of which the first that stands is told."""
 
 SHORTER = (0.75, 0.5)
 """Lengths of legs, over the wished, of which the first that stands is told."""
+
+INCH_MM = units.UNITS["inches"]
+
+SMALL_MM = 3.0
+"""Length of the longest side of a mesh below which it may be in inches, mm."""
+
+STEEP_DEG = 20.0
+"""Tilt of the steepest legs of a family by default, deg."""
 
 TRIES = 61
 """Distances of the feet that are tried."""
@@ -197,24 +208,46 @@ def room(body: Body, legs: Legs) -> Room:
 
 
 def _remedies(body: Body, legs: Legs) -> list[str]:
-    """What would make legs stand under a body, tried out: the first that helps of each kind."""
+    """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
     length = body.shape.size.length
     sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
+    plate = [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else []
     wishes = [
-        [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else [],
-        [(f"larger, body.length_mm = {size:.0f}", body.with_keys(length_mm=size)) for size in sizes],
+        [(f"in inches, body.scale_mm = {INCH_MM}", body.with_keys(scale_mm=INCH_MM))] if _tiny(body) else [],
+        [(f"lying, {words}", body.with_keys(**axes)) for words, axes in _other_sides(body)],
+        plate,
+        [(f"larger, body.length_mm = {size:.0f}", body.with_keys(length_mm=size)) for size in sizes if size < LONGEST],
     ]
     remedies = []
     for wish in wishes:
         remedies += [words for words, other in wish if _stands(other, legs)][:1]
     lengths = (share * legs.length_mm for share in SHORTER)
     shorter = [mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm}))]
-    return [*remedies, *(f"shorter legs, legs.length_mm = {mm:.3g}" for mm in shorter[:1])] or ["a wider shape"]
+    remedies += [f"shorter, legs.length_mm = {mm:.3g}" for mm in shorter[:1]]
+    return remedies[:2] or ["a wider shape"]
+
+
+def _other_sides(body: Body) -> list[tuple[str, dict[str, Any]]]:
+    """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
+    if body.mesh is None or body.legs_below_mm is not None:
+        return []
+    (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
+    front = {"up": body.forward, "forward": body.up}
+    words = f"body.up = {body.forward} and body.forward = {body.up}"
+    return [(f"body.up = {across}", {"up": across}), (words, front)]
+
+
+def _tiny(body: Body) -> bool:
+    """True for a mesh in a unit that it does not state, too small for one in mm."""
+    unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
+    return unsaid and body.legs_below_mm is None and max(body.shape.size) < SMALL_MM
 
 
 def _stands(body: Body, legs: Legs) -> bool:
+    """True for a body under which legs stand, also as steep as a family has them."""
     try:
-        _placed(body, legs)
+        for tilt in {legs.tilt_deg, max(legs.tilt_deg, STEEP_DEG)}:
+            _placed(body, legs.model_copy(update={"tilt_deg": tilt}))
     except (InputError, SolidError):
         return False
     return True
@@ -295,7 +328,7 @@ def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, rea
                 return _between_rows(costs[cost], inner, centre[1], reach)
     wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
     raise GeometryError(
-        f"{right - left:.3g} mm long, {wide:.2g} wide, its centre of mass {height:.3g} mm up, it tips from any legs"
+        f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
     )
 
 
