@@ -15,7 +15,9 @@ from walkergen.simulation import experiments, poses
 from walkergen.simulation.effects import compliance
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.plan import prepare
+from walkergen.simulation.space.model import start
 from walkergen.simulation.space.points import MOST
+from walkergen.simulation.space.state import C_Z
 from walkergen.theory import uncertain
 from walkergen.theory.stationary import stationary
 from walkergen.walker import names, solids
@@ -41,6 +43,16 @@ def test_legs_are_named_by_where_they_stand():
     assert names.legs(Design()) == ("back", "front")
     assert names.legs(design_of(MIXED)) == ("front", "back")
     assert names.legs(design_of(ROTATOR)) == ("leg 1", "leg 2", "leg 3", "leg 4")
+
+
+def test_a_body_whose_weight_is_aside_starts_between_a_lanes_walls():
+    corners = [[0, 0], [28, 0], [28, 12], [17, 12], [17, 24], [11, 24], [11, 12], [0, 12]]
+    design = design_of({"place": "auto"}, body={"outline": "polygon", "points_mm": corners})
+    world = prepare(Scene(), design, solids.mass_of(design)).world
+    walled = world.walker.place > 0.0
+    sides, state = world.walker.root[walled, 2], start(world, 0.1)
+    assert abs(sides.min() + sides.max()) > 1.0  # the centre of mass is off the middle
+    assert np.abs(sides + state[C_Z]).max() == pytest.approx(world.walker.place.max() - 0.25)
 
 
 def test_landings_of_three_feet_by_hand():

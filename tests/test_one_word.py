@@ -16,6 +16,7 @@ from walkergen.files import templates
 from walkergen.shapes import faults
 from walkergen.walker import solids
 from walkergen.walker.design import Design, named
+from walkergen.walker.placing import UnplacedError
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 
@@ -144,6 +145,52 @@ def test_what_does_not_stand_is_told_what_helps_and_that_helps(tmp_path):
     data = {"body.mesh": str(path)}
     for remedy in ({"body.base": True}, {"body.length_mm": length}):
         solids.build(PAPER.variant(**data, **remedy))
+
+
+def test_a_remedy_set_beside_a_file_that_does_not_stand_helps(tmp_path):
+    bar = svg(tmp_path, "M0 12H40V15H0z")
+    with pytest.raises(GeometryError, match=r"body\.base = true, or larger"):
+        wg.predict(bar, set={"legs.tilt_deg": 12})
+    with pytest.raises(InputError, match=r"body\.lenght: unknown key"):
+        wg.predict(bar, set={"body.lenght": 12})
+    for keys in ({"body.base": True}, {"body.length_mm": 80.0}, {"body.text": "ANNA"}):
+        assert wg.check(bar, set=keys).facts["plates"] == 1
+
+
+@pytest.mark.parametrize(
+    ("mesh", "remedy"),
+    [
+        (trimesh.creation.cylinder(5.0, 30.0), {"body.up": "x", "body.forward": "z"}),
+        (trimesh.creation.box([1.2, 0.8, 0.3]), {"body.scale_mm": 25.4}),
+    ],
+)
+def test_a_mesh_may_lie_or_be_in_inches(tmp_path, mesh, remedy):
+    mesh.export(tmp_path / "own.stl")
+    with pytest.raises(GeometryError) as refusal:
+        of(tmp_path / "own.stl")
+    words = " and ".join(f"{key} = {value}" for key, value in remedy.items())
+    assert words in str(refusal.value)
+    for tilt in (0.0, 20.0):
+        solids.build(PAPER.variant(tilt_deg=tilt, **{"body.mesh": str(tmp_path / "own.stl")}, **remedy))
+
+
+@pytest.mark.parametrize(("major", "minor", "turn"), [(12.0, 0.8, 0.3), (8.0, 1.2, 1.2), (9.0, 3.0, 0.3)])
+def test_legs_under_a_tube_stay_within_it_or_are_not_found(tmp_path, major, minor, turn):
+    mesh = trimesh.creation.torus(major, minor, major_sections=64, minor_sections=16)
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(turn, [0.0, 1.0, 0.0]))
+    path = tmp_path / "tube.stl"
+    mesh.export(path)
+    try:
+        design = of(path)
+    except UnplacedError:
+        design = PAPER.variant(**{"body.mesh": str(path), "body.base": True})
+    solids.build(design)
+
+
+def test_one_letter_is_a_family(tmp_path):
+    heart = str(svg(tmp_path, DRAWN["heart"]))
+    assert len(PAPER.variant(text="W").members()) == len(PAPER.variant(**{"body.outline": heart}).members()) == 5
+    assert PAPER.variant(text="W", **{"family.tilt_deg": [5.0]}).family.tilt_deg == [5.0]
 
 
 def test_a_long_body_has_more_rows_and_says_how_far_it_leans():

@@ -96,8 +96,8 @@ def _mended(
     try:
         return assigned(model.model_construct(), data, values, source, prefix)
     except InputError as other:
-        same = [line.partition(": ")[2] for line in str(error).splitlines()]
-        raise error if [line.partition(": ")[2] for line in str(other).splitlines()] == same else other
+        alone, beside = ([line.partition(": ")[2] for line in str(each).splitlines()] for each in (error, other))
+        raise (error if alone == beside else other) from None
 
 
 def changed(section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:

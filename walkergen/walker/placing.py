@@ -178,6 +178,8 @@ def _placed(body: Body, legs: Legs) -> Placement:
         return _placement(leg, rows(ground, centre, height, reach), centre, height)
     for inset in INSETS:
         drawn_in = shapely.buffer(ground, -inset * size.depth)
+        if drawn_in.is_empty:
+            break
         found = _placement(leg, rows(drawn_in, centre, height, reach), centre, height)
         try:
             return found._replace(limbs=landing.landed(body.key, found.limbs))
@@ -211,7 +213,9 @@ def _remedies(body: Body, legs: Legs) -> list[str]:
     """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
     length = body.shape.size.length
     sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
-    plate = [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else []
+    plate = (
+        [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else []
+    )
     wishes = [
         [(f"in inches, body.scale_mm = {INCH_MM}", body.with_keys(scale_mm=INCH_MM))] if _tiny(body) else [],
         [(f"lying, {words}", body.with_keys(**axes)) for words, axes in _other_sides(body)],

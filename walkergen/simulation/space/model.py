@@ -21,6 +21,7 @@ from walkergen.simulation.space.state import (
     ALONG,
     C_X,
     C_Y,
+    C_Z,
     COLUMNS,
     HEADING,
     J_A,
@@ -64,6 +65,9 @@ def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0
     a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
     state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
     state[PHASE] = phase
+    if (walled := world.walker.place > 0.0).any():  # the body's middle in the lane's, wherever its centre of mass is
+        sides = world.walker.root[walled, 2]
+        state[C_Z] = 0.0 - 0.5 * (sides.min() + sides.max())
     work = work_for(world.walker, state)
     place(world, state, work)
     _sway(world, state, work)
