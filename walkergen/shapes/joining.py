@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import manifold3d
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.errors import GeometryError, SolidError
 from walkergen.shapes import modeller
@@ -104,7 +105,8 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
 
     A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
     """
-    a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
+    triangles = mesh.triangles[_by_line(mesh, start, direction)]
+    a, b, c = mesh.vertices[triangles].transpose(1, 0, 2)
     first, second = b - a, c - a
     normal = np.cross(direction, second)
     determinant = np.einsum("ki,ki->k", first, normal)
@@ -120,6 +122,17 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
         slack = 1e-9
         hit = steep & (u >= -slack) & (v >= -slack) & (u + v <= 1.0 + slack) & (distance >= 0.0)
     return float(distance[hit].min()) if hit.any() else None
+
+
+def _by_line(mesh: Mesh, start: Array, direction: Array) -> npt.NDArray[np.bool_]:
+    """True for triangles whose box across a line is met by it, shape (k,)."""
+    slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
+    met = np.ones(len(mesh.triangles), bool)
+    for side in np.linalg.svd(direction[None, :])[2][1:]:
+        first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
+        met &= np.minimum(np.minimum(first, second), third) <= slack
+        met &= np.maximum(np.maximum(first, second), third) >= -slack
+    return met
 
 
 def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:

@@ -172,7 +172,7 @@ def _placed(body: Body, legs: Legs) -> Placement:
 
     size = body.shape.size
     leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _ground(body)
+    ground, (along, up, across) = _ground(body.key)
     centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
     if body.flat:
         return _placement(leg, rows(ground, centre, height, reach), centre, height)
@@ -194,7 +194,7 @@ def room(body: Body, legs: Legs) -> Room:
 
     size = body.shape.size
     leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
-    ground, (along, up, across) = _ground(body)
+    ground, (along, up, across) = _ground(body.key)
     reach = _reach(leg)
     left, _, right, _ = ground.bounds
     places = np.linspace(left - reach.front, right - reach.back, 4 * TRIES)
@@ -257,19 +257,20 @@ def _stands(body: Body, legs: Legs) -> bool:
     return True
 
 
-def _ground(body: Body) -> "tuple[BaseGeometry, tuple[float, float, float]]":
-    """What a body covers, (along, across), and its centre of mass: along, up and across from its middle."""
+@lru_cache(maxsize=16)
+def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+    """What a body of its JSON covers, (along, across), and its centre of mass: along, up, across from its middle."""
     import shapely
 
     from walkergen.walker import landing, mass
 
-    shape = body.shape
+    shape = Body.model_validate_json(body_key).shape
     if shape.plan:
         outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
         ground = shapely.Polygon(outer, holes)
         if shape.mesh is None:
             return ground, (ground.centroid.x, 0.0, ground.centroid.y)
-    ready = landing.ready(body.key)
+    ready = landing.ready(body_key)
     along, up, across = mass.weigh(ready.mesh, 1.0).centre.tolist()
     middle = 0.5 * shape.size.depth
     if not shape.plan:
