@@ -1,12 +1,17 @@
 """How long a job says that it will take: before it runs, by a moment of it."""
 
+from contextlib import nullcontext
+
 import pytest
 
+from walkergen import inputs
 from walkergen.commands import request_of
 from walkergen.files import templates
 from walkergen.files.progress import silent
+from walkergen.jobs.make.design import make, search
 from walkergen.jobs.run.sweep import cost
-from walkergen.points import expected, tolerance, walkers
+from walkergen.lab.fit import learn
+from walkergen.points import alone, expected, tolerance, walkers
 from walkergen.points.axes import Space, axis
 from walkergen.points.request import Request
 from walkergen.points.store import Store
@@ -67,6 +72,35 @@ def test_commands_say_how_long_they_will_take(name, values, tmp_path):
     asked.hear(heard.append)
     asked.run(silent)
     assert len(heard) == 1
+
+
+class HeardError(Exception):
+    """What a job expects, said before it runs."""
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "least_s"),
+    [
+        ("fit", {"model": "compliant"}, learn.LEARNING_S),
+        ("design", {"speed": 40.0, "model": "prediction"}, search.USUAL_ROUNDS * make.PROPOSING_S),
+    ],
+)
+def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
+    monkeypatch.setattr(expected, "of_run", lambda walker: 0.0)
+    monkeypatch.setattr(alone, "cost", lambda point: 0.0)
+    monkeypatch.setattr(inputs, "pool_of", lambda *_: nullcontext())
+    if name == "fit":
+        values["speeds"] = tmp_path / "speeds.csv"
+        values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
+
+    def hear(find):
+        raise HeardError(find().seconds)
+
+    asked = request_of(name).asked(values | {"out": tmp_path / "out"})
+    asked.hear(hear)
+    with pytest.raises(HeardError) as told:
+        asked.run(silent)
+    assert told.value.args == (least_s,)
 
 
 def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):

@@ -13,11 +13,15 @@ from walkergen.jobs.make.design.report import DesignReport
 from walkergen.jobs.make.design.verify import Verified
 from walkergen.points import alone, expected
 from walkergen.points.kinds import MODELS
+from walkergen.points.measure import FIRST_RUNS
 from walkergen.points.point import PREDICTION, Point
 from walkergen.scene import Scene
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+
+PROPOSING_S = 1.1
+"""CPU time in which the designs of a round are proposed, s."""
 
 
 def model_of(design: Design, scene: Scene, name: str | None, turns: bool) -> str:
@@ -81,14 +85,16 @@ def time_of(job: Job, workers: int) -> Expected:
     surveyed = search.sample_size(job)
     work = [(Point(job.design, job.scene, False, ("speed", "printability"), None, job.printer), surveyed)]
     if job.simulated:
-        efforts = zip(
-            job.efforts, (search.FIRST + search.NEAR, search.WANTED * search.USUAL_ROUNDS, search.WANTED), strict=True
-        )
+        spread, close, verified = job.efforts
+        few = verified._replace(runs=FIRST_RUNS)  # which mostly have the error
+        counts = search.FIRST + search.NEAR, search.WANTED * search.USUAL_ROUNDS, search.WANTED
+        efforts = zip((spread, close, few), counts, strict=True)
         work += [
             (lab.points(job, job.design, job.scene, effort, None, job.seed)[0], count * trials)
             for effort, trials in efforts
         ]
-    return Expected(sum(expected.by_clock(alone.cost(point), trials, workers) for point, trials in work))
+    tried_s = sum(expected.by_clock(alone.cost(point), trials, workers) for point, trials in work)
+    return Expected(tried_s + search.USUAL_ROUNDS * PROPOSING_S)
 
 
 def _scene(job: Job, design: Verified, number: int) -> str:

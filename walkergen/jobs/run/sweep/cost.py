@@ -14,9 +14,9 @@ from walkergen.points.store import Store
 UNASKED = 100_000
 """Number of points up to which a sweep begins without being asked for its cost."""
 
-PILOTS, MOST_RUNNING, WORTH = 5, 3, 4
+PILOTS, WORTH = 5, 3
 """Number of points whose cost is found out; of those that shall meet an error, or leave out what one accepts, whose
-first runs that takes, as many at most, and one in so many."""
+first runs that takes, one in so many at most."""
 
 LONG_S, PREDICTED_S = 100.0, 0.5
 """Simulated time (s) of a sweep below which its cost is not found out, and what a prediction counts for."""
@@ -42,7 +42,7 @@ def estimate(request: Request, store: Store, workers: int) -> Cost | None:
     points = request.space.points
     run = request.scene.run
     costly = request.wanted is not None or (request.model != PREDICTION and run.accepted_error is not None)
-    count = min(MOST_RUNNING, points // WORTH) if costly else PILOTS
+    count = min(PILOTS, points // WORTH) if costly else PILOTS
     if count == 0 or points * (PREDICTED_S if request.model == PREDICTION else run.runs * run.seconds) < LONG_S:
         return None
     pilots = list(_pilots(request, count))

@@ -1,0 +1,118 @@
+"""Times that commands say before they run, beside those that they take: CPU seconds of one core.
+
+The process keeps to one core, on which a time by the clock is a CPU time, whatever else the machine does; what a
+forecast itself takes, compilation included, is left out. Numbers that are kept from earlier runs are not used.
+
+    python benchmarks/forecasts.py [--only sweep]
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from walkergen import caches, inputs
+from walkergen.commands import request_of
+from walkergen.files.progress import Expected, silent
+
+SPEEDS = "tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,3\n20,31.2,90,5\n"
+
+RUNS = {"runs": 4, "seconds": 5.0}
+
+SETTINGS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("simulate", RUNS),
+    ("simulate", RUNS | {"scene": "plane-90hz", "tilt": "5"}),
+    ("simulate", RUNS | {"tilt": "5,15,30"}),
+    ("simulate", RUNS | {"set": {"scene.feet.damping": "hysteretic"}}),
+    ("simulate", {"runs": 8, "seconds": 20.0, "model": "compliant", "tilt": "20"}),
+    ("simulate", {"error": "3%"}),
+    ("simulate", {"error": "2%", "model": "compliant"}),
+    ("simulate", {"uncertain": True, "draws": 16, "seconds": 2.0}),
+    ("sweep", {"set": ["legs.tilt_deg=1:60:0.25"]}),
+    ("sweep", {"set": ["legs.tilt_deg=2:40:2", "scene.run.runs=4", "scene.run.seconds=2"], "model": "compliant"}),
+    (
+        "sweep",
+        {"set": ["scene.drive.gamma=1.2:2.8:0.1", "scene.run.runs=4", "scene.run.seconds=4"], "model": "relaxed"},
+    ),
+    (
+        "sweep",
+        {"set": ["scene.contact.friction=0.1:0.5:0.05", "scene.run.runs=2", "scene.run.seconds=6"], "model": "space"},
+    ),
+    ("sweep", {"set": ["legs.tilt_deg=5:40:2.5"], "model": "compliant", "error": "10%"}),
+    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"], "model": "prediction"}),
+    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"], "model": "compliant"}),
+    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"]}),
+    ("fit", {"model": "compliant", "predict": "15"}),
+    ("crowd", {"count": 3, "seconds": 2.0, "runs": 2, "pictures": False}),
+    ("crowd", {"count": 8, "arena": "disc:120", "seconds": 1.0, "runs": 2, "pictures": False}),
+    ("movie", {}),
+    ("movie", {"model": "relaxed"}),
+    ("movie", {"tilt": "5,10", "seconds": 4.0}),
+)
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep to one core and this process, and to a store of points of this run."""
+    kept: Callable[[str], Path] = caches.folder
+    caches.folder = lambda name: folder if name == "points" else kept(name)
+
+    @contextmanager
+    def no_pool(*_: object) -> Iterator[None]:
+        yield None
+
+    inputs.pool_of = no_pool
+    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    yield
+
+
+def spent() -> float:
+    """CPU time of this process and of those that it has waited for, s."""
+    times = os.times()
+    return times.user + times.children_user
+
+
+def held(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None, float]:
+    """Time that a command said it would take, and that which it took after that, s; None where it said none."""
+    said: list[tuple[float | None, float]] = []
+
+    def hear(find: Callable[[], Expected | None]) -> None:
+        expected = find()
+        said.append((None if expected is None else expected.seconds, spent()))
+
+    more: dict[str, Any] = {}
+    if name == "fit":
+        more["speeds"] = folder / "speeds.csv"
+        more["speeds"].write_text(SPEEDS)
+    if name in ("design", "crowd", "fit", "movie"):
+        more["out"] = folder / ("film.gif" if name == "movie" else "folder")
+    asked = request_of(name).asked(values | more)
+    asked.hear(hear)
+    asked.run(silent)
+    return (said[0][0], spent() - said[0][1]) if said else (None, 0.0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", help="begin of the lines to print, as sweep")
+    wanted = parser.parse_args().only or ""
+    print(f"{'said':>7} {'took':>7} {'ratio':>6}   command")
+    for name, values in SETTINGS:
+        told = " ".join([name, *(f"{key}={value}" for key, value in values.items())])
+        if not told.startswith(wanted):
+            continue
+        with tempfile.TemporaryDirectory() as made, alone(Path(made)):
+            said, took = held(name, values, Path(made))
+        ratio = "" if said is None else f"{said / took:6.2f}"
+        print(f"{'-' if said is None else f'{said:.2f}':>7} {took:7.2f} {ratio:>6}   {told}", flush=True)
+
+
+if __name__ == "__main__":
+    started = time.perf_counter()
+    main()
+    print(f"{time.perf_counter() - started:.0f} s, load {os.getloadavg()[0]:.1f}", file=sys.stderr)
