@@ -1,12 +1,12 @@
 """How often the bounds of `analyse` hold the truth: walkers of many kinds, of which it is known.
 
-A cell is a kind of walker, a number of them, a length of the film and its gaps. Every cell has
-films of its own, each with new walkers (tests/synthetic_tracks.py), and a line of the CSV for every
-quantity: how often it was told, and how often the truth lay inside its bounds of 68 and 95 %. Equal
-calls give equal lines. A second call goes on where the first ended, unless the code of the analysis
-has changed since.
+A cell is a kind of walker, a number of them, a length of the film and its gaps; or one walker in a box, whose
+walls `analyse` finds by itself. Every cell has films of its own, each with new walkers
+(tests/synthetic_tracks.py, tests/boxed_tracks.py), and a line of the CSV for every quantity: how often it was
+told, and how often the truth lay inside its bounds of 68 and 95 %. Equal calls give equal lines. A second call
+goes on where the first ended, unless the code of the analysis has changed since.
 
-    python benchmarks/tracks.py [--films 200] [--seed 1] [--out out/tracks.csv]
+    python benchmarks/tracks.py [--films 200] [--seed 1] [--out out/tracks.csv] [--kind box]
 
 200 films a cell take an hour and a half of one free core. It ends with the tables of
 docs/measuring.md, from all cells, and with a list of those that miss the goal.
@@ -27,9 +27,12 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
+from boxed_tracks import Boxed  # noqa: E402
+from boxed_tracks import films as boxed_films  # noqa: E402
 from synthetic_tracks import Walker, film  # noqa: E402
 
-from walkergen.analysis import motion  # noqa: E402
+from walkergen.analysis import motion, walls  # noqa: E402
+from walkergen.analysis.tracks import Tracks  # noqa: E402
 from walkergen.cli import show  # noqa: E402
 from walkergen.files.tables import csv_text  # noqa: E402
 
@@ -45,6 +48,17 @@ NUMBERS = (1, 3, 8)
 LENGTHS = (10.0, 40.0)
 GAPS = {"none": (0.0, 0.0), "random": (0.3, 0.0), "blocks": (0.3, 25.0)}
 """Share of the frames that are lost, and mean length of a gap, frames."""
+
+BUG = Boxed(290.0, 3.0, (800.0, 450.0), noise=0.5)
+BOXES = {
+    **{f"box of a bug {seconds:g} s": (BUG, seconds) for seconds in (60.0, 300.0, 861.0)},
+    "box of 150 mm": (Boxed(), 300.0),
+    **{f"box of {lengths}": (Boxed(box=(120.0 * lengths, 120.0 * lengths)), 300.0) for lengths in (5, 2, 1)},
+}
+"""A walker in a box of so many persistence lengths, and the length of the film, s."""
+
+WALLS = ("slide", "turn", "mirror")
+"""What a wall does to a walker; with headings in the film of the second alone, too."""
 
 INTERVAL = 0.04
 """Time between frames, s."""
@@ -90,7 +104,12 @@ class Row(NamedTuple):
 
 
 CELLS = [Cell(*values) for values in itertools.product(KINDS, NUMBERS, LENGTHS, GAPS) if values[:2] != ("unlike", 1)]
-"""All cells; one walker tells nothing of how walkers differ."""
+CELLS += [
+    Cell(f"{box}, {wall}", 1, seconds, gaps)
+    for box, (_, seconds) in BOXES.items()
+    for wall, gaps in (*itertools.product(WALLS, ["no headings"]), ("turn", "headings"))
+]
+"""All cells; one walker tells nothing of how walkers differ. Those in boxes lose 5 % of the frames."""
 
 
 def truth(walker: Walker) -> dict[str, float]:
@@ -125,15 +144,31 @@ def _diffusivity(walker: Walker) -> float:
     return float(np.outer(weights, weights).ravel() @ each / weights.sum() ** 2)
 
 
-def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
-    """Counts of all quantities in a cell."""
+def made(cell: Cell, films: int, seed: int) -> tuple[Iterable[Tracks], dict[str, float]]:
+    """Films of a cell, and the numbers that are to be found in them."""
+    box, _, wall = cell.kind.partition(", ")
+    if box in BOXES:
+        boxed, headed = BOXES[box][0]._replace(wall=wall), cell.gaps == "headings"
+        known = {
+            "speed": boxed.speed,
+            "persistence rate": 1.0 / boxed.persistence,
+            "persistence time": boxed.persistence,
+        }
+        if headed:
+            known["rotational diffusion"] = 1.0 / boxed.persistence
+        return boxed_films((seed, CELLS.index(cell)), films, cell.seconds, boxed, headed), known
     share, gap = GAPS[cell.gaps]
     walker = KINDS[cell.kind]._replace(lost=share, gap=gap)
-    known = truth(walker)
+    drawn = ((seed, CELLS.index(cell), number) for number in range(films))
+    return (film(each, cell.walkers, cell.seconds, walker, INTERVAL) for each in drawn), truth(walker)
+
+
+def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
+    """Counts of all quantities in a cell."""
+    tracks, known = made(cell, films, seed)
     counts = {name: [0, 0, 0] for name in known}
-    for number in range(films):
-        drawn = (seed, CELLS.index(cell), number)
-        found = motion.analyse(film(drawn, cell.walkers, cell.seconds, walker, INTERVAL)).estimates
+    for each in tracks:
+        found = motion.analyse(each, found=walls.of(each)).estimates
         for name, expected in known.items():
             bounds = [found[name.replace(" ", "_")].interval(level) for level in LEVELS]
             inside = [ends is not None and ends[0] <= expected <= ends[1] for ends in bounds]
@@ -147,6 +182,8 @@ def digest() -> str:
     files = [
         *(ROOT / "walkergen" / "analysis").glob("*.py"),
         ROOT / "tests/synthetic_tracks.py",
+        ROOT / "tests/boxed_tracks.py",
+        ROOT / "walkergen/numerics/quantity.py",
         ROOT / "walkergen/numerics/statistics.py",
         Path(__file__),
     ]
@@ -223,6 +260,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--films", type=int, default=200, help="of each cell")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kind", default="", help="of the cells: all whose kind has this in its name")
     parser.add_argument("--out", type=Path, default=Path("out/tracks.csv"))
     options = parser.parse_args()
     code = digest()
@@ -230,8 +268,9 @@ def main() -> None:
     done = {row.cell for row in rows}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     with show.progress("tracks", wanted=True) as progress:
-        for number, cell in enumerate(CELLS):
-            progress(" ".join(map(str, cell)), number, len(CELLS))
+        cells = [cell for cell in CELLS if options.kind in cell.kind]
+        for number, cell in enumerate(cells):
+            progress(" ".join(map(str, cell)), number, len(cells))
             if cell in done:
                 continue
             new = measured(cell, options.films, code, options.seed)
@@ -241,10 +280,13 @@ def main() -> None:
                 stream.write(text if first else text.partition("\n")[2])
     names = list(dict.fromkeys(row.quantity for row in rows))
     print(f"{options.films} films a cell, code {code}: inside 68 %, inside 95 % (refused %)")
-    for across in ("kind", "walkers", "seconds", "gaps"):
-        print(f"\n{table(rows, across, names)}")
-    lines, cells = missed(rows), sum(row.told >= FEWEST for row in rows)
-    print(f"\n{len(lines)} of {cells} miss {100 * GOAL[0]:.0f} to {100 * GOAL[1]:.0f} %:")
+    free = [row for row in rows if row.kind in KINDS]
+    for across in ("kind", "walkers", "seconds", "gaps") if free else ():
+        print(f"\n{table(free, across, names)}")
+    for sight in ("no headings", "headings"):
+        print(f"\n{table([row for row in rows if row.gaps == sight], 'kind', names)}")
+    lines, counted = missed(rows), sum(row.told >= FEWEST for row in rows)
+    print(f"\n{len(lines)} of {counted} miss {100 * GOAL[0]:.0f} to {100 * GOAL[1]:.0f} %:")
     print("\n".join(lines))
 
 

@@ -1,37 +1,16 @@
 """Walkers between walls: these are found, kept out of the numbers, and never made up."""
 
-import numpy as np
 import pytest
+from boxed_tracks import Boxed, films
 from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, walls
-from walkergen.analysis.tracks import Track, Tracks
 from walkergen.dish import OPEN, Dish
 
-FPS, SUBSTEPS = 25.0, 3
+BUG = Boxed(290.0, 3.0, (800.0, 450.0), noise=0.5)
+"""What two public films show: a bug in a box, px in place of mm."""
 
-
-def boxed(seed, speed, persistence, size, seconds, reflecting=False, headed=False):
-    """Active particle in a box: it slides along walls, or these turn it back."""
-    rng, h = np.random.default_rng(seed), 1.0 / FPS / SUBSTEPS
-    place, heading, rows = rng.uniform(0, size), rng.uniform(0, 2 * np.pi), []
-    kicks = np.sqrt(2 * h / persistence) * rng.normal(size=round(seconds / h))
-    for step, kick in enumerate(kicks):
-        x, y = place[0] + speed * h * np.cos(heading), place[1] + speed * h * np.sin(heading)
-        if reflecting:
-            heading = np.pi - heading if not 0 <= x <= size[0] else heading
-            heading = -heading if not 0 <= y <= size[1] else heading
-        place = min(max(x, 0.0), size[0]), min(max(y, 0.0), size[1])
-        heading += kick
-        if step % SUBSTEPS == 0:
-            rows.append((*place, heading))
-    rows = np.array(rows)
-    position = rows[:, :2] + 0.1 * rng.normal(size=(len(rows), 2))
-    position[rng.random(len(rows)) < 0.05] = np.nan
-    return Tracks((Track(0, position, rows[:, 2] if headed else None),), 1.0 / FPS, 0, "")
-
-
-BOX = boxed(1, 60.0, 2.0, (150.0, 150.0), 200.0)
+BOX = films(1, 1, 300.0)[0]
 
 
 def test_walls_are_found_and_free_motion_is_measured():
@@ -49,15 +28,31 @@ def test_walls_are_found_and_free_motion_is_measured():
 
 
 def test_headings_between_walls_tell_rotational_diffusion():
-    tracks = boxed(2, 60.0, 2.0, (150.0, 150.0), 200.0, headed=True)
+    tracks = films(2, 1, 200.0, headed=True)[0]
     numbers = motion.analyse(tracks, found=walls.of(tracks)).estimates
     for name, truth in (("speed", 60.0), ("rotational_diffusion", 0.5)):
         low, high = numbers[name].interval(0.95)
         assert low <= truth <= high, name
 
 
-def test_walls_that_turn_walkers_back_are_found():
-    assert walls.of(boxed(3, 60.0, 2.0, (150.0, 100.0), 100.0, reflecting=True)) is not None
+@pytest.mark.parametrize("wall", ["slide", "turn", "mirror"])
+def test_a_bug_s_walls_are_found_in_each_film_and_make_up_no_number(wall):
+    """Of 6 films an interval of 95 % misses twice or less in 97 %; without walls speeds are half the truth."""
+    made = films(3, 6, 60.0, BUG._replace(wall=wall))
+    inside = {"speed": [], "persistence_time": []}
+    for tracks in made:
+        found = walls.of(tracks)
+        assert found is not None
+        assert found.extent == pytest.approx(BUG.box, rel=0.03)
+        numbers = motion.analyse(tracks, found=found).estimates
+        for name, truth in (("speed", BUG.speed), ("persistence_time", BUG.persistence)):
+            ends = numbers[name].interval()
+            if ends is None:
+                assert numbers[name].refused
+            else:
+                inside[name].append(ends[0] <= truth <= ends[1])
+    for name, hits in inside.items():
+        assert hits.count(False) <= 2, name
 
 
 def test_walls_may_be_told():

@@ -98,7 +98,8 @@ def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
         return refusal(name, f"not resolved: below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)")
     value = math.sqrt(total - noise)
     se = total * math.sqrt(2.0 / free) / (2.0 * value)
-    return quantity(name, value, se, free)._replace(noise=noise, root=True)
+    least = noise * float(special.fdtri(free, inside, 1.0 - CHANCE))
+    return quantity(name, value, se, free)._replace(noise=noise, power=2, least=least)
 
 
 def of_walkers(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import walks
+from walkergen.analysis import spreads, walks
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.walks import Spread
 from walkergen.files import words
@@ -182,7 +182,8 @@ def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None
     use = np.isfinite(values) & (errors > 0)
     if use.sum() < 4:
         return
-    lag, values, errors = lag[use], values[use], errors[use]
+    lag, values = lag[use], values[use]
+    errors = spreads.smooth(lag, errors[use])
     fitted = _fit(lag, values, errors, frame, window)
     if fitted is None:
         return

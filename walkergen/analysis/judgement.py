@@ -43,6 +43,11 @@ CHANCE = 5e-3
 """Probability of a number that counts as larger than 0 though it is not (Student's t)."""
 
 
+OVER_TURNS = ("persistence_time", "persistence_length", "diffusivity", "crossover_time")
+OF_TURNS = {"persistence_rate": 1, **dict.fromkeys(OVER_TURNS, -1)}
+"""Numbers that the mean square of turns decides, and the power of each that goes as it does: it scatters as
+a variance, so that chance makes it small, and its error with it, more often than large."""
+
 EXCLUDED = 0.025
 """Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
 
@@ -129,15 +134,17 @@ def judge(
     fitted: Fitted | None,
     without_one: Sequence[Mapping[str, float]],
     longest_s: float,
+    freedom: float,
 ) -> dict[str, Quantity]:
     """Attach jackknife errors to the values, or refuse them.
 
     `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
     few: where walkers differ by more than their pieces tell, the error is that over walkers.
-    `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
+    `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
+    that of the samples, of which some may hold little free motion.
     """
     errors = {name: _error(replicates, name) for name in values}
-    refused = _meaningless(frame) | _unresolved(_Numbers(values, errors, len(replicates) - 1), frame, fitted, longest_s)
+    refused = _meaningless(frame) | _unresolved(_Numbers(values, errors, freedom), frame, fitted, longest_s)
     if len(replicates) < FEWEST_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
         refused = dict.fromkeys(UNITS, few)
@@ -149,9 +156,35 @@ def judge(
         if reason:
             estimates[name] = refusal(name, reason)
             continue
-        within = quantity(name, values[name], errors[name], len(replicates) - 1.0)
+        within = quantity(name, values[name], errors[name], freedom)
         estimates[name] = _over_walkers(within, [others[name] for others in without_one])
-    return estimates
+    estimates |= _times(estimates)
+    return {name: _of_turns(number) for name, number in estimates.items()}
+
+
+def _of_turns(number: Quantity) -> Quantity:
+    """Number that goes as a variance, with bounds that say so if it has any above 0; others as they are.
+
+    Its degrees of freedom are those with its relative error, fewer where that is itself uncertain.
+    """
+    power, ends = OF_TURNS.get(number.key), number.interval()
+    if power is None or ends is None or ends[0] <= 0.0 or not number.se:
+        return number
+    wider = float(special.ndtri(0.975) / special.stdtrit(number.freedom, 0.975))
+    freedom = 2.0 * (wider * number.number / number.se) ** 2
+    return number._replace(freedom=freedom, noise=0.0, power=power)
+
+
+def _times(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Persistence time and length with the relative error of the rate, of which one sample can make 1 over it huge."""
+    rate, speed = estimates["persistence_rate"], estimates["speed"]
+    times = {}
+    for name, other in (("persistence_time", None), ("persistence_length", speed)):
+        number = estimates[name]
+        if number.known and rate.value and rate.se:
+            shares = [each.se / each.value for each in (rate, other) if each and each.se and each.value]
+            times[name] = number._replace(se=number.number * math.hypot(*shares), freedom=rate.freedom)
+    return times
 
 
 def _over_walkers(within: Quantity, without_one: Sequence[float]) -> Quantity:
@@ -180,11 +213,16 @@ class _Numbers(NamedTuple):
 
     values: Mapping[str, float]
     errors: Mapping[str, float]
-    freedom: int
+    freedom: float
 
     def positive(self, *names: str) -> bool:
         """Whether all are larger than 0, beyond what chance makes of it."""
         return all(resolved(quantity(name, self.values[name], self.errors[name], self.freedom)) for name in names)
+
+    def bounded(self, name: str) -> bool:
+        """Whether the bounds of a number lie above 0."""
+        ends = quantity(name, self.values[name], self.errors[name], self.freedom).interval()
+        return ends is not None and ends[0] > 0.0
 
     def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
         """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
@@ -219,7 +257,7 @@ def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -
     """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
     rate = numbers.values["persistence_rate"]
     lost = rate * longest_s > frame.decayed
-    if lost and numbers.positive("persistence_rate"):
+    if lost and numbers.bounded("persistence_rate"):
         return {}
     reason = f"hardly a loss of direction within {longest_s:.3g} s: {frame.advice}"
     if lost and frame.memory_open:

@@ -188,7 +188,13 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
     without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
     unlike = judgement.numbers(without_one, frame)
     judged = judgement.judge(
-        numbers[0], numbers[1:], frame, fit, _with_fit(unlike, without_one, frame, lags)[0][1:], lags * tracks.interval
+        numbers[0],
+        numbers[1:],
+        frame,
+        fit,
+        _with_fit(unlike, without_one, frame, lags)[0][1:],
+        lags * tracks.interval,
+        _freedom(parts, int(fitted.sum()) - 1),
     )
     if in_pieces:
         judged |= _means(alone, together, frame)
@@ -234,6 +240,12 @@ def _with_fit(
         sample | estimates.of_spread(spread, frame.interval)
         for sample, spread in zip(numbers, fit.spreads, strict=True)
     ], fit
+
+
+def _freedom(parts: Sequence[Moments], longest: int) -> float:
+    """Degrees of freedom of an error over samples with unlike numbers of pairs at the `longest` lag (Kish 1965)."""
+    pairs = np.array([part.square_pairs[longest] for part in parts])
+    return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
 
 
 def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:

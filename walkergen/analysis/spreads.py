@@ -88,7 +88,7 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
         return Fitted((NONE,) * len(values), False, math.nan, math.nan)
     lag, values = lag[use], values[:, use]
-    errors = np.stack([_smooth(lag, error) for error in _errors(values)])
+    errors = np.stack([smooth(lag, error) for error in _errors(values)])
     run = _curves(lag, values, errors, turns)
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
     if run and _negative([spread.diffusion for spread in fits]):
@@ -110,7 +110,7 @@ def _errors(values: Array) -> Array:
     return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in resamples])
 
 
-def _smooth(lag: Array, errors: Array) -> Array:
+def smooth(lag: Array, errors: Array) -> Array:
     """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
     at = np.log(lag)
     smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))

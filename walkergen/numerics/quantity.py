@@ -18,6 +18,10 @@ CONFIDENCE = 0.95
 """Confidence of the bounds by which two quantities are compared."""
 
 
+ROUNDS = 50
+"""Number of rounds that find the lower bound of a variance which is told only where it is large."""
+
+
 class Verdict(StrEnum):
     """How a quantity stands beside another, or beside a range that is allowed."""
 
@@ -46,8 +50,10 @@ class Quantity(NamedTuple):
     """Reason why there is no value, or no error; "" where both are known."""
     noise: float | None = None
     """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
-    root: bool = False
-    """True for the root of such a variance."""
+    power: int = 1
+    """Power of the number that is such a variance: 2 for its root, -1 for a time that is 1 over it."""
+    least: float = 0.0
+    """Variance, with its noise, below which such a number is not told; its lower bound allows for that choice."""
     bias: float = 0.0
     """Largest error (95 %) that no number of values makes less, as of a time step; infinite where it is not known."""
 
@@ -98,14 +104,18 @@ class Quantity(NamedTuple):
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
     def _of_variance(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
-        """Bounds of a variance, or of its root, to which noise adds."""
+        """Bounds of a variance, or of a power of it, to which noise adds."""
         from scipy import special
 
-        tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
-        power = 2 if self.root else 1
-        total = (value**power + noise) * self.freedom
-        ends = (total / special.chdtri(self.freedom, tail) - noise for tail in tails)
-        low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
+        free, tail = self.freedom, 0.5 - 0.5 * confidence
+        total = (value**self.power + noise) * free
+        scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
+        for _ in range(ROUNDS if self.least else 0):  # so that a larger one, given that it is told, has this chance
+            if scales[0] > noise:
+                told = special.chdtrc(free, self.least * free / scales[0])
+                scales[0] = total / special.chdtri(free, tail * told)
+        ends = (max(scale - noise, 0.0) for scale in scales)
+        low, high = sorted(end ** (1.0 / self.power) if end or self.power > 0 else math.inf for end in ends)
         return low, high
 
     def within(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
