@@ -103,13 +103,13 @@ def test_what_the_cells_do_not_know_is_said_in_a_line(monkeypatch):
 @pytest.mark.parametrize(
     ("design", "scene", "known"),
     [
-        ("koumakis2016", "lane-90hz", "scaled"),  # at 10 deg, between cells
+        ("koumakis2016", "lane-90hz", "measured"),  # at 10 deg, a cell
         ("koumakis2016", "plane-90hz", "scaled"),
         ("bristle", "plane-90hz", "scaled"),
         ("coinbot", "table-motor", "scaled"),
     ],
 )
-def test_other_walkers_plates_and_motors_are_scaled(design, scene, known):
+def test_the_papers_walker_in_its_lane_was_measured_and_others_are_scaled(design, scene, known):
     walker = templates.load(design, "walkers", Design)
     at = shipped.place_of(walker, templates.load(scene, "scenes", Scene))
     assert at.known == known

@@ -20,7 +20,7 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.simulation import resolution
 from walkergen.simulation.model import Plan
 
-STEPS = (1.25, 1.0, 0.5, 0.25, 0.125)
+STEPS = (1.25, 1.0, 0.5, 0.25, 0.1)
 """Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
 0.5 are beyond what was measured, by the law."""
 
