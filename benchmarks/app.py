@@ -42,7 +42,7 @@ const drawn = new MutationObserver(() => {
   requestAnimationFrame(() => requestAnimationFrame(() => done(performance.now() - begun)));
 });
 drawn.observe(document.querySelector('#speed'), { childList: true });
-range.value = at;
+range.value = Number(range.min) + at * (range.max - range.min);
 range.dispatchEvent(new Event('input', { bubbles: true }));
 """
 
@@ -51,7 +51,7 @@ const [key, count, done] = arguments;
 const range = document.querySelector(`.row[data-key="${key}"] input[type=range]`);
 let step = 0;
 const timer = setInterval(() => {
-  range.value = 300 + step;
+  range.value = Number(range.min) + (0.5 + 0.3 * step / count) * (range.max - range.min);
   range.dispatchEvent(new Event('input', { bubbles: true }));
   if (++step === count) { clearInterval(timer); setTimeout(done, 2000); }
 }, 8);
@@ -105,7 +105,7 @@ def tilt(browser):
 
 def steps(browser, count):
     """Times of a slider's steps, one after the other, ms."""
-    key, places = tilt(browser), np.random.default_rng(1).uniform(200, 800, count + 5)
+    key, places = tilt(browser), np.random.default_rng(1).uniform(0.55, 0.85, count + 5)
     taken = [browser.execute_async_script(STEP, key, place) for place in places]
     return np.array(taken[5:])
 

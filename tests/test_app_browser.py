@@ -443,7 +443,7 @@ def test_walker_speed_and_files_stay_in_view_at_any_width(page, wide):
         assert page.browser.execute_script("return document.documentElement.scrollWidth") <= wide
         for scrolled in (0, 1000):
             page.browser.execute_script(f"scrollTo(0, {scrolled})")
-            for selector in ("#canvas", "#speed", '#take [data-what="stl"]'):
+            for selector in ("#canvas", "#speed", '#take [data-what="stl"]', "#run"):
                 low = page.browser.execute_script(
                     "return document.querySelector(arguments[0]).getBoundingClientRect().bottom", selector
                 )

@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.shapes import crossings, faults, joining, modeller, stl
+from walkergen.shapes import crossings, faults, joining, modeller, repairs, stl
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass, own_mesh, solids
 from walkergen.walker.own_mesh import Wishes
@@ -260,7 +260,7 @@ def test_repair_says_what_it_changed(tmp_path):
     assert told == "turned 12 of 12 triangles; volume -960 -> 960 mm^3"
     assert volume == pytest.approx(960.0)
     told, volume = mended(Mesh(DUCK.vertices, DUCK.triangles[1:]))
-    assert told.startswith("filled holes of 3 open edges by 1 triangles; volume (open) -> 1530")
+    assert told.startswith("filled holes of 3 open edges by 1 triangle; volume (open) -> 1530")
     half = len(DUCK.triangles) // 2
     mixed = np.vstack([DUCK.triangles[:half, ::-1], DUCK.triangles[half:]])
     told, volume = mended(Mesh(DUCK.vertices, mixed))
@@ -409,3 +409,16 @@ def test_sound_unions_of_anything_stay_sound_in_32_bits(tmp_path):
         assert len(whole.decompose()) == 1  # they all hold the origin
         found = own_mesh.read(hostile.to_stl(tmp_path / "union.stl", modeller.mesh_of(whole)))
         assert mass.weigh(found.mesh, 1.0).volume == pytest.approx(whole.volume(), rel=1e-6)
+
+
+@pytest.mark.parametrize("dropped", [[0, 1, 2], [5, 6, 7, 8, 9, 40], list(range(30, 60))])
+@pytest.mark.parametrize("turned", [None, 100])
+def test_holes_that_touch_are_filled_each(dropped, turned):
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+    triangles = np.delete(np.asarray(ball.faces, np.int64), dropped, axis=0)
+    if turned is not None:
+        triangles[turned] = triangles[turned][::-1]
+    mesh, changes = repairs.repair(Mesh(np.asarray(ball.vertices), triangles))
+    faults.refuse(mesh, "ball")
+    assert "filled holes" in "; ".join(changes)
+    assert faults.shells(mesh).volumes.sum() == pytest.approx(ball.volume, rel=0.005)

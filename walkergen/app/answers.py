@@ -49,7 +49,7 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
         "size_mm": list(design.size),
         "row": row,
         "speed": str(member.row.speed),
-        "sentence": sentences.speed(row)._asdict(),
+        "sentence": sentences.speed(member.row)._asdict(),
         "note": sentences.plain(member.row.note),
         "motor": design.motor is not None,
         "shaken": scene.drive.kind == "plate",

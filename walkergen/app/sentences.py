@@ -8,6 +8,8 @@ from typing import Any, Literal, NamedTuple
 from walkergen.files import config, key_names, words
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
+from walkergen.theory import prediction
+from walkergen.theory.prediction import Prediction
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Leg
 
@@ -38,6 +40,16 @@ TITLES: Mapping[str, str] = {
 TABLE = "table-motor"
 """Scene of walkers that carry a motor."""
 
+MENUS: Mapping[str, str] = {
+    'wall_generator = "classic"': "the perimeter generator (wall generator in Orca and Bambu) Classic",
+    "set thin_walls = true": "switch on “Detect thin walls”",
+    "thin_walls = true": "“Detect thin walls” on",
+    "set brim_width_mm": "give it a brim",
+    "try repair = true": "let it be mended",
+    "turn the mesh by body.up": "choose another axis that points up",
+}
+"""What the menus of slicers and the page's form call settings that messages name by their keys."""
+
 Kind = Literal["forward", "backward", "stands", "falls", "unknown"]
 
 
@@ -50,18 +62,19 @@ class Speed(NamedTuple):
     """False where a run has yet to tell it."""
 
 
-def speed(row: Mapping[str, Any]) -> Speed:
-    """Speed of a row of predictions: its median, and what half of the prints do.
+def speed(row: Prediction) -> Speed:
+    """Speed of a prediction: its median, and what half of the prints do.
 
     The quartiles follow from the ends of 68 %, to either side as of a normal distribution.
     """
-    middle, low, high = (row[f"{key}_mm_s"] for key in ("speed", "speed_low_68", "speed_high_68"))
-    if middle is None and row["falls"] > 0.0:
-        return Speed(f"falls over in {100.0 * row['falls']:.0f} % of its runs.", "falls", True)
+    middle, low, high = row.speed_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s
+    if middle is None and row.falls > 0.0:
+        return Speed(f"falls over in {100.0 * row.falls:.0f} % of its runs.", "falls", True)
     if middle is None or low is None or high is None:
         return Speed("Runs of seconds tell how fast.", "unknown", False)
-    if low <= 0.0 <= high:
-        return Speed(f"stands, as far as can be told: {_between(low, high)}.", "stands", True)
+    if prediction.stands(row):
+        bounds = "" if row.speed_by == "statics" else f", as far as can be told: {_between(low, high)}"
+        return Speed(f"stands{bounds}.", "stands", True)
     quarter, most = (middle + QUARTILE * (end - middle) for end in (low, high))
     return Speed(f"{_ahead(middle)}; half of the prints run {_between(quarter, most)}.", _kind(middle), True)
 
@@ -122,6 +135,8 @@ def plain(text: str) -> str:
     clauses = re.split(r"(?<=[;:,.]) ", text)
     kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|`|walkergen ", clause)]
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
+    for key, menu in MENUS.items():
+        text = text.replace(key, menu)
     text = re.sub(r">= (\S+) and <= (\S+)", r"between \1 and \2", text)
     text = re.sub(r"([\w.\[\]]+) = (true|false)\b", lambda key: f"{key[1]}: {_yes(key[2])}", text)
     return re.sub(r"[A-Za-z_]\w*(?:\[\d+\])?(?:\.[A-Za-z_]\w*(?:\[\d+\])?)*", _in_words, text)

@@ -1,19 +1,20 @@
 """Repair of a surface that is not yet a solid: each step does one thing and says what it did.
 
-Vertices along open edges are merged, triangles without area and doubled ones dropped, small holes
-filled by trimesh, the turning of triangles made one, bodies that overlap united by manifold3d, and
+Vertices along open edges are merged, triangles without area and doubled ones dropped, the turning of
+triangles made one, small holes filled, bodies that overlap united by manifold3d, and
 crumbs beside the largest body dropped. What is still unsound afterwards is for `faults` to refuse;
 a body that crosses itself stays so.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import manifold3d
 import numpy as np
 
 from walkergen.files import words
 from walkergen.shapes import faults, modeller
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 
 LARGEST_HOLE = 200
 """Most open edges that are filled: a larger hole is a missing side, not a flaw."""
@@ -27,7 +28,14 @@ CRUMBS = 0.01
 
 def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
-    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (_merged, _without_doubles, _filled, _turned, _united)
+    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
+        _merged,
+        _without_doubles,
+        _turned,
+        _filled,
+        _turned,
+        _united,
+    )
     before, changes = mesh, []
     for step in steps:
         mesh, change = step(mesh)
@@ -93,18 +101,54 @@ def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _filled(mesh: Mesh) -> tuple[Mesh, str]:
-    """Close small holes by fans of triangles."""
-    number = len(faults.edges(mesh.triangles).open)
-    if not 0 < number <= LARGEST_HOLE:
+    """Close small holes by fans of triangles, of whose edges none is there already."""
+    rim = faults.edges(mesh.triangles).open
+    if not 0 < len(rim) <= LARGEST_HOLE:
         return mesh, ""
-    import trimesh
+    near = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
+    there = {(a, b) for row in near.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
+    fans: list[tuple[int, int, int]] = []
+    vertices = mesh.vertices
+    pairs = set(map(tuple, rim.tolist()))
+    for hole in _holes(mesh.vertices, [edge for edge in sorted(there) if (min(edge), max(edge)) in pairs]):
+        for start in range(len(hole)):
+            first, *others = hole[start:] + hole[:start]
+            if not any((first, other) in there or (other, first) in there for other in others[1:-1]):
+                fans += [(first, ahead, behind) for behind, ahead in pairwise(others)]
+                break
+        else:  # about a new vertex in its middle
+            fans += [(len(vertices), ahead, behind) for behind, ahead in pairwise([*hole, hole[0]])]
+            vertices = np.vstack([vertices, mesh.vertices[hole].mean(axis=0)])
+    if not fans:
+        return mesh, ""
+    filled = Mesh(vertices, np.concatenate([mesh.triangles, np.array(fans, np.int64)]))
+    return filled, f"filled holes of {len(rim)} open edges by {words.count(len(fans), 'triangle', 'triangles')}"
 
-    filled = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-    trimesh.repair.fill_holes(filled, use_fan=True)
-    triangles = np.asarray(filled.faces, np.int64)
-    added = len(triangles) - len(mesh.triangles)
-    change = f"filled holes of {number} open edges by {added} triangles" if added else ""
-    return Mesh(np.asarray(filled.vertices, np.float64), triangles), change
+
+def _holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
+    """Vertices about each hole, of open edges that run as their triangles do.
+
+    Where holes touch in a vertex the way goes on along the edge that is nearest in direction.
+    """
+    ahead: dict[int, list[int]] = {}
+    for start, end in edges:
+        ahead.setdefault(start, []).append(end)
+    holes = []
+    while ahead:
+        hole = [next(iter(ahead))]
+        while (here := hole[-1]) in ahead:
+            ways = vertices[ahead[here]] - vertices[here]
+            back = vertices[hole[-2]] - vertices[here] if len(hole) > 1 else ways[0]
+            nearest = int(np.argmax(ways @ back / np.linalg.norm(ways, axis=1)))
+            end = ahead[here].pop(nearest)
+            if not ahead[here]:
+                del ahead[here]
+            if end in hole:  # the hole is closed; what led to it goes on
+                holes.append(hole[hole.index(end) :])
+                hole = hole[: hole.index(end) + 1]
+            else:
+                hole.append(end)
+    return holes
 
 
 def _turned(mesh: Mesh) -> tuple[Mesh, str]:
