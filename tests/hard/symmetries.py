@@ -8,12 +8,11 @@ import numpy as np
 
 from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
 from walkergen.jobs.trust.selftest.case import Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, design_of, plan_of, scene_of, shaken
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, design_of, plan_of, scaled, shaken
 from walkergen.jobs.trust.selftest.scenes import masses as masses_of
 from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import chain_of, mobility_of
 from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import ANGLE_FRONT, PHASE, PITCH, SPIN, V_X, V_Y, X, Y, mirrored
 from walkergen.walker import mass as masses
@@ -124,23 +123,10 @@ def _moving_plate(model: str) -> Iterator[Check]:
         )
 
 
-def _scaled(model: str, scale: float, step_us: float | None = 10.0) -> Plan:
-    """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
-    one = design_of(model, 10.0)
-    tables = {
-        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
-        for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
-    }
-    design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
-    run = {} if step_us is None else {"step_us": step_us * math.sqrt(scale)}
-    scene = scene_of(model, drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}, run=run)
-    return prepare(scene, design, masses_of(design))
-
-
 def _scales(model: str) -> Iterator[Check]:
     ends = {}
     for scale in (1.0, 1e-3, 1e3):
-        plan = _scaled(model, scale)
+        plan = scaled(model, scale, {"step_us": 10.0 * math.sqrt(scale)})
         state = plan.start(0.05 * scale, 0.0, 1.0)
         state[PITCH] += 4e-3
         state[V_X] = 12.0 * math.sqrt(scale)
@@ -161,7 +147,7 @@ def _powers_of_two(model: str) -> Iterator[Check]:
     start = None
     for power in (0, -5, -4, -1, 1, 4, 5):
         length, seconds = 4.0**power, 2.0**power
-        plan = _scaled(model, length, step_us=None)
+        plan = scaled(model, length)
         state = plan.start(0.0625 * length, 0.0, 1.0)
         state[PITCH] += 4e-3
         state[V_X] = 12.0 * seconds

@@ -12,7 +12,7 @@ from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.effects import rotor as motors
-from walkergen.simulation.effects.acting import across, along, placed
+from walkergen.simulation.effects.acting import across, placed
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
@@ -39,15 +39,16 @@ from walkergen.simulation.space.state import (
 )
 from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
-INSTANT = 1e-12
-"""Time (s) that counts as zero."""
+INSTANT = 9e-11
+"""Time, of the plate's period, that counts as zero: 1e-12 s at 90 Hz."""
 
-RESTING = 1.0
-"""Speed (mm/s) over the plate whose energy counts as rest: a walker sways by some 0.3 mm/s on its
-stuck legs where the plate shakes by 0.5 g."""
+RESTING = 0.0092
+"""Speed over the plate whose energy counts as rest, of what gravity gives in a period: 1 mm/s at 90 Hz, where a walker
+sways by some 0.3 mm/s on its stuck legs if the plate shakes by 0.5 g."""
 
-DOZE = 0.03
-"""Time (s) at rest after which the walker rides on the plate: several periods of its sway."""
+DOZE = 2.7
+"""Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
+slope the plate's motion changes what friction has to hold."""
 
 _motor_acts = motors.acts
 
@@ -253,7 +254,7 @@ def _frame(world, state, work, begin, h, count, tally):
 
 
 @lean
-def _doze(world, state, t):
+def _doze(world, state, t, period):
     """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
     walker, stuck = world.walker, 0
     n, first = len(walker.stiffness), first_row(walker)
@@ -272,18 +273,9 @@ def _doze(world, state, t):
         for j in range(n):
             rate = state[LEGS + n + i]
             twice += walker.hinge_inertia[i, j] * rate * state[LEGS + n + j]
-    calm = stuck >= STANDING and twice < walker.mass * RESTING * RESTING
+    resting = RESTING * across(world.acting) * period
+    calm = stuck >= STANDING and twice < walker.mass * resting * resting
     state[QUIET] = state[QUIET] + t if calm else 0.0
-
-
-@lean
-def _patience(world):
-    """Time at rest (s) after which a walker rides along: on a slope, where the plate's motion
-    changes what friction has to hold, more than a period.
-    """
-    if along(world.acting) == 0.0:
-        return DOZE
-    return max(DOZE, 1.5 * TWO_PI / world.drive.omega)
 
 
 @lean
@@ -330,14 +322,15 @@ def advance_in(world, state, work, duration, tally):
     begin, t = sums[record.ELAPSED], 0.0
     gentle = strongest_throw(world) < across(world.acting)
     gentle = gentle and not placed(world.acting) and not _motor_acts(world.acting.motor)
-    patience = _patience(world)
+    period = TWO_PI / world.drive.omega
+    instant, patience = INSTANT * period, DOZE * period
     if begin == 0.0:  # landings under way count from the record's beginning
         for k in range(len(walker.leg)):
             state[first_row(walker) + ROW * k + LANDED] = 0.0
     while True:
         _turn_stretches(walker, state, place(world, state, work))
         sums[record.ELAPSED] = begin + t
-        if begin + t >= next_sample(tally.samples) - INSTANT:
+        if begin + t >= next_sample(tally.samples) - instant:
             take_sample(tally.samples, begin + t, state)
         if t >= duration:
             return OK
@@ -349,7 +342,7 @@ def advance_in(world, state, work, duration, tally):
             return FOLDED
         sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
         locate(world, state, work)
-        longest = min(duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
+        longest = min(duration - t, max(next_sample(tally.samples) - begin - t, instant))
         clear = clear_time(world, state, work, longest)
         level = _level(world, state, clear)
         if state[QUIET] > patience:
@@ -364,8 +357,8 @@ def advance_in(world, state, work, duration, tally):
             count = max(math.ceil(passed / step - 1e-9), 1)
             _frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:
-                _doze(world, state, passed)
-        t = duration if duration - t - passed < INSTANT else t + passed
+                _doze(world, state, passed, period)
+        t = duration if duration - t - passed < instant else t + passed
 
 
 @kernel

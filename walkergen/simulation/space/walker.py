@@ -35,12 +35,13 @@ COARSEST = 1.0
 """Length of a step times the largest normal frequency beyond which steps are refused: at 1.3 speeds
 are 20 % low."""
 
-LONGEST = 1e-5
-"""Longest step of soft feet, s: the drive and the legs are held for a frame of steps."""
+LONGEST, FINEST = 9e-4, 1 / 64
+"""Longest step of soft feet, of the plate's period (10 us at 90 Hz): drive and legs are held for a frame of steps; and
+the least part of what resolves the feet that a step is, however fast the plate."""
 
-STEPS_OF_FRAME, LONGEST_FRAME = 24, 6.5e-5
-"""Steps for which a pose is frozen, and the longest time (s) of a frame of the walker's own steps:
-where feet are stiff, what the plate's height errs by in twice that is as much as they give at rest.
+STEPS_OF_FRAME, LONGEST_FRAME = 24, 5.85e-3
+"""Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (65 us at 90
+Hz): where feet are stiff, what the plate's height errs by in twice that is as much as they give at rest.
 """
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -196,17 +197,20 @@ def _with_feet(walker: Walker, case: Case, feet_of_points: Array, local: bool) -
     # The label is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
     damper = 2.0 * ratio * np.sqrt(spring[:, 0] / np.where(own > 0.0, own, np.inf))
-    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, of_legs[0].unloading)
-    step = _step(case.scene.run.step_us, own_step, fastest)
+    period = 2.0 * math.pi / case.scene.drive.omega
+    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, of_legs[0].unloading, LONGEST * period)
+    step = _step(
+        case.scene.run.step_us, own_step, min(COARSEST / fastest, max(10.0 * LONGEST * period, own_step)), fastest
+    )
     return walker._replace(
-        spring=spring, damper=damper, unloading=of_legs[0].unloading, flights=_flights(walker, step, n)
-    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME / own_step), 1)))
+        spring=spring, damper=damper, unloading=of_legs[0].unloading, flights=_flights(walker, step, n, period)
+    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1)))
 
 
 def _own_step(
-    H: Array, on_plate: npt.NDArray[np.int64], spring: Array, damper: Array, unloading: float
+    H: Array, on_plate: npt.NDArray[np.int64], spring: Array, damper: Array, unloading: float, longest: float
 ) -> tuple[float, float]:
-    """Step (s) that resolves all modes of the feet at rest on the plate, and their largest normal
+    """Step (s), at most `longest`, that resolves all modes of the feet at rest on the plate, and their largest normal
     frequency (rad/s).
 
     `H`: mobility of all contacts, shape (3 k, 3 k), 1/g; `on_plate`: numbers of those of the feet.
@@ -217,8 +221,9 @@ def _own_step(
     fastest = math.sqrt(_largest(normal, unloading * spring[on_plate, 0]))
     slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(spring[on_plate, 1], 2)))
     stop = _largest(normal, damper[on_plate])
-    longest = min(LONGEST, RESOLVED / fastest, SIDEWAYS / slip)
-    return min(longest, DAMPED / stop) if stop > 0.0 else longest, fastest
+    own = min(RESOLVED / fastest, SIDEWAYS / slip)
+    own = min(own, DAMPED / stop) if stop > 0.0 else own
+    return min(own, max(longest, FINEST * own)), fastest
 
 
 def _largest(block: Array, factors: Array) -> float:
@@ -229,15 +234,14 @@ def _largest(block: Array, factors: Array) -> float:
     return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
 
 
-def _step(given_us: float | None, own: float, fastest: float) -> float:
+def _step(given_us: float | None, own: float, longest: float, fastest: float) -> float:
     """Length of a step, s: the feet's own, or a given one.
 
-    Raises InputError for one that would step over whole contacts, whose normal oscillation is
+    Raises InputError for one beyond the `longest`, which would step over whole contacts, whose normal oscillation is
     `fastest` rad/s.
     """
     if given_us is None:
         return own
-    longest = min(COARSEST / fastest, 10.0 * LONGEST)
     if 1e-6 * given_us > longest:
         raise InputError(
             f"run.step_us = {given_us:g}: steps over the contacts of these feet, which oscillate "
@@ -250,7 +254,7 @@ def _step(given_us: float | None, own: float, fastest: float) -> float:
 def coarser(world: World, factor: float) -> World:
     """World with steps `factor` times longer, and flights tabulated for them."""
     walker, step = world.walker, factor * world.options.step
-    flights = _flights(walker, step, len(walker.stiffness))
+    flights = _flights(walker, step, len(walker.stiffness), world.drive.period)
     return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
 
 
@@ -279,14 +283,20 @@ def mobility(walker: Walker) -> Array:
     return np.asarray(J @ M @ J.T)
 
 
-def _flights(walker: Walker, step: float, n: int) -> Array:
-    """Propagators of the legs in flight for step 2^i seconds, shape (LEVELS, 2 n, 2 n)."""
+def _flights(walker: Walker, step: float, n: int, period: float) -> Array:
+    """Propagators of the legs in flight for step 2^i seconds, shape (LEVELS, 2 n, 2 n).
+
+    The unit of time is a power of two near the plate's period, so that a scaled walker has the same bits.
+    """
     if n == 0:
         return np.zeros((LEVELS, 0, 0))
     from scipy.linalg import expm
 
-    rates = np.zeros((2 * n, 2 * n))
+    unit, rates = 2.0 ** math.frexp(64.0 * period)[1], np.zeros((2 * n, 2 * n))
     rates[:n, n:] = np.eye(n)
-    rates[n:, :n] = -walker.hinge_mobility * walker.stiffness
-    rates[n:, n:] = -walker.hinge_mobility * walker.damping
-    return np.array([expm(step * 2.0**level * rates) for level in range(LEVELS)])
+    rates[n:, :n] = -walker.hinge_mobility * walker.stiffness * unit**2
+    rates[n:, n:] = -walker.hinge_mobility * walker.damping * unit
+    flights = np.array([expm(step / unit * 2.0**level * rates) for level in range(LEVELS)])
+    flights[:, :n, n:] *= unit
+    flights[:, n:, :n] /= unit
+    return flights

@@ -5,7 +5,8 @@ its mirror image exact images of each other, to the last bit, which a mesh does 
 """
 
 import copy
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -83,6 +84,18 @@ def plan_of(model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, *
     design = design_of(model, tilt_deg)
     scene = scene_of(model, **tables)
     return prepare(scene, design, masses(design, leg_mass))
+
+
+def scaled(model: str, scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
+    """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's modulus x s keeps springs similar."""
+    one = design_of(model, 10.0)
+    lengths = {
+        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
+        for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
+    }
+    design = Design.model_validate(lengths | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
+    drive = {"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}
+    return prepare(scene_of(model, drive=drive, run=run or {}, **tables), design, masses(design))
 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:

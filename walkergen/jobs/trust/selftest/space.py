@@ -6,12 +6,29 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, masses, plan_of, scene_of, shaken
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, masses, plan_of, scaled, scene_of, shaken
 from walkergen.jobs.trust.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
+from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
-from walkergen.simulation.space.state import C_X, C_Z, HEADING, Q_0, Q_Z, ROLL, SHOWN_X, SHOWN_Y, V_X, W_X, W_Z
+from walkergen.simulation.space.state import (
+    C_X,
+    C_Z,
+    HEADING,
+    HEIGHT,
+    LEGS,
+    Q_0,
+    Q_Z,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    V_X,
+    V_Z,
+    W_X,
+    W_Y,
+    W_Z,
+)
 from walkergen.walker.design import Design
 
 LANDED = 5e-3
@@ -166,6 +183,32 @@ def _far(model: str) -> Iterator[Check]:
         yield exactly(f"{title}: all else to the bit", bool(np.array_equal(far, state)))
 
 
+def _powers_of_two(model: str) -> Iterator[Check]:
+    """Check lengths x 4^n and times x 2^n: the scaled problem has the scaled result to the last bit.
+
+    Every length of the code, of steps and tolerances too, must then be in units of walker and plate.
+    """
+    start = None
+    for power in (0, -5, -4, -1, 1, 4, 5):
+        length, seconds = 4.0**power, 2.0**power
+        plan = scaled(model, length, arena={"kind": "plane"})
+        state = plan.start(0.0625 * length, 4e-3, 1.0, 1e-3)
+        state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
+        state[W_Y] = 0.25 / seconds
+        outcome, tally = advance(plan, state, 0.25 * seconds)
+        legs = len(plan.world.walker.stiffness)
+        state[[SHOWN_X, SHOWN_Y, HEIGHT, *range(C_X, C_Z + 1)]] /= length
+        state[V_X : V_Z + 1] /= seconds
+        state[[*range(W_X, W_Z + 1), *range(LEGS + legs, LEGS + 2 * legs)]] *= seconds
+        state = state[: LEGS + 2 * legs]
+        if start is None:
+            start = state
+            yield exactly("it runs and lands", outcome is Outcome.OK and tally.counts[record.IMPACTS] > 100)
+        else:
+            off = float(np.abs(state - start).max())
+            yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", off, 0.0, "exact: powers of two")
+
+
 def _upright(model: str) -> Iterator[Check]:
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
     plan = plan_of(model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
@@ -195,5 +238,6 @@ CASES = [
     Case("space: free top over 1e4 turns", "7", "Euler's top: energy and angular momentum", SPACE, _top),
     Case("space: a million turns of the heading", "7", "isotropy of the plane", SPACE, _turned),
     Case("space: 1e9 mm from the origin", "7", "translation along the plate", SPACE, _far),
+    Case("space: lengths x 4^n, times x 2^n", "7", "dimensional analysis", SPACE, _powers_of_two),
     Case("space: upright walker goes nowhere", "7", "mirror symmetry", SPACE, _upright),
 ]
