@@ -209,7 +209,7 @@ def _contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
         elif type(list(subpath)[-1]).__name__ != "Close":
             raise InputError(
                 f"{source}: a path is open: it begins at {_shown(own[0])} and ends at "
-                f"{_shown(own[-1])} of the drawing; close it (Z) or leave it out"
+                f"{_shown(own[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
             )
         contours.append(points)
     return contours
