@@ -20,6 +20,7 @@ def test_walls_are_found_and_free_motion_is_measured():
     assert 0.05 < found.contacts.value < 0.3
     seen = motion.analyse(BOX, found=found)
     assert "walls about 15" in seen.doubts[0]
+    assert "equal times of free motion" in seen.method
     for name, truth in (("speed", 60.0), ("persistence_time", 2.0)):
         low, high = seen.estimates[name].interval(0.95)
         assert low <= truth <= high, name

@@ -387,7 +387,7 @@ def _method(frame: Frame, in_pieces: bool, together: Together | None, samples: i
     if not in_pieces:
         method = f"speed {speed}; errors from {samples} independent samples of particles"
         return f"{method}; of the mean speed, {together.limit}" if together else method
-    pieces = f"{samples} pieces of {length_s:.3g} s"
+    pieces = f"{samples} pieces of " + ("equal times of free motion" if frame.walls else f"{length_s:.3g} s")
     if together is None:
         return f"speed {speed}; errors from {pieces}, which do not tell how walkers differ"
     walkers = together.walkers
