@@ -183,7 +183,8 @@ def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None
     if use.sum() < 4:
         return
     lag, values = lag[use], values[use]
-    errors = spreads.smooth(lag, errors[use])
+    # Turns of the few that are free scatter as the lag and their number say: weights without chance.
+    errors = lag / np.sqrt(sums.turn_pairs[use]) if frame.walls else spreads.smooth(lag, errors[use])
     fitted = _fit(lag, values, errors, frame, window)
     if fitted is None:
         return
