@@ -52,7 +52,7 @@ def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
         "stl": documents.arguments(document, "export", "--format", "stl", *out),
         "3mf": documents.arguments(document, "export", "--format", "3mf", *out),
         "plate": documents.arguments(document, "plate", "--copies", str(copies), *out),
-        "page": documents.arguments(document, "family", "--page", "--no-pictures", "--out", str(target / "family")),
+        "page": documents.arguments(document, "family", "--page", "--out", str(target / "family")),
     }
     return Order(document, what, target, [words for name, words in made.items() if what in (name, "zip")])
 
