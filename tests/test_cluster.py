@@ -55,8 +55,8 @@ def cluster(tmp_path):
         from distributed import Client
 
         until = time.monotonic() + 60.0
-        while not file.exists() and time.monotonic() < until:
-            time.sleep(0.1)
+        while not (file.exists() and file.read_text().endswith("}")) and time.monotonic() < until:
+            time.sleep(0.1)  # it is not written at once
         address = json.loads(file.read_text())["address"]
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60)

@@ -2,10 +2,13 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+import hatch_build
 from walkergen.numerics import kernels, shipped
 from walkergen.numerics.shipped import Kind
 
@@ -113,3 +116,12 @@ def test_shipped_entries_come_first_and_only_with_their_sums(folder, tmp_path):
         read(str(own), "f", b"").load("int")
     (room / "f.nbi").write_text('{"int": "g.1.nbc"}')
     assert read(str(own), "f", b"").load("int") is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", hatch_build.MORE, ids=lambda words: " ".join(words[:3]))
+def test_the_commands_whose_kernels_a_wheel_takes_along_run(words, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "walkergen", *words], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr

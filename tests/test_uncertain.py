@@ -123,3 +123,8 @@ def test_quantiles_of_a_normal_input_are_those_of_scipy():
     shares = np.r_[1e-300, 1e-12, np.linspace(0.001, 0.999, 999), 1.0 - 1e-15]
     standard = Input("x", 0.0, 1.0, -np.inf)
     assert uncertain.quantiles(standard, shares) == pytest.approx(ndtri(shares), rel=1e-13, abs=1e-15)
+
+
+def test_a_leg_is_drawn_as_thick_as_a_design_may_have():
+    _, design, _ = uncertain.applied(SCENE, DESIGN, {"legs.thickness_mm": 7.9e-7})
+    assert design.legs.flexible_thickness_mm == 1e-6

@@ -17,6 +17,7 @@ from walkergen.drive import MOTOR_HZ, Drive
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import LONGEST_MM, SHORTEST_MM
 from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
@@ -260,16 +261,21 @@ def _as_drawn(design: Design, scene: Scene, drawn: Scene) -> Design:
     return Design.model_validate(data)
 
 
+def _buildable(thickness: float) -> float:
+    """Drawn thickness of a leg, mm, within what a design may have."""
+    return min(max(thickness, SHORTEST_MM), LONGEST_MM)
+
+
 def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
     """Design with another thickness of its first leg, and of others in proportion; validated."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
         if design.pair:
-            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = thickness
+            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _buildable(thickness)
         else:
             ratio = thickness / design.limbs[0].thickness
             for leg, limb in zip(data["legs"], design.limbs, strict=True):
-                leg["thickness_mm"] = ratio * limb.thickness
+                leg["thickness_mm"] = _buildable(ratio * limb.thickness)
         design = Design.model_validate(data)
     if material:
         changed = design.material.model_copy(update=material)

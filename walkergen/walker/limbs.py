@@ -17,7 +17,8 @@ from pydantic import Field
 
 from walkergen.files.config import Fraction, Friction, Section
 
-Length = Annotated[float, Field(ge=1e-6, le=1e6)]
+SHORTEST_MM, LONGEST_MM = 1e-6, 1e6
+Length = Annotated[float, Field(ge=SHORTEST_MM, le=LONGEST_MM)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
