@@ -22,7 +22,7 @@ MORE = (
     *(("simulate", "--model", model, *SHORT) for model in ("relaxed", "rigid", "compliant")),
     ("family", "--no-pictures", "--quiet"),
     ("crowd", "--count", "2", "--seconds", "0.05", "--rate-hz", "100", "--runs", "1", "--no-pictures", "--quiet"),
-    ("calibrate", "drop", "--measured", "0.5", "--drops", "2", "--quiet"),
+    ("calibrate", "drop", "--measured", "0.5", "--measured-sd", "0.05", "--drops", "2", "--quiet"),
 )
 """Commands whose kernels a wheel takes along: those of WALKERGEN_KERNELS=first, and of all."""
 
