@@ -109,6 +109,15 @@ def test_cards_denser_than_was_tested_give_no_number_but_their_input(run, asked,
     assert in_plane.TESTED in " ".join(tested.stdout.split())
 
 
+def test_a_crowd_of_cards_tells_no_speed_which_a_card_alone_does(run, asked):
+    short = {"arena": "periodic:212", "seconds": 1.0, "runs": 2}
+    assert wg.crowd("bar.json", count=1, **short).statistics.numbers["speed"].known
+    many = wg.crowd("bar.json", count=4, **short).statistics.numbers
+    assert many["speed"].value is None
+    assert many["speed"].refused == in_plane.TOO_FAST
+    assert many["packing"].value is not None
+
+
 def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_path):
     result = run("--count", "bar.json:4,other.json:3", "--arena", "disc:200", *SHORT, "--json")
     facts = json.loads(result.stdout)
