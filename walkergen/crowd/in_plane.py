@@ -92,11 +92,9 @@ class InPlane(NamedTuple):
         measured = measure(films)
         if len(self.job.numbers) == 1:
             return measured
-        declined = {
-            name: number._replace(value=None, se=None, refused=TOO_FAST) if name in SPEEDS and number.value else number
-            for name, number in measured.numbers.items()
-        }
-        return measured._replace(numbers=declined)
+        wrong = {name: measured.numbers[name] for name in SPEEDS if measured.numbers[name].value is not None}
+        declined = {name: number._replace(value=None, se=None, refused=TOO_FAST) for name, number in wrong.items()}
+        return measured._replace(numbers={**measured.numbers, **declined})
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""
