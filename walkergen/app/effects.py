@@ -17,14 +17,14 @@ def words(document: Document, folder: Path) -> list[str]:
     return documents.arguments(document, "explain", "--measure", "--json", "--out", str(_folder(document, folder)))
 
 
-def picture(document: Document, folder: Path) -> str:
+def picture(document: Document, folder: Path) -> dict[str, str]:
     """Picture that was drawn, as an address of its own. Raises InputError where there is none."""
     path = _folder(document, folder) / "explain.png"
     try:
         data = path.read_bytes()[:MOST_BYTES]
     except OSError:
         raise InputError(f"{documents.SOURCE}: no effects of this walker were measured") from None
-    return f"data:image/png;base64,{base64.b64encode(data).decode()}"
+    return {"picture": f"data:image/png;base64,{base64.b64encode(data).decode()}"}
 
 
 def _folder(document: Document, folder: Path) -> Path:

@@ -93,6 +93,9 @@ class Server(NamedTuple):
     """Word in the address that opens the page once, for a phone; None for this machine alone."""
 
 
+Door = Callable[[Server, Request], Awaitable[Response]]
+
+
 def new(
     folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
 ) -> Server:
@@ -104,7 +107,7 @@ def new(
 
 def application(server: Server) -> Any:
     """ASGI application of a server."""
-    doors: dict[str, Callable[[Server, Request], Awaitable[Response]]] = {
+    doors: dict[str, Door] = {
         "start": _start,
         "walker": _walker,
         "outlook": _outlook,
@@ -114,10 +117,10 @@ def application(server: Server) -> Any:
         "spans": _spans,
         "keep": _keep,
         "run": _run,
-        "crowd": _crowd,
-        "crowded": _crowded,
-        "effects": _effects,
-        "effects_drawn": _effects_drawn,
+        "crowd": _command(crowding.words, "crowds"),
+        "crowded": _made(crowding.played, "crowds"),
+        "effects": _command(effects.words, "effects"),
+        "effects_drawn": _made(effects.picture, "effects"),
         "design": _design,
         "make": _make,
         "take": _take,
@@ -203,7 +206,7 @@ def _guarded(app: Any, hosts: frozenset[str]) -> Any:
     return guarded
 
 
-def _door(server: Server, door: Callable[[Server, Request], Awaitable[Response]]) -> Any:
+def _door(server: Server, door: Door) -> Any:
     """Endpoint that refuses in words what a job refuses."""
 
     async def endpoint(request: Request) -> Response:
@@ -374,29 +377,25 @@ async def _run(server: Server, request: Request) -> Response:
     return Streamed(children.run(server.running, children.RUN, sent))
 
 
-async def _crowd(server: Server, request: Request) -> Response:
-    """Let walkers run in a dish; `crowded` then hands out what is played."""
-    document, _ = await _asked(server, request)
-    words = await _worked(server.workers, request, crowding.words, document, server.folder / "crowds")
-    return Streamed(children.run(server.running, children.COMMANDS, [words]))
+def _command(words: Callable[[Document, Path], list[str]], name: str) -> Door:
+    """Door that runs the command of a page's walker, which leaves what it makes in a folder of this name."""
+
+    async def door(server: Server, request: Request) -> Response:
+        document, _ = await _asked(server, request)
+        command = await _worked(server.workers, request, words, document, server.folder / name)
+        return Streamed(children.run(server.running, children.COMMANDS, [command]))
+
+    return door
 
 
-async def _crowded(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    return _json(await _worked(server.workers, request, crowding.played, document, server.folder / "crowds"))
+def _made(shown: Callable[[Document, Path], dict[str, Any]], name: str) -> Door:
+    """Door that hands out what such a command has left."""
 
+    async def door(server: Server, request: Request) -> Response:
+        document, _ = await _asked(server, request)
+        return _json(await _worked(server.workers, request, shown, document, server.folder / name))
 
-async def _effects(server: Server, request: Request) -> Response:
-    """Measure what each effect changes of the speed; `effects_drawn` then hands out the picture."""
-    document, _ = await _asked(server, request)
-    words = await _worked(server.workers, request, effects.words, document, server.folder / "effects")
-    return Streamed(children.run(server.running, children.COMMANDS, [words]))
-
-
-async def _effects_drawn(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    drawn = await _worked(server.workers, request, effects.picture, document, server.folder / "effects")
-    return _json({"picture": drawn})
+    return door
 
 
 async def _design(server: Server, request: Request) -> Response:
