@@ -19,6 +19,7 @@ import rendered_films
 from typer.testing import CliRunner
 
 import walkergen as wg
+from walkergen import request
 from walkergen.api import front
 from walkergen.cli import command_line
 from walkergen.commands import COMMANDS
@@ -113,6 +114,17 @@ def test_files_load_by_path_and_their_keys_tell_what_they_are(tmp_path, monkeypa
     assert wg.load("name.toml", "scene").name == "x"
     with pytest.raises(InputError, match=r"koumakis2016: .*"):
         wg.load(Path("koumakis2016"))  # a path is a file, never a template
+
+
+def test_a_walker_with_a_motor_runs_on_a_table_where_no_scene_is_named():
+    carrier, paper = wg.load("coinbot"), wg.load("koumakis2016")
+    assert request.ground(None, [paper]) == "lane-90hz"
+    assert request.ground(None, [paper, carrier], request.PLANE) == "table-motor"
+    assert request.ground("plane-90hz", [carrier]) == "plane-90hz"
+    here, named = (wg.predict("coinbot", model="theory", **on) for on in ({}, {"scene": "table-motor"}))
+    assert here.facts == named.facts
+    with pytest.raises(InputError, match="--scene lane-90hz"):
+        wg.predict("coinbot", gamma=2.0)
 
 
 def test_a_variant_is_what_the_file_with_these_lines_would_be(tmp_path):

@@ -64,7 +64,7 @@ def family(
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     restitution: float | None = None,
     friction: float | None = None,
     gamma: float | None = None,
@@ -180,7 +180,7 @@ def design(
     design: Walker = "koumakis2016",
     vary: str | Iterable[str] = [],
     set: Mapping[str, Any] = {},
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     printer: Machine = "prusa-mk3s",
     model: str | None = None,
     error: str = "5%",
@@ -197,7 +197,7 @@ def design(
 
 def predict(
     design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     tilt: float | Iterable[float] | str | None = None,
     *,
     legs: Kind | Iterable[Kind] | None = None,
@@ -255,7 +255,7 @@ def sweep(
 
 def simulate(
     design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
@@ -295,7 +295,7 @@ def simulate(
 
 def crowd(
     design: Walker | Card | None = None,
-    scene: Ground = "plane-90hz",
+    scene: Ground | None = None,
     *,
     count: int | Mapping[str, int] | str | None = None,
     packing: float | None = None,
@@ -338,7 +338,7 @@ def crowd(
 
 def movie(
     design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     *,
     tilt: float | Iterable[float] | str | None = None,
     legs: Kind | Iterable[Kind] | None = None,
@@ -371,7 +371,7 @@ def movie(
 
 def explain(
     design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     *,
     tilt: float | None = None,
     legs: Literal["flexible", "braced"] | None = None,
@@ -532,7 +532,7 @@ def calibrate(
 
 def accuracy(
     design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
+    scene: Ground | None = None,
     *,
     tilt: float | None = None,
     legs: Literal["flexible", "braced"] | None = None,

@@ -6,7 +6,7 @@ and what Python gives; a value that means nothing is told by its flag. Options t
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
@@ -21,8 +21,9 @@ from walkergen.files.progress import Expect, Progress, unheard
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units
     from walkergen.files.report import Report
+    from walkergen.walker.design import Design
 
-PAPER, LANE, PLANE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "prusa-mk3s"
+PAPER, LANE, PLANE, TABLE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "table-motor", "prusa-mk3s"
 """Templates of the walker, the scenes and the printer that requests begin with."""
 
 STEEPEST, MOST_TILTS, MOST_COPIES, LONGEST_S = 85, 10_000, 5000, 86_400.0
@@ -189,6 +190,13 @@ def _listed(value: Any) -> list[Any]:
         return list(value)
     except TypeError:  # a single value, or an array of no dimension
         return [value]
+
+
+def ground(scene: Any, designs: Sequence["Design"], usual: str = LANE) -> Any:
+    """The scene that is named, or the template where such walkers run: a table if one has a motor of its own."""
+    if scene is not None:
+        return scene
+    return TABLE if any(design.motor is not None for design in designs) else usual
 
 
 def parse_tilts(value: Any) -> list[float] | None:
@@ -372,6 +380,15 @@ Filmed = Annotated[
 Text = Annotated[str | None, Flag("Letters as the walker's body: a name.", "WORD", sets="body.text")]
 Mirror = Annotated[bool | None, Flag("Turn a shape round: what pointed back is the front.", sets="body.mirror")]
 Ground = Annotated[Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground", templates=("scenes",))]
+Home = Annotated[
+    Any,
+    Flag(
+        f"Scene: a template or a TOML file; without, {LANE}, of a walker with a motor {TABLE}.",
+        "SCENE",
+        takes="Ground | None",
+        templates=("scenes",),
+    ),
+]
 Machine = Annotated[
     Any, Flag("Printer: a template or a TOML file.", "PRINTER", takes="Machine", templates=("printers",))
 ]

@@ -6,11 +6,11 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from walkergen.app import answers, sentences
+from walkergen.app import answers
 from walkergen.app import document as documents
 from walkergen.app.document import Document
 from walkergen.files import columns
-from walkergen.request import PLANE
+from walkergen.request import PLANE, ground
 from walkergen.walker import solids
 
 COUNT, SECONDS, DISH_MM = 10, 6.0, 160.0
@@ -24,9 +24,8 @@ def words(document: Document, folder: Path) -> list[str]:
 
     They run on an open plate, those with a motor on a table. Raises InputError.
     """
-    motor = document.design().motor is not None
     own = {key: value for key, value in document.values.items() if not key.startswith("scene.")}
-    free = document._replace(scene=sentences.TABLE if motor else PLANE, values=own)
+    free = document._replace(scene=ground(None, [document.design()], PLANE), values=own)
     run = (
         "--count",
         str(COUNT),

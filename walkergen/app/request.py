@@ -22,7 +22,7 @@ class AppRequest(request.Request):
     reports: ClassVar = False
 
     design: request.Walker = request.PAPER
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     printer: request.Machine = request.PRUSA
     text: request.Text = None
     mirror: request.Mirror = None
@@ -37,7 +37,8 @@ class AppRequest(request.Request):
         from walkergen.app.document import Document
 
         given = self.inputs()
-        given.design(self.design), given.scene(self.scene), given.printer(self.printer)
-        document = Document(self.design, self.scene, self.printer, given.values)
+        scene = request.ground(self.scene, [given.design(self.design)])
+        given.scene(scene), given.printer(self.printer)
+        document = Document(self.design, scene, self.printer, given.values)
         anew = document != Document(request.PAPER, request.LANE, request.PRUSA, {})
         serving.serve(document, anew, FOLDER, self.host, self.port, self.browser)

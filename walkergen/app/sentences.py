@@ -37,9 +37,6 @@ TITLES: Mapping[str, str] = {
 }
 """Plain names of walkers and scenes, by those of their files."""
 
-TABLE = "table-motor"
-"""Scene of walkers that carry a motor."""
-
 MENUS: Mapping[str, str] = {
     'wall_generator = "classic"': "the perimeter generator (wall generator in Orca and Bambu) Classic",
     "set thin_walls = true": "switch on “Detect thin walls”",

@@ -37,6 +37,7 @@ from walkergen.app.workers import Workers
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import output, reading, templates
 from walkergen.files.ledger import manifest
+from walkergen.request import TABLE
 
 MOST_BYTES = 1_000_000
 """Longest message of a page, bytes, as of a TOML file."""
@@ -270,7 +271,7 @@ async def _start(server: Server, request: Request) -> Response:
             "walkers": server.place.walkers(),
             "about": about,
             "titles": sentences.TITLES,
-            "table": sentences.TABLE,
+            "table": TABLE,
             "new": kept is None and not server.anew,
             "document": kept or server.first._asdict(),
             "fresh": server.first._asdict(),

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from walkergen.crowd.runs import Job
     from walkergen.files.report import Report
     from walkergen.scene import Scene
+    from walkergen.walker.design import Design
 
 MOST_FPS = 50
 """Frames a second of a movie at most; tracks may have more."""
@@ -47,7 +48,15 @@ class CrowdRequest(request.Request):
             argument=True,
         ),
     ] = None
-    scene: request.Ground = request.PLANE
+    scene: Annotated[
+        Any,
+        Flag(
+            f"Scene: a template or a TOML file; without, {request.PLANE}, of walkers with a motor {request.TABLE}.",
+            "SCENE",
+            takes="Ground | None",
+            templates=("scenes",),
+        ),
+    ] = None
     count: Annotated[
         int | dict[str, int] | None,
         BeforeValidator(_count),
@@ -119,9 +128,14 @@ class CrowdRequest(request.Request):
             raise InputError(f"--count {self.count}: names the designs: leave DESIGN out", "count")
         total = sum(counts) if counts else self.count
         given = self.inputs({} if total is None else {"scene.crowd.count": ("--count", total)})
-        scene = given.scene(self.scene, {"scene.run.runs": crowd_members.RUNS})
         sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER]
-        job = (self._flat if self._is_flat(sources) else self._in_space)(given, scene, sources, counts)
+        designs = [] if self._is_flat(sources) else self._designs(given, sources)
+        ground = request.ground(self.scene, designs, request.PLANE)
+        scene = given.scene(ground, {"scene.run.runs": crowd_members.RUNS})
+        if designs:
+            job = in_space.asked(scene, designs, counts, self.rate_hz)
+        else:
+            job = self._flat(given, scene, sources, counts)
         folder = self.folder(Path("out") / report.name_of(job))
         if self.write_only:
             return report.write_inputs(job, folder or Path("out") / report.name_of(job))
@@ -159,14 +173,12 @@ class CrowdRequest(request.Request):
             )
         return False
 
-    def _in_space(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
-        """Crowd of designs; a tilt and a kind of legs are for one design alone."""
-        from walkergen.crowd import in_space as crowd_space
-
+    def _designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
+        """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
         if len(sources) > 1:
             self.refuse(f"is for one design, seen {len(sources)}", "tilt", "legs")
-            return crowd_space.asked(scene, [given.design(source) for source in sources], counts, self.rate_hz)
-        return crowd_space.asked(scene, [given.one(sources[0], self.tilt, self.legs)], counts, self.rate_hz)
+            return [given.design(source) for source in sources]
+        return [given.one(sources[0], self.tilt, self.legs)]
 
     def _flat(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
         """Crowd of cards. Raises InputError for what their measurement has settled."""
@@ -194,7 +206,8 @@ class CrowdRequest(request.Request):
             result, path = make.of_file(Path(source)), Path(source)
             folder = output.results(path, self.out, "card")
             return make.write(result, {"card": path.name}, folder, self.pictures)
-        walker, scene = given.one(source, self.tilt, self.legs), given.scene(self.scene)
+        walker = given.one(source, self.tilt, self.legs)
+        scene = given.scene(request.ground(self.scene, [walker], request.PLANE))
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
             self.refuse("is for --tracks of a film", "fps", "mm_per_px", "unit", "y_down")

@@ -32,7 +32,7 @@ class DesignRequest(request.Request):
         Flag("Key of the file to vary; repeats.", "KEY=LOW:HIGH", takes="str | Iterable[str]", repeats=True),
     ] = []
     set: request.Settings = {}
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     printer: request.Machine = request.PRUSA
     model: Annotated[str | None, Flag("prediction, or a model; by default the one of `simulate`.", "MODEL")] = None
     error: Annotated[str, Flag("Error allowed: 5% or 3mm/s.", "ERROR")] = "5%"
@@ -56,7 +56,8 @@ class DesignRequest(request.Request):
             self.speed, self.persistence, self.turning_radius, self.fastest, self.least_sensitive, error
         )
         given = self.inputs()
-        design, scene = given.design(self.design), given.scene(self.scene)
+        design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design]))
         spans = box.of_options(self.vary, design)
         given.refuse(spans.keys, "--vary varies it: leave one of them out")
         model = make.model_of(design, scene, self.model, wish.asks_space)

@@ -37,7 +37,7 @@ class ExportRequest(request.Request):
     scene: Annotated[
         Any,
         Flag(
-            "Scene of mjcf: a template or a TOML file; lane-90hz.",
+            f"Scene of mjcf: a template or a TOML file; {request.LANE}, of a walker with a motor {request.TABLE}.",
             "SCENE",
             takes="Ground | None",
             templates=("scenes",),
@@ -79,8 +79,8 @@ class ExportRequest(request.Request):
         given = self.inputs()
         if not moving:
             given.refuse(given.of("scene"), f"only --format {make.MJCF} has a scene")
-        scene = given.scene(self.scene or request.LANE) if moving else None
         design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design])) if moving else None
         members = inputs.capped(given.members(design, self.tilt, self.legs, whole=False), self.caps)
         if self.out is not None and single:
             self.refuse(f"{self.out} says the format of one file", "format", "caps")

@@ -29,7 +29,7 @@ class FamilyRequest(request.Request):
     design: request.Walker = request.PAPER
     tilt: request.Tilts = None
     legs: request.Kinds = None
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     restitution: request.Restitution = None
     friction: request.Friction = None
     gamma: request.Gamma = None
@@ -75,11 +75,11 @@ class FamilyRequest(request.Request):
             self.refuse("is for --page", "run_in")
         run_in = None if self.run_in is None else inputs.of({}, {}, ["scene"]).scene(self.run_in)
         given = self.inputs()
-        scene = given.scene(self.scene)
         try:
             design = given.design(self.design)
         except GeometryError as error:
             raise make.drawn(error, self.folder(Path("out") / "trouble")) from None
+        scene = given.scene(request.ground(self.scene, [design]))
         inputs.check_mode(self.mode, scene)
         members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=True)
         masses, unused = inputs.weighed(self.weights, members)

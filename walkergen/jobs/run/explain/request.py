@@ -19,7 +19,7 @@ class ExplainRequest(request.Request):
     """
 
     design: request.Walker = request.PAPER
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     tilt: request.Tilt = None
     legs: request.Legs = None
     model: request.Model = None
@@ -40,7 +40,8 @@ class ExplainRequest(request.Request):
         from walkergen.walker import names
 
         given = self.inputs()
-        scene, design = given.scene(self.scene), given.one(self.design, self.tilt, self.legs)
+        design = given.one(self.design, self.tilt, self.legs)
+        scene = given.scene(request.ground(self.scene, [design]))
         place = Path("out") / "explain" / f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
         folder = self.folder(place) if self.measure else self.out
         return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

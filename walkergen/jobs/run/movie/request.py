@@ -20,7 +20,7 @@ class MovieRequest(request.Request):
     """
 
     design: request.Walker = request.PAPER
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     tilt: request.Tilts = None
     legs: request.Kinds = None
     seconds: Annotated[float | None, Flag("Simulated time to show, s.", "S")] = None
@@ -54,7 +54,8 @@ class MovieRequest(request.Request):
             told = f"--out {str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "out")
         given = self.inputs()
-        scene, design = given.scene(self.scene), given.design(self.design)
+        design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design]))
         simplest.refuse(scene, "is of a speed, and a film shows all that its scene calls for")
         members = given.members(design, self.tilt, self.legs, whole=False)
         times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}

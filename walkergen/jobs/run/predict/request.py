@@ -23,7 +23,7 @@ class PredictRequest(request.Request):
     design: request.Walker = request.PAPER
     tilt: request.Tilts = None
     legs: request.Kinds = None
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     restitution: request.Restitution = None
     friction: request.Friction = None
     gamma: request.Gamma = None
@@ -45,7 +45,8 @@ class PredictRequest(request.Request):
         from walkergen.jobs.run.predict import make
 
         given = self.inputs()
-        design, scene = given.design(self.design), given.scene(self.scene)
+        design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design]))
         inputs.check_mode(self.mode, scene)
         members = given.members(design, self.tilt, self.legs, whole=False)
         masses, warnings = inputs.weighed(self.weights, members)

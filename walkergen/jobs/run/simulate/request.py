@@ -34,7 +34,7 @@ class SimulateRequest(request.Request):
     """
 
     design: request.Walker = request.PAPER
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     tilt: request.Tilts = None
     legs: request.Kinds = None
     seconds: request.Seconds = None
@@ -80,8 +80,10 @@ class SimulateRequest(request.Request):
             given.refuse(CHOSEN, "--error chooses it; leave one of them out")
         else:
             self.refuse("names what --error is about; give --error as well, or", "of")
-        scene = given.scene(self.scene, {"scene.run.seconds": UNCERTAIN_SECONDS} if self.uncertain else {})
-        members = given.members(given.design(self.design), self.tilt, self.legs, whole=False)
+        design = given.design(self.design)
+        own = {"scene.run.seconds": UNCERTAIN_SECONDS} if self.uncertain else {}
+        scene = given.scene(request.ground(self.scene, [design]), own)
+        members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
             why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs, or"
             self.refuse(why, "trajectory", "error", "uncertain")

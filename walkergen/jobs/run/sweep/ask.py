@@ -14,11 +14,9 @@ from walkergen.points.request import SCENE as SCENES
 from walkergen.points.request import Request, check_alone
 from walkergen.points.tolerance import Tolerance, parse
 from walkergen.printing.printers import Printer
+from walkergen.request import PAPER, ground
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
-
-PAPER = "koumakis2016"
-"""Template of the design that a file need not name."""
 
 ERROR = parse("5%")
 """Error of simulated speeds unless asked otherwise."""
@@ -102,14 +100,14 @@ def of(
         walker, data = assignments.changed(design, own, source), None
     else:
         walker, data = assignments.with_data(templates.path_of(design or PAPER, "walkers", near), Design, own, source)
-    ground = scene or scene_for(model)
-    if isinstance(ground, Scene):
-        ground = assignments.changed(ground, scenes, source, SCENES)
+    place = ground(scene, [walker], scene_for(model))
+    if isinstance(place, Scene):
+        place = assignments.changed(place, scenes, source, SCENES)
     else:
-        ground = assignments.read(templates.path_of(ground, "scenes", near), Scene, scenes, source, SCENES)
+        place = assignments.read(templates.path_of(place, "scenes", near), Scene, scenes, source, SCENES)
     if not isinstance(printer, Printer | None):
         printer = templates.load(printer, "printers", Printer, near)
-    return Ask(walker, data, ground, printer, space, tuple(constants), model, error, keep)
+    return Ask(walker, data, place, printer, space, tuple(constants), model, error, keep)
 
 
 def of_file(path: Path) -> Ask:

@@ -25,7 +25,7 @@ class AccuracyRequest(request.Request):
     """Say what accuracy costs in time, at once; with a budget measure it: models, steps, statistics, shape."""
 
     design: request.Walker = request.PAPER
-    scene: request.Ground = request.LANE
+    scene: request.Home = None
     tilt: request.Tilt = None
     legs: request.Legs = None
     restitution: request.Restitution = None
@@ -63,7 +63,8 @@ class AccuracyRequest(request.Request):
         from walkergen.walker import names
 
         given = self.inputs()
-        scene, design = given.scene(self.scene), given.one(self.design, self.tilt, self.legs)
+        design = given.one(self.design, self.tilt, self.legs)
+        scene = given.scene(request.ground(self.scene, [design]))
         name = f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
         folder, least = self.out or Path("out") / "accuracy" / name, list[float]()
         if not self._measures:
