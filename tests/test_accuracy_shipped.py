@@ -166,7 +166,7 @@ def test_a_cell_measured_anew_is_the_one_that_is_shipped():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("error", [0.1, 0.05])
+@pytest.mark.parametrize("error", [0.1, pytest.param(0.05, marks=pytest.mark.nightly)])
 def test_advice_reaches_its_error_in_fresh_runs(error):
     """Against the reference of the cell, whose own error comes on top; six times, of which 95 % hold."""
     at = place(tilt=5)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browsed import Page, chromium, needs_browser, walkergen
+from night import by_day
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -129,6 +130,7 @@ def test_a_drag_is_one_step_to_undo(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly
 def test_a_name_that_is_typed_prints_as_a_walker(page):
     page.template("name")
     page.type("body.text", "LEA")
@@ -201,6 +203,7 @@ def test_a_run_is_started_stopped_and_started(page):
     made_again(page, *page.take("stl"))
 
 
+@pytest.mark.nightly
 def test_a_run_plays_as_fast_as_it_is_and_slower_on_wish(page):
     page.type("scene.run.seconds", 1)
     page.click("#run")
@@ -225,7 +228,7 @@ def test_ten_walkers_run_in_a_dish(page):
     page.until(lambda: page.text("#dish-time").startswith("5."))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_effects_are_measured_on_the_page(page):
     page.type("legs.tilt_deg", 12)
     page.click("#numbers summary")
@@ -453,25 +456,24 @@ def test_walker_speed_and_files_stay_in_view_at_any_width(page, wide):
         page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-def test_axe_finds_nothing(page):
-    """On a wide screen and on a phone, light and dark, with all tables open."""
+@pytest.mark.parametrize(
+    ("wide", "colours"), by_day(list(itertools.product((1280, 390), ("light", "dark"))), (390, "light"))
+)
+def test_axe_finds_nothing(page, wide, colours):
+    """With all tables open."""
     (folder,) = importlib.util.find_spec("axe_playwright_python").submodule_search_locations
     axe = (Path(folder) / "axe.min.js").read_text()
     try:
         page.click("#another")
         page.browser.execute_script("for (const each of document.querySelectorAll('details')) each.open = true")
         page.browser.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})  # beside the page's policy
-        found = []
-        for wide, colours in itertools.product((1280, 390), ("light", "dark")):
-            media = [{"name": "prefers-color-scheme", "value": colours}]
-            page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
-            size = {"width": wide, "height": 844, "deviceScaleFactor": 1, "mobile": wide < 500}
-            page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-            looked = page.browser.execute_async_script("axe.run().then(arguments[0])")
-            assert len(looked["passes"]) > 20
-            for each in looked["violations"]:
-                found += [(wide, colours, each["id"], node["html"][:120]) for node in each["nodes"]]
-        assert found == []
+        media = [{"name": "prefers-color-scheme", "value": colours}]
+        page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
+        size = {"width": wide, "height": 844, "deviceScaleFactor": 1, "mobile": wide < 500}
+        page.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        looked = page.browser.execute_async_script("axe.run().then(arguments[0])")
+        assert len(looked["passes"]) > 20
+        assert [(each["id"], node["html"][:120]) for each in looked["violations"] for node in each["nodes"]] == []
     finally:
         page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
         page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

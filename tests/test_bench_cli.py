@@ -55,7 +55,7 @@ def test_an_incline_and_a_pluck_set_their_keys(run):
     assert found["legs.damping_ratio"] == pytest.approx(0.0635, abs=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_drop_is_filmed(run, tmp_path):
     result = run("drop", "--height-mm", "1", "--drops", "2", "--movie", "a.gif", "--quiet")
     assert result.exit_code == 0

@@ -94,7 +94,7 @@ def test_the_fastest_is_that_of_a_dense_grid(bench):
     assert found.chosen[0].seen.value >= 0.99 * max(speed for speed in grid if speed is not None)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
     # Steeper than the tilts at which feet stick and speeds depend on friction otherwise.
     spans = (Span("legs.tilt_deg", 16.0, 40.0), LENGTH)

@@ -98,7 +98,7 @@ def test_without_information_the_posterior_is_the_prior():
     assert np.array_equal(posterior.sample(THREE, seen, responses(64, [1]), 1, silent).draws, found.draws)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_product_that_alone_is_known_is_named():
     def product(x, number):
         return 400.0 * x[:, 0] * x[:, 1]

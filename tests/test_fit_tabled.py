@@ -153,7 +153,7 @@ def test_weighted_draws_are_the_posterior_of_a_grid(error):
     assert np.array_equal(found.draws, weighed.sample(THREE, seen, [bent], 1, silent).draws)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_speeds_that_no_contact_has_are_called_so_and_walkers_outside_are_named(tmp_path):
     found = fitted(tmp_path, [20.0, 5.0, 90.0, 5.0, 60.0])
     assert any("does not describe these speeds" in note for note in found.notes)

@@ -110,7 +110,7 @@ def test_nobody_leaves_a_dish(kind, sizes):
 
 
 @with_lammps
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_boxes_that_meet_anyhow_follow_the_closed_form_on_average_and_lose_no_momentum():
     """Any side or corner on any other: what the discs and one dashpot for all cost in accuracy."""
     hits = collide(150, 0.5, 0.3, seed=3)

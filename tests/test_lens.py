@@ -84,7 +84,7 @@ def circling(path, k1, frames=40):
     return films.write(path, [films.bent(one, NEAR, k1) for one in drawn]), ways
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     """k1 = -0.1, which draws the picture's corners in by 3.6 %: 0.13 mm off, with it 0.01 mm."""
     path, ways = circling(tmp_path / "barrel.mp4", -0.1)

@@ -211,7 +211,7 @@ def frames_of(filmed, mm_per_px, size):
     return pictures
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_known_motion_comes_out_of_a_film_that_trackpy_tracked(run, tmp_path):
     import warnings
 

@@ -142,7 +142,7 @@ def close(coarse, fine, names):
         (20.0, 0.8, "flexible"),
         (12.0, 0.25, "flexible"),
         (10.0, 0.6, "braced"),
-        (10.0, 0.05, "flexible"),
+        pytest.param(10.0, 0.05, "flexible", marks=pytest.mark.nightly),
     ],
 )
 def test_in_space_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, label, kind):

@@ -109,7 +109,7 @@ def speed(tilt, label, model, seconds, **tables):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("label", "seconds"), [(0.3, 1.5), (0.8, 3.0)])
+@pytest.mark.parametrize(("label", "seconds"), [pytest.param(0.3, 1.5, marks=pytest.mark.nightly), (0.8, 3.0)])
 def test_stiff_feet_in_the_plane_run_as_the_planar_model(label, seconds):
     """On hysteretic feet, whose law is Stronge's: 63 and 136 mm/s; Poisson's gives 128 at 0.8."""
     planar, error = speed(10, label, "compliant", 4.0, contact={"law": "stronge"})
@@ -139,9 +139,8 @@ def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
     np.testing.assert_allclose(mobility(plan.world.walker), W, rtol=0, atol=1e-12 * abs(W).max())
 
 
-@pytest.mark.parametrize(
-    "tilt", [pytest.param(15, marks=pytest.mark.slow), pytest.param(20, marks=pytest.mark.nightly)]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("tilt", [15, 20])
 def test_nearly_plastic_feet_run_as_in_mujoco(tilt):
     """Free to roll and turn, without twist; feet ten times as stiff, nearly without rebound."""
     free = {"arena": {"kind": "plane"}, "effects": {"leg_twist": False}}

@@ -55,7 +55,12 @@ def test_without_friction_nothing_pushes():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "keys", [{"drive__gamma": 0.9}, {"tilt": 30.0, "drive__gamma": 0.8}, {"contact__friction": 0.0}]
+    "keys",
+    [
+        {"drive__gamma": 0.9},
+        pytest.param({"tilt": 30.0, "drive__gamma": 0.8}, marks=pytest.mark.nightly),
+        {"contact__friction": 0.0},
+    ],
 )
 def test_the_model_in_space_stands_too(keys):
     scene, design, mass = asked(**keys)

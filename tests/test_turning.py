@@ -183,7 +183,7 @@ def _exact_exponent(lag):
     return np.log(up / down) / (2 * np.log(1.001))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_persistence_holds_where_a_film_does_not_tell_that_turning_lasts():
     walker = Walker(inertia=0.1, turn_memory=0.15)
     inside = []

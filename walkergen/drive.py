@@ -86,7 +86,7 @@ class Drive(Section):
                     + (
                         "motor, and kind is 'plate': set kind = 'motor'"
                         if self.kind == "plate"
-                        else "plate, which a motor's is not: leave it out, or set kind = 'plate', as --scene lane-90hz has it"
+                        else "plate, which a motor's is not: leave it out, or take a shaken plate: --scene lane-90hz"
                     )
                 )
         return self._plate() if self.kind == "plate" else self._motor()
