@@ -15,6 +15,7 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.shapes import crossings, faults, joining, modeller, repairs, stl
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass, own_mesh, solids
+from walkergen.walker.design import Design
 from walkergen.walker.own_mesh import Wishes
 
 DUCK = hostile.duck()
@@ -356,6 +357,20 @@ def test_a_duck_on_legs():
         assert leg.vertices[:, 1].min() == pytest.approx(-10.0 - 0.4 * math.sin(TILT), abs=1e-12)
 
 
+@pytest.mark.parametrize("upward", [hostile.UP, UPWARD])
+def test_a_leg_reaches_as_high_as_the_modeller_says(upward):
+    """Rival of the clipped triangles: what the modeller leaves of a leg below the body."""
+    turn = own_mesh.rotation("z", "x", "key")
+    body = joining.ready(Mesh(DUCK.vertices @ turn.T, DUCK.triangles))
+    foot = np.array([-3.0, -10.0, 0.3])
+    found = joining.footing(body, foot, upward, 0.8, 3.0)
+    leg = joining.prism(foot, upward, 0.8, 3.0, found.reach + 0.01)
+    heights = (joining.flush(leg, body).vertices - foot) @ upward
+    assert heights.max() == pytest.approx(found.reach, abs=1e-9)
+    assert math.isfinite(found.above)
+    assert found.above > found.reach
+
+
 def test_legs_that_do_not_stand_under_the_body_are_refused():
     foot, up = np.array([0.0, -8.0, 0.0]), hostile.UP
     ring = modeller.mesh_of(modeller.solid(BOX) - modeller.solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0))))
@@ -422,3 +437,14 @@ def test_holes_that_touch_are_filled_each(dropped, turned):
     faults.refuse(mesh, "ball")
     assert "filled holes" in "; ".join(changes)
     assert faults.shells(mesh).volumes.sum() == pytest.approx(ball.volume, rel=0.005)
+
+
+def test_what_is_not_united_weighs_the_same(tmp_path):
+    """A page shows a body and its legs beside each other: masses, and what they enclose, are the walker's own."""
+    path = hostile.to_stl(tmp_path / "duck.stl", DUCK)
+    design = Design.model_validate({"body": {"mesh": str(path), "length_mm": 40.0}, "legs": {"place": "auto"}})
+    united, beside = (solids.build(design, united=united) for united in (True, False))
+    for one, other in zip(solids.weigh(design, united)[:2], solids.mass_of(design)[:2], strict=True):
+        assert one == other
+    volumes = [mass.weigh(built.walker, 1.0).volume for built in (united, beside)]
+    assert volumes[0] == pytest.approx(volumes[1], rel=1e-9)

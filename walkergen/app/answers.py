@@ -36,7 +36,7 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
     Raises WalkergenError for what cannot be built or predicted.
     """
     design, scene = document.design(), document.ground()
-    report = predicting.predict(design, [design], scene, "coulomb", model="known")
+    report = predicting.predict(design, [design], scene, "coulomb", model="known", united=False)
     (member,) = report.members
     row = member.row._asdict()
     facts = {

@@ -6,6 +6,7 @@ time, is refused. Each process keeps what it has built, so that the next step of
 
 import asyncio
 import contextlib
+import gc
 import importlib
 import importlib.util
 import multiprocessing
@@ -45,7 +46,8 @@ NEEDED = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "tak
 """Modules that answers need: where processes can be copied, one imports them for all."""
 
 LATER, CALM_S = "walkergen.points.short", 1.0
-"""Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second."""
+"""Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second, and
+what compares the triangles of a mesh, loaded then as well, another one."""
 
 MOST_BYTES = 6 * 2**30
 """Addresses that a process may use: where a system has such a limit."""
@@ -187,11 +189,27 @@ def _serve(connection: Connection) -> None:
         importlib.import_module(name)
     with contextlib.suppress(EOFError, OSError):
         connection.send("ready")
+        gc.freeze()  # to look for garbage among all that is imported takes a tenth of a second
+        calm = False
         while True:
-            if not connection.poll(CALM_S):
-                importlib.import_module(LATER)
+            if not calm and not connection.poll(CALM_S):
+                _ready_for_meshes()
+                calm = True
             work, given = connection.recv()
             connection.send(_result(work, given))
+
+
+def _ready_for_meshes() -> None:
+    """Load what only some walkers need."""
+    import numpy as np
+
+    from walkergen.shapes import crossings
+
+    importlib.import_module(LATER)
+    corners = np.concatenate([np.zeros((1, 3)), np.eye(3)])
+    crossings.find(corners, np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), 1e-6)
+    gc.collect()
+    gc.freeze()
 
 
 def _result(work: Callable[..., Any], given: Any) -> Any:

@@ -27,6 +27,9 @@ CROWDED = 32
 """Triangles in one corner from which on they stand together in the order."""
 
 MORTON_BITS = 16
+SPREAD = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
+"""Shifts and masks that put two zeros between the bits of a number of MORTON_BITS."""
+
 DEEPEST = 128
 """Size of the stack of a walk down the tree: more than twice the depth for 2^60 triangles."""
 
@@ -77,7 +80,7 @@ class Scratch(NamedTuple):
     """Directions of a triangle's corners, shape (3, 3)."""
     low: Array
     high: Array
-    """Bounds of the directions of a triangle, shape (3,)."""
+    """Bounds of the directions of a triangle, or of a leaf's, shape (3,)."""
 
 
 def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
@@ -98,7 +101,9 @@ def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
-    low, high = corners.min(axis=1), corners.max(axis=1)
+    first, second, third = corners.transpose(1, 0, 2)
+    low = np.minimum(np.minimum(first, second), third)
+    high = np.maximum(np.maximum(first, second), third)
     inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
     shapes = Shapes(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
     scratch = Scratch(np.empty(DEEPEST, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
@@ -117,22 +122,14 @@ def _crowded(triangles: Indices) -> Indices:
 
 def _codes(vertices: Array, triangles: Indices) -> Indices:
     """Places of triangles' middles along the Morton curve, shape (k,)."""
-    middles = vertices[triangles].sum(axis=1)
-    low = middles.min(axis=0)
-    side = max(float((middles.max(axis=0) - low).max()), 1e-300)
+    first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
+    middles = first + second + third  # an axis a row
+    low = middles.min(axis=1, keepdims=True)
+    side = max(float((middles.max(axis=1, keepdims=True) - low).max()), 1e-300)
     cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
-    codes: Indices = _interleaved(cells)
-    return codes
-
-
-@kernel
-def _interleaved(cells):
-    """Bits of three whole numbers in turn, for each row."""
-    codes = np.zeros(len(cells), np.int64)
-    for row in range(len(cells)):
-        for bit in range(MORTON_BITS):
-            for axis in range(3):
-                codes[row] |= ((cells[row, axis] >> bit) & 1) << (3 * bit + axis)
+    for shift, mask in SPREAD:
+        cells = (cells | cells << shift) & mask
+    codes: Indices = cells[0] | cells[1] << 1 | cells[2] << 2
     return codes
 
 
@@ -146,7 +143,7 @@ def _tree(shapes, leaves, scratch):
         node, apex = leaves + number // LEAF, shapes.apexes[number]
         apexes[node] = apex if apexes[node] == -2 or apexes[node] == apex else -1
         if apex >= 0:
-            _seen(shapes, number, apex, scratch)
+            _seen(shapes, number, apex, scratch, True)
         for axis in range(3):
             lows[node, axis] = min(lows[node, axis], shapes.low[number, axis])
             highs[node, axis] = max(highs[node, axis], shapes.high[number, axis])
@@ -167,19 +164,20 @@ def _pairs(shapes, tree, scratch, tolerance):
     """Number of crossing pairs, and the first of them in the order of the tree."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
-    for first in range(total):
-        own, apex = leaves + first // LEAF, -1
+    for own in range(leaves, leaves + (total + LEAF - 1) // LEAF):
+        begin, end, apex = LEAF * (own - leaves), min(LEAF * (own - leaves) + LEAF, total), -1
         stack[0] = 1
         height = 1
         while height > 0:
             height -= 1
             node = stack[height]
-            if _apart(shapes.low, shapes.high, first, tree.low, tree.high, node):
+            if _apart(tree.low, tree.high, own, tree.low, tree.high, node):
                 continue
             if tree.apexes[node] >= 0:
                 if tree.apexes[node] != apex:
                     apex = tree.apexes[node]
-                    _seen(shapes, first, apex, scratch)
+                    for first in range(begin, end):
+                        _seen(shapes, first, apex, scratch, first == begin)
                 if _seen_apart(scratch, tree, node):
                     continue
             if node < leaves:
@@ -188,19 +186,20 @@ def _pairs(shapes, tree, scratch, tolerance):
                 height += 2
             elif node >= own:  # each pair once
                 start = LEAF * (node - leaves)
-                for second in range(max(start, first + 1), min(start + LEAF, total)):
-                    if _apart(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
-                        continue
-                    if _cross(shapes, first, second, tolerance):
-                        if count == 0:
-                            one, other = first, second
-                        count += 1
+                for first in range(begin, end):
+                    for second in range(max(start, first + 1), min(start + LEAF, total)):
+                        if _apart(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
+                            continue
+                        if _cross(shapes, first, second, tolerance):
+                            if count == 0:
+                                one, other = first, second
+                            count += 1
     return count, one, other
 
 
 @lean
-def _seen(shapes, triangle, apex, scratch):
-    """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle.
+def _seen(shapes, triangle, apex, scratch, anew):
+    """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle; unless anew, widen them.
 
     A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
     farther from w than 1 - |w|, and |w|^2 is at least the least product of two corners' directions.
@@ -224,8 +223,9 @@ def _seen(shapes, triangle, apex, scratch):
             least = min(least, product)
     margin = 2.0 if whole or least <= 0.0 else 1.0 - np.sqrt(least) + 1e-14
     for axis in range(3):
-        scratch.low[axis], scratch.high[axis] = seen[0, axis] - margin, seen[0, axis] + margin
-        for i in range(1, count):
+        if anew:
+            scratch.low[axis], scratch.high[axis] = np.inf, -np.inf
+        for i in range(count):
             scratch.low[axis] = min(scratch.low[axis], seen[i, axis] - margin)
             scratch.high[axis] = max(scratch.high[axis], seen[i, axis] + margin)
 

@@ -67,16 +67,21 @@ def tolerance(mesh: Mesh) -> float:
 
 def edges(triangles: Indices) -> Edges:
     """Sort the faulty edges of triangles by the kind of their fault."""
-    starts, ends = triangles.reshape(-1), np.roll(triangles, -1, axis=1).reshape(-1)
-    low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+    starts, ends = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     size = np.int64(triangles.max()) + 1
-    keys = low * size + high
-    order = np.argsort(keys, kind="stable")
+    keys = _keys(starts, ends, size)
+    order = np.argsort(keys)
     keys, forward = keys[order], np.where(starts < ends, 1, -1)[order]
     first = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
     times, turns = np.diff(np.r_[first, len(keys)]), np.add.reduceat(forward, first)
-    pairs = np.column_stack([keys[first] // size, keys[first] % size])
-    return Edges(pairs[times == 1], pairs[times > 2], pairs[(times == 2) & (turns != 0)])
+    wrong = (keys[first[rows]] for rows in (times == 1, times > 2, (times == 2) & (turns != 0)))
+    return Edges(*(np.column_stack([pairs // size, pairs % size]) for pairs in wrong))
+
+
+def _keys(starts: Indices, ends: Indices, size: np.int64) -> Indices:
+    """Number of each edge, the same in either direction."""
+    keys: Indices = np.minimum(starts, ends) * size + np.maximum(starts, ends)
+    return keys
 
 
 def shells(mesh: Mesh) -> Shells:
@@ -84,9 +89,9 @@ def shells(mesh: Mesh) -> Shells:
     from scipy.sparse import coo_matrix, csgraph
 
     count = len(mesh.triangles)
-    starts, ends = mesh.triangles.reshape(-1), np.roll(mesh.triangles, -1, axis=1).reshape(-1)
-    keys = np.minimum(starts, ends) * np.int64(len(mesh.vertices)) + np.maximum(starts, ends)
-    order = np.argsort(keys, kind="stable")
+    starts, ends = mesh.triangles.reshape(-1), mesh.triangles[:, [1, 2, 0]].reshape(-1)
+    keys = _keys(starts, ends, np.int64(len(mesh.vertices)))
+    order = np.argsort(keys)
     owner, keys = np.repeat(np.arange(count), 3)[order], keys[order]
     same = np.flatnonzero(keys[1:] == keys[:-1])
     links = np.ones(len(same), np.int8), (owner[same], owner[same + 1])

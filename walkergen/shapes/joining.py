@@ -66,10 +66,17 @@ def footing(body: Body, foot: Array, direction: Array, thickness: float, width: 
     body, lies partly beside it or under a hole, or has its foot within the body.
     """
     place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
-    distance = first_hit(body.mesh, foot, direction)
+    axes = np.array([[0.0, 0.0, 1.0], [direction[1], -direction[0], 0.0], direction])
+    half = 0.5 * np.array([width, thickness])
+    near = body.mesh.triangles[_by_line(body.mesh, foot, axes[:2], half)]
+    distance = _first(body.mesh.vertices[near], foot, direction)
     if distance is None:
         raise GeometryError(f"{place} misses the body; move it under the body")
-    corners = np.stack([body.mesh.vertices.min(axis=0), body.mesh.vertices.max(axis=0)])
+    anchor = foot + distance * direction
+    over = _over((body.mesh.vertices[near] - foot) @ axes.T, half)
+    if over is not None:
+        return Footing(anchor, *over)
+    corners = np.array(body.solid.bounding_box()).reshape(2, 3)
     far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
     leg = prism(foot, direction, thickness, width, far)
     outside = [
@@ -86,7 +93,44 @@ def footing(body: Body, foot: Array, direction: Array, thickness: float, width: 
             f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
             "it lies under a hole or beyond an edge; move it or make it smaller"
         )
-    return Footing(foot + distance * direction, reach, above)
+    return Footing(anchor, reach, above)
+
+
+def _over(corners: Array, half: Array) -> tuple[float, float] | None:
+    """Highest point of a lower side over a section, and lowest of the upper one, where these alone are over it.
+
+    Corners of triangles, shape (k, 3, 3), lie in the section's frame, the third axis up. None where more is over it,
+    or less, which only the modeller tells.
+    """
+    if corners[:, :, 2].min() <= 0.0:
+        return None
+    for axis, far in enumerate(half.tolist()):
+        corners = _cut(_cut(corners, axis, far), axis, far, -1.0)
+    x, y, heights = corners.transpose(2, 0, 1)
+    areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+    lower, upper, whole = areas < 0.0, areas > 0.0, 4.0 * half.prod()
+    if any(abs(np.abs(areas[side]).sum() - whole) > CRUMB * whole for side in (lower, upper)):
+        return None
+    reach, above = float(heights[lower].max()), float(heights[upper].min())
+    return (reach, above) if reach < above else None
+
+
+def _cut(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
+    """What of convex polygons, shape (k, n, 3), is no farther along an axis; they end with their first point, repeated.
+
+    Source: Sutherland and Hodgman (1974).
+    """
+    left = far - side * polygons[:, :, axis]
+    inside, ahead = left >= 0.0, np.roll(left, -1, axis=1)
+    crossing = inside != np.roll(inside, -1, axis=1)
+    share = np.divide(left, left - ahead, out=np.zeros_like(left), where=crossing)[:, :, None]
+    met = polygons + share * (np.roll(polygons, -1, axis=1) - polygons)
+    points = np.stack([polygons, met], axis=2).reshape(len(polygons), -1, 3)
+    kept = np.stack([inside, crossing], axis=2).reshape(len(polygons), -1)
+    points, kept = points[kept.any(axis=1)], kept[kept.any(axis=1)]
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : kept.sum(axis=1).max(initial=0)]
+    points, kept = np.take_along_axis(points, order[:, :, None], 1), np.take_along_axis(kept, order, 1)
+    return np.where(kept[:, :, None], points, points[:, :1])
 
 
 def prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
@@ -105,8 +149,13 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
 
     A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
     """
-    triangles = mesh.triangles[_by_line(mesh, start, direction)]
-    a, b, c = mesh.vertices[triangles].transpose(1, 0, 2)
+    sides = np.linalg.svd(direction[None, :])[2][1:]
+    return _first(mesh.vertices[mesh.triangles[_by_line(mesh, start, sides, np.zeros(2))]], start, direction)
+
+
+def _first(corners: Array, start: Array, direction: Array) -> float | None:
+    """Distance from a point along a unit direction to the first of some triangles, shape (k, 3, 3), mm."""
+    a, b, c = corners.transpose(1, 0, 2)
     first, second = b - a, c - a
     normal = np.cross(direction, second)
     determinant = np.einsum("ki,ki->k", first, normal)
@@ -124,14 +173,14 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
     return float(distance[hit].min()) if hit.any() else None
 
 
-def _by_line(mesh: Mesh, start: Array, direction: Array) -> npt.NDArray[np.bool_]:
-    """True for triangles whose box across a line is met by it, shape (k,)."""
+def _by_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
+    """True for triangles whose box, along two directions across a line, comes as near to it as `half`, shape (k,)."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     met = np.ones(len(mesh.triangles), bool)
-    for side in np.linalg.svd(direction[None, :])[2][1:]:
+    for side, far in zip(sides, half + slack, strict=True):
         first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
-        met &= np.minimum(np.minimum(first, second), third) <= slack
-        met &= np.maximum(np.maximum(first, second), third) >= -slack
+        met &= np.minimum(np.minimum(first, second), third) <= far
+        met &= np.maximum(np.maximum(first, second), third) >= -far
     return met
 
 

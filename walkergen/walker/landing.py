@@ -16,6 +16,7 @@ from walkergen.shapes.extrusion import extruded
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker.body import Body, Shape, Size
 from walkergen.walker.limbs import Limb
+from walkergen.walker.mass import SolidMass, weigh
 
 MARGIN_MM = 0.05
 """Depth by which a leg reaches into the body beyond where its section is covered, mm."""
@@ -38,6 +39,12 @@ def ready(body: str) -> joining.Body:
 
 
 atexit.register(ready.cache_clear)  # else the modeller tells of leaks at the end of the program
+
+
+@lru_cache(maxsize=16)
+def weighed(body: str) -> SolidMass:
+    """Mass of a body of its JSON, at 1 g/mm^3."""
+    return weigh(ready(body).mesh, 1.0)
 
 
 def solid_of(shape: Shape) -> Mesh:

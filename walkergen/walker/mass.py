@@ -38,6 +38,10 @@ class SolidMass(NamedTuple):
         """Moment of inertia about the z axis through the centre of mass, g mm^2."""
         return float(self.tensor[2, 2])
 
+    def times(self, factor: float) -> "SolidMass":
+        """The same shape, so many times as dense."""
+        return self._replace(mass=factor * self.mass, tensor=factor * self.tensor)
+
 
 class Spatial(NamedTuple):
     """What the mass properties of a plane leave out: the third dimension, for motion in space."""
@@ -134,16 +138,16 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
-    """Mass properties of a walker from the meshes of its body and of its legs outside the body.
+def assemble(design: "Design", body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
+    """Mass properties of a walker from its body, weighed at 1 g/mm^3, and the meshes of its legs outside the body.
 
-    The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
+    The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
     leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
     the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
     the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
-    whole = weigh(body, density)
+    whole = body.times(density)
     if cap is not None and design.cap is not None:
         of_cap = weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
         whole = together([whole, of_cap])

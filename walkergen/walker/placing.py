@@ -262,7 +262,7 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
     """What a body of its JSON covers, (along, across), and its centre of mass: along, up, across from its middle."""
     import shapely
 
-    from walkergen.walker import landing, mass
+    from walkergen.walker import landing
 
     shape = Body.model_validate_json(body_key).shape
     if shape.plan:
@@ -271,7 +271,7 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
         if shape.mesh is None:
             return ground, (ground.centroid.x, 0.0, ground.centroid.y)
     ready = landing.ready(body_key)
-    along, up, across = mass.weigh(ready.mesh, 1.0).centre.tolist()
+    along, up, across = landing.weighed(body_key).centre.tolist()
     middle = 0.5 * shape.size.depth
     if not shape.plan:
         ground = shapely.affinity.translate(joining.shadow(ready.solid), 0.0, -middle)

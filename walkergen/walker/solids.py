@@ -18,13 +18,15 @@ from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
+from walkergen.walker import mass
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb, Polygon
-from walkergen.walker.mass import MassProperties, assemble
+from walkergen.walker.mass import Array, MassProperties, SolidMass
 
 if TYPE_CHECKING:
     import trimesh
 
+    from walkergen.shapes import joining
     from walkergen.walker.whole_mesh import CutWalker
 
 FOOT_SEGMENTS = 64
@@ -46,15 +48,13 @@ class Solids(NamedTuple):
     anchor at the origin of x and y, z from 0 to its width."""
     cap: Mesh | None = None
     """Cap on the body, in the design's frame, which prints apart; None without."""
+    weighed: SolidMass | None = None
+    """Mass of the body at 1 g/mm^3, where it is known already."""
 
     @property
     def seen(self) -> Mesh:
         """Walker with its cap, as it runs; not one closed body."""
-        if self.cap is None:
-            return self.walker
-        triangles = [self.walker.triangles, self.cap.triangles + len(self.walker.vertices)]
-        vertices = [self.walker.vertices, self.cap.vertices]
-        return Mesh(np.concatenate(vertices), np.concatenate(triangles))
+        return self.walker if self.cap is None else _beside([self.walker, self.cap])
 
 
 class Outline(NamedTuple):
@@ -66,13 +66,20 @@ class Outline(NamedTuple):
     """Each leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
 
 
-def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
-    """Build a walker's solids.
+def _beside(meshes: Sequence[Mesh]) -> Mesh:
+    """Meshes as one, not united."""
+    starts = itertools.accumulate([0, *(len(mesh.vertices) for mesh in meshes)])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(triangles))
+
+
+def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = True) -> Solids:
+    """Build a walker's solids; unless they shall be united, a body of any shape may stay beside its legs, to be seen.
 
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
     meet the body, for pockets that do not go into it, and for a cap that it does not hold.
     """
-    solid = _solid(design, foot_segments)
+    solid = _solid(design, foot_segments, united or bool(design.parts))
     solid = _with_pockets(design, solid, foot_segments) if design.parts else solid
     return solid._replace(cap=_cap(design, solid.body))
 
@@ -92,23 +99,22 @@ def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
     if design.whole:
         roots = [
-            leg._replace(vertices=leg.vertices + np.array([*limb.anchor, _left_side(limb, design.size.depth)]))
-            for limb, leg in zip(design.limbs, solid.legs, strict=True)
+            _shifted(leg, _corner(limb, design.size.depth)) for limb, leg in zip(design.limbs, solid.legs, strict=True)
         ]
     else:
         roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
     walker, body = pockets.cut(design, solid.walker, solid.body, roots)
     if not design.marks.blank:
-        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments).body)
-    return solid._replace(walker=walker, body=body)
+        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments, united=False).body)
+    return solid._replace(walker=walker, body=body, weighed=None)
 
 
-def _solid(design: Design, foot_segments: int) -> Solids:
+def _solid(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker without pockets and cap."""
     if design.body.shape.whole is not None:
         return _cut(design.body.shape.whole, design)
     if not design.body.plain:
-        return _on_any_body(design, foot_segments)
+        return _on_any_body(design, foot_segments, united)
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
     sections = _sections(limbs, foot_segments)
     digits = Engraving(_engraved(design), design.marks.depth_mm)
@@ -129,35 +135,41 @@ def _solid(design: Design, foot_segments: int) -> Solids:
 
 def _cut(whole: "CutWalker", design: Design) -> Solids:
     """Solids of a finished walker, cut into body and legs."""
-    legs = []
-    for limb, leg in zip(design.limbs, whole.legs, strict=True):
-        corner = np.array([*limb.anchor, _left_side(limb, design.size.depth)])
-        legs.append(leg.mesh._replace(vertices=leg.mesh.vertices - corner))
+    depth = design.size.depth
+    legs = [_shifted(leg.mesh, -_corner(limb, depth)) for limb, leg in zip(design.limbs, whole.legs, strict=True)]
     return Solids(whole.whole, whole.body, tuple(legs))
 
 
-def _on_any_body(design: Design, foot_segments: int) -> Solids:
+def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
     from walkergen.shapes import joining
     from walkergen.walker import landing
 
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
+    weighed = None if design.letters else landing.weighed(design.body.key)
     if design.letters:
         ground = joining.ready(_lettered(ground.mesh, design))
     sections = _sections(limbs, foot_segments)
     bars = _bars(limbs, sections, depth)
-    walker = joining.union_with_legs(ground, bars)
-    if design.body.flat:
-        return Solids(walker, ground.mesh, _legs(limbs, sections))
+    legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
+    if united:
+        return Solids(joining.union_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
+    placed = [_shifted(leg, _corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    return Solids(_beside([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
+
+
+def _flush_legs(limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float) -> tuple[Mesh, ...]:
+    """Legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
+    from walkergen.shapes import joining
+
     legs = []
     for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
         key = f"legs[{number}].along_mm = {limb.along:g}"
         outside = joining.flush(bar, ground, key)
         if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
-        corner = np.array([*limb.anchor, _left_side(limb, depth)])
-        legs.append(outside._replace(vertices=outside.vertices - corner))
-    return Solids(walker, ground.mesh, tuple(legs))
+        legs.append(_shifted(outside, -_corner(limb, depth)))
+    return tuple(legs)
 
 
 def _lettered(ground: Mesh, design: Design) -> Mesh:
@@ -241,8 +253,7 @@ def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> 
     bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extruded([part + np.array(limb.anchor) for part in section.raised], limb.width)
-        shift = np.array([0.0, 0.0, _left_side(limb, depth)])
-        bars.append(mesh._replace(vertices=mesh.vertices + shift))
+        bars.append(_shifted(mesh, np.array([0.0, 0.0, _left_side(limb, depth)])))
     return bars
 
 
@@ -253,6 +264,15 @@ def _legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ..
         if id(section) not in meshes:
             meshes[id(section)] = extruded(section.below, limb.width)
     return tuple(meshes[id(section)] for section in sections)
+
+
+def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+    return mesh._replace(vertices=mesh.vertices + shift)
+
+
+def _corner(limb: Limb, depth: float) -> Array:
+    """Where a leg's anchor and flat side stand, shape (3,), mm."""
+    return np.array([*limb.anchor, _left_side(limb, depth)])
 
 
 def _left_side(limb: Limb, depth: float) -> float:
@@ -297,7 +317,8 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
     """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
-    return _weighed(design, solids.body, solids.legs, solids.cap)
+    body = mass.weigh(solids.body, 1.0) if solids.weighed is None else solids.weighed
+    return _weighed(design, body, solids.legs, solids.cap)
 
 
 def mass_of(design: Design) -> MassProperties:
@@ -306,20 +327,20 @@ def mass_of(design: Design) -> MassProperties:
     Raises SolidError, GeometryError for a walker that cannot stand.
     """
     if design.parts or not design.body.plain:
-        return weigh(design, build(design))
+        return weigh(design, build(design, united=False))
     digits = Engraving(_engraved(design), design.marks.depth_mm)
     top = extruded([_body_profile(design)], design.size.depth, 0, digits)
     legs = _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS))
-    return _weighed(design, top, legs, _cap(design, top))
+    return _weighed(design, mass.weigh(top, 1.0), legs, _cap(design, top))
 
 
-def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
-    mass = assemble(design, body, legs, cap)
+def _weighed(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
+    whole = mass.assemble(design, body, legs, cap)
     if not design.pair:
         from walkergen.walker import stance
 
-        stance.check(design.limbs, mass)
-    return mass
+        stance.check(design.limbs, whole)
+    return whole
 
 
 def has_window(limb: Limb) -> bool:

@@ -33,13 +33,14 @@ def predict(
     model: Model = "best",
     why: bool = False,
     progress: Progress = silent,
+    united: bool = True,
 ) -> PredictReport:
     """Predict walkers of a design; if `uncertain`, with what their bounds are made of, if `why` with reasons.
 
-    `weighed` are masses from a balance by the walkers' names. Raises InputError for impossible
-    masses, TheoryError where mode and law do not go together.
+    `weighed` are masses from a balance by the walkers' names; meshes are united only where they are to be printed.
+    Raises InputError for impossible masses, TheoryError where mode and law do not go together.
     """
-    built = [solids.build(walker) for walker in walkers]
+    built = [solids.build(walker, united=united) for walker in walkers]
     predicted = list(members.predicted(walkers, built, scene, mode, weighed, model, progress))
     shares = [_shares(member, scene) for member in (predicted if uncertain else ())]
     return report.of(design, scene, mode, predicted, shares, why)
