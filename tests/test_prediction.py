@@ -49,6 +49,16 @@ def test_the_theory_is_the_known_factor_times_the_impact_speed(tilt, mode, back,
     assert row.theory_mm_s == pytest.approx(0.5 * (back + front) * impact_speed, rel=2e-3)
 
 
+def test_a_curve_through_walkers_is_that_between_them():
+    design, scene, tilts = Design(), Scene(), (0.0, 10.0, 20.0)
+    walkers = [design.variant(tilt_deg=tilt) for tilt in reversed(tilts)]
+    masses = [solids.mass_of(walker) for walker in walkers]
+    rows = [prediction.predict(walker, mass, scene) for walker, mass in zip(walkers, masses, strict=True)]
+    through = prediction.through(list(zip(walkers, masses, rows, strict=True)), scene, "coulomb")
+    for ours, theirs in zip(through, prediction.curve(design, scene, "coulomb", 0.0, 20.0, 3), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
 EXACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
 
 

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
 from walkergen.analysis import moments
 from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, UNITS, WRITTEN, Frame, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
+from walkergen.numerics.tails import fisher_tail
 
 Array = npt.NDArray[np.float64]
 
@@ -92,13 +92,17 @@ def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
     free = len(values) - 1
     total = float(values.var(ddof=1))
     ratio = total / noise if noise > 0 else math.inf if total > 0 else 0.0
-    if special.fdtrc(free, inside, ratio) > CHANCE:
-        least = special.chdtri(free, 0.95)  # chi^2 lies above it with 95 %
+    if fisher_tail(free, inside, ratio) > CHANCE:
+        from scipy.special import chdtri
+
+        least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
         most = math.sqrt(max(total * free / least - noise, 0.0))
         return refusal(name, f"not resolved: below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)")
+    from scipy.special import fdtri
+
     value = math.sqrt(total - noise)
     se = total * math.sqrt(2.0 / free) / (2.0 * value)
-    least = noise * float(special.fdtri(free, inside, 1.0 - CHANCE))
+    least = noise * float(fdtri(free, inside, 1.0 - CHANCE))
     return quantity(name, value, se, free)._replace(noise=noise, power=2, least=least)
 
 

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special
 
 from walkergen.analysis import moments
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.files import words
+from walkergen.numerics.tails import student
 
 Array = npt.NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def _turned(groups: Sequence[Sequence[Track]]) -> list[str]:
         return []
     error = np.sqrt(len(groups) * (np.abs(sums - sums.mean(axis=0)) ** 2).sum(axis=0))
     along, mirrored = sums.sum(axis=0)
-    least = special.stdtrit(len(groups) - 1, 1.0 - CHANCE) * error / math.sqrt(len(groups) - 1)
+    least = student(len(groups) - 1, 1.0 - CHANCE) * error / math.sqrt(len(groups) - 1)
     if abs(mirrored) > max(2.0 * abs(along), least[1]):
         return [
             "displacements fit the headings only when these are mirrored: theta has to count from "

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special
 
 from walkergen.analysis.estimates import (
     ACROSS,
@@ -33,6 +32,7 @@ from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
+from walkergen.numerics.tails import fisher_tail, student
 
 TOO_FEW = "too few data for its fit: film for longer"
 
@@ -64,7 +64,7 @@ def resolved(number: Quantity) -> bool:
     """Whether a number is larger than 0 beyond what chance makes of it."""
     if number.value is None or number.se is None:
         return False
-    return number.value > float(special.stdtrit(number.freedom, 1.0 - CHANCE)) * number.se
+    return number.value > student(number.freedom, 1.0 - CHANCE) * number.se
 
 
 def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
@@ -107,7 +107,7 @@ def _shorter(memory: Quantity, seconds: float) -> bool:
     """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
     if memory.value is None or memory.se is None:
         return False
-    errors = float(special.stdtrit(memory.freedom, 1.0 - EXCLUDED))
+    errors = student(memory.freedom, 1.0 - EXCLUDED)
     return memory.value + errors * memory.se < seconds
 
 
@@ -170,7 +170,7 @@ def _of_turns(number: Quantity) -> Quantity:
     power, ends = OF_TURNS.get(number.key), number.interval()
     if power is None or ends is None or ends[0] <= 0.0 or not number.se:
         return number
-    wider = float(special.ndtri(0.975) / special.stdtrit(number.freedom, 0.975))
+    wider = student(math.inf, 0.975) / student(number.freedom, 0.975)
     freedom = 2.0 * (wider * number.number / number.se) ** 2
     return number._replace(freedom=freedom, noise=0.0, power=power)
 
@@ -193,7 +193,7 @@ def _over_walkers(within: Quantity, without_one: Sequence[float]) -> Quantity:
     if few < 1 or not within.se or not np.isfinite(values).all():
         return within
     error = float(statistics.jackknife_error(values)[0])
-    if special.fdtrc(few, within.freedom, (error / within.se) ** 2) > UNLIKE:
+    if fisher_tail(few, within.freedom, (error / within.se) ** 2) > UNLIKE:
         return within
     return within._replace(se=error, freedom=float(few))
 

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from walkergen.analysis import walks
 from walkergen.analysis.walks import Spread
 from walkergen.numerics import statistics
+from walkergen.numerics.tails import fisher_tail, student
 
 Array = npt.NDArray[np.float64]
 
@@ -126,18 +127,14 @@ def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) ->
             for value, error, turn in zip(values, errors, turns, strict=True)
         ]
     )
-    from scipy.special import stdtrit
-
     error = statistics.jackknife_error(runs[1:])
-    return bool((runs[0] > stdtrit(len(values) - 2, 1.0 - CURVED) * error).any())
+    return bool((runs[0] > student(len(values) - 2, 1.0 - CURVED) * error).any())
 
 
 def _negative(numbers: Sequence[float]) -> bool:
     """Whether a number, of all samples and without each one, is below 0 beyond chance."""
-    from scipy.special import stdtrit
-
     error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
-    return numbers[0] < -float(stdtrit(len(numbers) - 2, 1.0 - SMOOTH)) * error
+    return numbers[0] < -student(len(numbers) - 2, 1.0 - SMOOTH) * error
 
 
 def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
@@ -213,8 +210,6 @@ def _goodness(residuals: Array, replicates: Array) -> tuple[float, float]:
     expected = float(np.trace(covariance))
     if not expected > 0:
         return math.nan, math.nan
-    from scipy.special import fdtrc
-
     ratio = float(residuals @ residuals) / expected
     freedom = expected**2 / float((covariance**2).sum())
-    return ratio, float(fdtrc(freedom, others, ratio))
+    return ratio, fisher_tail(freedom, others, ratio)

@@ -7,7 +7,7 @@ simulated (`points.speeds`).
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -380,3 +380,17 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         sticks.append(not all(by_foot.reverses))
     nominal, middle, *bounds = np.array(speeds).T
     return Curve(tilts, middle, np.array(bounds), nominal, np.array(theory), np.array(sticks))
+
+
+def through(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene: Scene, mode: Mode) -> Curve:
+    """Curve through walkers that stand close to each other, by their own rows, in the order of their tilts."""
+    speeds, sticks, contact = [], [], scene.contact
+    for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
+        by_foot = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
+        own = row.nominal_mm_s, row.speed_mm_s, row.speed_low_95_mm_s, row.speed_low_68_mm_s
+        ends = row.speed_high_68_mm_s, row.speed_high_95_mm_s
+        known = row.speed_by in ("statics", "surrogate")
+        speeds.append((row.tilt_deg, row.theory_mm_s, *((*own, *ends) if known else (math.nan,) * 6)))
+        sticks.append(not all(by_foot.reverses))
+    tilts, theory, nominal, middle, *bounds = np.array(speeds, dtype=float).T
+    return Curve(tilts, middle, np.array(bounds), nominal, theory, np.array(sticks))

@@ -7,6 +7,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from walkergen.analysis.speeds import SAME_PLATE, Measured
 from walkergen.errors import GeometryError
 from walkergen.files.output import Folder, versions
@@ -195,11 +197,24 @@ def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
     curves = {}
     for kind in dict.fromkeys(member.design.kind for member in walkers):
         design = job.design.variant(kind=kind)
+        own = [member for member in walkers if member.design.kind == kind]
+        if _close(design, own, low, high) and not job.weighed:
+            curves[kind] = prediction.through([(one.design, one.mass, one.row) for one in own], job.scene, job.mode)
+            continue
         try:
             curves[kind] = prediction.curve(design, job.scene, job.mode, low, high)
         except GeometryError:  # at a tilt in between; of members it would have been told before
             return {}
     return curves
+
+
+def _close(design: Design, walkers: Sequence[Member], low: float, high: float) -> bool:
+    """Whether members are a design at tilts from `low` to `high` (deg), at least half as close as a curve's points."""
+    tilts = np.sort([walker.design.tilt_deg for walker in walkers])
+    gaps = np.diff(tilts, prepend=low, append=high)
+    if gaps.max() > 2.0 * (high - low) / (prediction.POINTS - 1) or (np.diff(tilts) == 0.0).any():
+        return False
+    return all(one.design.unmarked == design.unmarked.variant(tilt_deg=one.design.tilt_deg) for one in walkers)
 
 
 def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -127,11 +127,16 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     bottom = top - len(rows) * pitch[1] - 3.5 * line
     figure = Figure(figsize=(scale * (high - low), scale * (top - bottom) + 0.4))
     axes = figure.add_axes((0.0, 0.0, 1.0, scale * (top - bottom) / figure.get_figheight()))
-    for number, row in enumerate(rows):
-        for column, part in enumerate(row):
-            at = np.array([column * pitch[0], -number * pitch[1]])
-            _draw(axes, part, at)
-            axes.annotate(part.label, at - (0.0, 0.52 * size[1] + 0.5 * line), ha="center", va="top", fontsize=LABEL)
+    places = [(part, pitch * (x, -y)) for y, row in enumerate(rows) for x, part in enumerate(row)]
+    views = [_view_of(part, at) for part, at in places]
+    triangles: Any = np.concatenate([view.triangles for view in views])
+    colours = np.concatenate([view.colours for view in views])
+    faces = PolyCollection(triangles, facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round")
+    axes.add_collection(faces, autolim=False)  # limits are set once all is drawn
+    for (part, at), view in zip(places, views, strict=True):
+        _draw_borne(axes, part, at - view.middle)
+        below = at[0], at[1] - 0.52 * size[1] - 0.5 * line
+        axes.annotate(part.label, below, ha="center", va="top", fontsize=LABEL)
     axes.set_xlim(low, high)
     axes.set_ylim(bottom, top)
     axes.set_axis_off()
@@ -165,8 +170,19 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
     )
 
 
-def _draw(axes: Axes, part: Part, at: Array) -> None:
-    """Draw a part by the painter's algorithm without back faces: exact enough for a prism.
+class _View(NamedTuple):
+    """Part as it is seen, in the order of drawing."""
+
+    triangles: Array
+    """Shape (n, 3, 2)."""
+    colours: Array
+    """Shape (n, 3)."""
+    middle: Array
+    """Middle of all that is drawn of the part, which stands at its place."""
+
+
+def _view_of(part: Part, at: Array) -> _View:
+    """View of a part, placed at a point, for the painter's algorithm without back faces: exact enough for a prism.
 
     Legs come before a body that is flat below, for from above they hide no part of it, and its
     upper side comes last.
@@ -183,33 +199,29 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         lowest = standing[facing][:, :, 1].min(axis=1)
         storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
     order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
-    carried = {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
-    seen = np.concatenate(
-        [corners.reshape(-1, 3), *carried.values(), *(one @ part.view.T for one in (part.cap or ())[:1])]
-    )
+    borne = [*(mesh.vertices for mesh in part.carried.values()), *(part.cap or ())[:1]]
+    seen = np.concatenate([corners.reshape(-1, 3), *(points @ part.view.T for points in borne)])
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
-    faces = PolyCollection(
-        list(corners[order][:, :, :2] - middle + at),
-        facecolors=colours,
-        edgecolors=colours,
-        linewidths=SEAM,
-        joinstyle="round",
-    )
-    axes.add_collection(faces, autolim=False)  # limits are set once all is drawn
-    if part.cap is None and not carried:
+    return _View(corners[order][:, :, :2] - middle + at, colours, middle)
+
+
+def _draw_borne(axes: Axes, part: Part, moved: Array) -> None:
+    """Draw what a part bears, its cap and what it carries, `moved` from where the camera sees it."""
+    cap, carried = part.cap, {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
+    if cap is None and not carried:
         return
     from scipy.spatial import ConvexHull
 
-    if part.cap is not None:
-        tile, squares = part.cap
-        rim = (tile @ part.view.T)[:, :2] - middle + at
+    if cap is not None:
+        tile, squares = cap
+        rim = (tile @ part.view.T)[:, :2] + moved
         axes.fill(*rim[ConvexHull(rim).vertices].T, facecolor="white", edgecolor="#808080", lw=0.5)
-        marker = [(square @ part.view.T)[:, :2] - middle + at for square in squares]
+        marker = [(square @ part.view.T)[:, :2] + moved for square in squares]
         axes.add_collection(PolyCollection(marker, facecolors="black", edgecolors="black", lw=0.2))
     for name, outline in carried.items():
-        hull = outline[ConvexHull(outline[:, :2]).vertices, :2] - middle + at
+        hull = outline[ConvexHull(outline[:, :2]).vertices, :2] + moved
         axes.fill(*hull.T, facecolor=CARRIED[name], edgecolor="black", linewidth=0.5, alpha=0.6)
         axes.annotate(name, hull.mean(axis=0), ha="center", va="center", fontsize=0.6 * LABEL)
 

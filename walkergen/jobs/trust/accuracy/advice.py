@@ -16,6 +16,7 @@ from walkergen.jobs.trust.accuracy import cells, step_law
 from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
 from walkergen.jobs.trust.accuracy.setting import Setting
 from walkergen.jobs.trust.accuracy.step_law import Law
+from walkergen.numerics.tails import student
 from walkergen.points.tolerance import Tolerance
 from walkergen.simulation import resolution
 from walkergen.simulation.model import Plan
@@ -230,9 +231,7 @@ def _runs(
     at: Place, setting: Setting, allowed: float, bias: float, variance_time: float, work: float, runs: int
 ) -> Advice:
     """Offer of a setting with a number of runs: half-widths of bias and scatter add in squares, as bounds do."""
-    from scipy.special import stdtrit
-
-    wide = float(stdtrit(runs - 1.0, 0.975))
+    wide = student(runs - 1.0, 0.975)
     variance = (allowed**2 - bias**2) / wide**2
     seconds = _up(max(SLACK * variance_time / variance / runs, SHORTEST_S))
     se = math.sqrt(variance_time / (runs * seconds))

@@ -4,6 +4,7 @@ import math
 from collections.abc import Hashable, Mapping, Sequence
 from typing import NamedTuple
 
+from walkergen.numerics.tails import student
 from walkergen.simulation.ensemble import FEWEST_RUNS
 
 RUNS = 16
@@ -115,7 +116,5 @@ def widened(runs: int) -> float:
 
     By Student's t at 95 %: 1.49 for 4 runs, 1.11 for 8.
     """
-    from scipy.special import stdtrit
-
-    few, usual = (float(stdtrit(count - 1.0, 0.975)) for count in (runs, RUNS))
+    few, usual = (student(count - 1.0, 0.975) for count in (runs, RUNS))
     return few / usual if runs < RUNS else 1.0
