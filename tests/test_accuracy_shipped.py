@@ -10,6 +10,7 @@ from evidence.accuracy import measure
 from walkergen.files import templates
 from walkergen.jobs.trust.accuracy import advice, cells, drawn, figures, pace, shipped, step_law
 from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
+from walkergen.jobs.trust.accuracy.request import AccuracyRequest
 from walkergen.points import tolerance, walkers
 from walkergen.scene import Scene
 from walkergen.simulation import orbits
@@ -19,7 +20,7 @@ PEAK = step_law.CELLS_PEAK
 SPACE = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
 
 
-def made_up(slope, se, power, rng, cell=(10.0, 0.22), speed=50.0):
+def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.22), speed=50.0):
     """Rows of a cell whose speed errs by a share of itself, by a power of the step."""
     rows = []
     for share in SPACE:
@@ -35,7 +36,7 @@ def place(design="koumakis2016", scene="lane-90hz", **changed):
 
 def test_every_cell_has_every_setting_and_the_file_is_small():
     rows = cells.read()
-    assert {row[:4] for row in rows} == {tuple(setting) for setting in measure.settings()}
+    assert {row[:5] for row in rows} == {tuple(setting) for setting in measure.settings()}
     assert len(rows) == len(measure.settings())
     assert cells.FILE.stat().st_size < 50_000
     assert cells.FILE.read_text().startswith("# walkergen ")
@@ -59,7 +60,7 @@ def test_the_law_finds_the_bias_it_was_given_and_how_much_walkers_differ(power):
     rows = []
     for number in range(200):
         slope = rng.normal(-0.02, 0.01)
-        rows += made_up(slope, 0.2, power, rng, (10.0, 0.1 + number))
+        rows += made_up(slope, 0.2, power, rng, ("lane-90hz", 10.0, 0.1 + number))
     law = step_law.laws(PEAK, tuple(rows))[False]
     (own,) = (one for one in law.slopes if one.power == power)
     assert own.share == pytest.approx(-0.02, abs=4.0 * own.se)
@@ -71,7 +72,7 @@ def test_the_law_finds_the_bias_it_was_given_and_how_much_walkers_differ(power):
 
 def test_slow_walkers_have_a_law_of_their_own():
     rng = np.random.default_rng(4)
-    rows = [*made_up(0.0, 0.1, 1, rng, (1.0, 0.22), 0.5), *made_up(0.1, 0.1, 1, rng)]
+    rows = [*made_up(0.0, 0.1, 1, rng, ("lane-90hz", 1.0, 0.22), 0.5), *made_up(0.1, 0.1, 1, rng)]
     laws = step_law.laws(PEAK, tuple(rows))
     assert laws[True].cells == laws[False].cells == 1
     assert laws[True].bound(1.0) < laws[False].bound(1.0)
@@ -98,6 +99,18 @@ def test_what_the_cells_do_not_know_is_said_in_a_line(monkeypatch):
     assert (told.setting, told.runs) == ("-", None)
     assert "simulate --error 0.01 %" in told.why
     assert "\n" not in told.why
+
+
+@pytest.mark.parametrize(
+    ("accepted", "row"), [(None, None), (0.005, None), (0.05, "5 %"), (0.15, "10 %"), (3.0, "20 %")]
+)
+def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypatch, tmp_path):
+    monkeypatch.setattr(pace, "pace", lambda: 0.05)
+    values = {} if accepted is None else {"set": {"scene.run.accepted_error": accepted}}
+    told = AccuracyRequest.asked(values | {"out": tmp_path / "out"}).run(lambda *_: None)
+    assert [one["error"] for one in told.facts["answers"] if one["accepted"]] == ([] if row is None else [row])
+    assert (f"{row}, accepted" in told.markdown()) == (row is not None)
+    assert ("no error of the table is within it: simulate --error 0.5%" in told.markdown()) == (accepted == 0.005)
 
 
 @pytest.mark.parametrize(
@@ -157,9 +170,12 @@ def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_cell_measured_anew_is_the_one_that_is_shipped():
     """Its own rival: other random numbers, four standard errors; costs within a factor of two of a busy machine."""
-    for setting in (measure.Setting(5.0, 0.22, "space", 1.25), measure.Setting(5.0, 0.22, "compliant", None)):
+    for setting in (
+        measure.Setting("lane-90hz", 5.0, 0.22, "space", 1.25),
+        measure.Setting("lane-90hz", 5.0, 0.22, "compliant", None),
+    ):
         row = measure.measured(setting, seed=1001)
-        (kept,) = (one for one in cells.read() if one[:4] == tuple(setting))
+        (kept,) = (one for one in cells.read() if one[:5] == tuple(setting))
         error = math.hypot(row.se_mm_s or 0.0, kept.se_mm_s or 0.0, orbits.ALIKE * PEAK)
         assert row.speed_mm_s == pytest.approx(kept.speed_mm_s, abs=4.0 * error)
         assert 0.5 < row.work / kept.work < 2.0
@@ -175,7 +191,7 @@ def test_advice_reaches_its_error_in_fresh_runs(error):
     room = math.hypot(error * step_law.unit(at.speed, at.peak), 2.0 * true.se_mm_s)
     inside = 0
     for seed in range(2001, 2007):
-        setting = SimpleNamespace(tilt_deg=5.0, label=0.22, model=found.setting.model, share=None)
+        setting = SimpleNamespace(scene="lane-90hz", tilt_deg=5.0, label=0.22, model=found.setting.model, share=None)
         one = measure.walker(setting, seed)
         one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.setting.step_us)
         speed = walkers.simulate(one, threads=1).summary.speed_mm_s

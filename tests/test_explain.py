@@ -188,6 +188,18 @@ def test_a_forecast_counts_what_an_accepted_error_leaves_out():
     assert simple > whole + 0.5 * accepted.cpu_s
 
 
+def test_explain_says_what_an_accepted_error_leaves_out_and_by_which_model_runs_are():
+    keys = {"drive.second_harmonic_ratio": 1e-9, "run.accepted_error": 0.3}
+    scene = walker_of(**keys).scene
+    told = make.explain(scene, DESIGN, lambda *_: None)
+    assert any(line == "run.accepted_error = 0.3: runs are by model compliant" for line in told.lines)
+    assert any(line.startswith("left out: second harmonic") for line in told.lines)
+    assert told.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
+    untold = make.explain(scene, DESIGN, lambda *_: None, cost=False)
+    assert any(line.startswith("run.accepted_error = 0.3: what it leaves out is measured") for line in untold.lines)
+    assert "effects" not in untold.facts
+
+
 @pytest.mark.parametrize(
     ("name", "values"), [("simulate", {"uncertain": True}), ("movie", {}), ("fit", {"model": "compliant"})]
 )

@@ -2,6 +2,8 @@
 
 import pytest
 
+from walkergen.errors import InputError
+from walkergen.files import templates
 from walkergen.points import short, speeds
 from walkergen.points.store import Store
 from walkergen.scene import Scene
@@ -53,3 +55,80 @@ def test_a_record_becomes_bounds_with_the_models_own_error():
     assert spread.bounds == (20.0, 30.0, 50.0, 60.0)
     wider = short.spread(record, on_plane(prediction={"model_sd": 0.15}))
     assert wider.bounds[3] == pytest.approx(40.0 + (20.0**2 + (1.96 * 6.0) ** 2) ** 0.5, rel=1e-3)
+
+
+def test_bounds_bear_the_error_of_what_was_left_out():
+    record = {"nominal": 50.0, "low": 47.0, "high": 53.0, "falls": 0.0, "mean": 40.0, "sd": 10.0, "left_out_mm_s": 4.0}
+    record |= dict(zip(short.ENDS, (37.0, 38.5, 41.5, 43.0), strict=True))
+    exact = on_plane(prediction={"model_sd": 0.0})
+    wider = short.spread(record, exact)
+    assert wider.nominal_bounds == (45.0, 55.0)
+    assert wider.bounds[0::3] == (35.0, 45.0)
+    few = short.spread(record | {"mean": None}, exact)
+    assert few.bounds[0::3] == (45.0, 55.0)
+
+
+def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
+    """The same seeds and runs: the second harmonic of 1e-9 changes the last digits alone."""
+    run = {"seconds": 0.3, "discard_seconds": 0.1}
+    drive = PLATE | {"second_harmonic_ratio": 1e-3}
+    tables = {"drive": drive, "run": run, "legs": {"model": "relaxed"}, "arena": {"kind": "lane"}}
+    design = Design().variant(tilt_deg=10.0)
+    plain, whole, simple = (
+        predicted(design, on_plane(**tables | more))
+        for more in ({"drive": PLATE}, {}, {"run": run | {"accepted_error": 0.5}})
+    )
+    assert plain.nominal_mm_s == simple.nominal_mm_s != whole.nominal_mm_s
+    assert simple.speed_low_95_mm_s < plain.speed_low_95_mm_s
+    assert "left out: second harmonic" in simple.note
+    assert "left out" not in whole.note
+
+
+class ReachedError(Exception):
+    """A simulation that would begin."""
+
+
+@pytest.fixture
+def would_begin(monkeypatch):
+    """Runs as long as people's, of which none is made."""
+
+    def reached(*_):
+        raise ReachedError
+
+    monkeypatch.setattr(short, "simplest", reached)
+    for name, value in {"LONGEST_S": 4.0, "PRINT_S": 2.0, "PRINTS": 32}.items():
+        monkeypatch.setattr(short, name, value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("feet.tangential_ratio", 1000.0),
+        ("feet.stiffness_ratio", 1e6),
+        ("drive.frequency_hz", 1e9),
+        ("run.step_us", 0.01),
+        ("run.discard_seconds", 1e6),
+    ],
+)
+def test_a_walker_that_would_take_minutes_is_refused_by_the_key_that_makes_it_so(key, value, would_begin):
+    scene = templates.load("plane-90hz", "scenes", Scene).variant(**{key: value, "contact.friction": 0.6})
+    with pytest.raises(InputError) as refused:
+        predicted(Design(), scene)
+    assert refused.value.keys == (f"scene.{key}",)
+    assert str(refused.value).startswith(f"scene.{key} = {value:g}: ")
+    assert " of CPU time" in str(refused.value)
+    assert "`simulate --seconds" in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert predicted(Design(), scene, "known").speed_mm_s is None
+
+
+def test_a_walker_of_stiff_parts_names_itself(would_begin):
+    with pytest.raises(InputError, match="so stiff, light or small are its parts"):
+        predicted(Design().variant(**{"material.youngs_modulus_gpa": 1e4}), on_plane(contact={"friction": 0.6}))
+
+
+@pytest.mark.parametrize("label", [0.02, 0.22, 1.0])
+@pytest.mark.parametrize("tilt", [1.0, 45.0])
+def test_usual_walkers_are_short_enough(label, tilt, would_begin):
+    with pytest.raises(ReachedError):
+        predicted(Design().variant(tilt_deg=tilt), on_plane(contact={"restitution": label, "friction": 0.9}))

@@ -230,7 +230,8 @@ class Run(Section):
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
     """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
     less, as measured, is left out, effects without a switch in [effects], and for `model = "auto"` the
-    model in space. None: nothing is."""
+    model in space. None: nothing is. A prediction by the surrogate, which is of the whole model, is
+    within it; one by runs leaves out the same, and its bounds bear that."""
 
 
 class Effects(Section):

@@ -1,8 +1,8 @@
 """Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about five minutes of one core.
 
-The paper's walker on the shipped lane's plate, 90 Hz and 1.8 g, at TILTS and LABELS: every model, and every step
-of the model in space, beside a reference by a tenth of the finest step. Each has runs of its own random numbers
-(SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
+The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and labels of CELLS: every model, and
+every step of the model in space, beside a reference by a tenth of the finest step. Each has runs of its own random
+numbers (SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
 costs are those of the machine at that moment. Rows are added one by one; a second call goes on after the last.
 """
 
@@ -27,8 +27,15 @@ from walkergen.simulation.run import ENDED_WELL, compile_kernels
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
-TILTS, LABELS = ((5.0, 15.0, 1.0, 30.0), (10.0,)), (0.22, 0.5, 0.1)
-"""Tilts, of which the later ones were measured later, and labels of the feet."""
+LANE, PLANE = "lane-90hz", "plane-90hz"
+"""Scenes of the cells; on the plane models in a plane are refused."""
+
+CELLS = (
+    (LANE, (5.0, 15.0, 1.0, 30.0), (0.22, 0.5, 0.1)),
+    (LANE, (10.0,), (0.22, 0.5, 0.1)),
+    (LANE, (20.0,), (0.22, 0.5, 0.1)),
+)
+"""Scenes, tilts and labels of the feet, of which the later ones were measured later."""
 
 SHARES = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet; the first is the reference's."""
@@ -45,8 +52,8 @@ CALM_DEG, CALM_SHARE = 1.0, 0.2
 MAIN_LABEL, ELSEWHERE_SHARE = 0.22, 0.5
 """Label of the shipped scenes, and share of the time of the cells of other labels."""
 
-ALSO_WHOLE = ((5.0, 0.5),)
-"""Cells (tilt, label) of another label with all settings; the others have the step that feet take by themselves
+ALSO_WHOLE = ((LANE, 5.0, 0.5),)
+"""Cells (scene, tilt, label) of another label with all settings; the others have the step that feet take by themselves
 alone, which tells their speed, scatter and cost."""
 
 LOOPS = 3
@@ -56,6 +63,7 @@ LOOPS = 3
 class Setting(NamedTuple):
     """Model and step of a cell."""
 
+    scene: str
     tilt_deg: float
     label: float
     model: ModelName
@@ -66,14 +74,19 @@ def settings() -> list[Setting]:
     """All settings of all cells; within a cell the dear one first."""
     ways: list[tuple[ModelName, float | None]] = [("space", share) for share in SHARES]
     ways += [(model, None) for model in PLANAR]
-    every = [Setting(tilt, label, *way) for tilts in TILTS for label, tilt, way in product(LABELS, tilts, ways)]
-    return [one for one in every if one.share == 1.0 or one.label == MAIN_LABEL or one[:2] in ALSO_WHOLE]
+    every = [
+        Setting(scene, tilt, label, *way)
+        for scene, tilts, labels in CELLS
+        for label, tilt, way in product(labels, tilts, ways)
+        if scene == LANE or way[0] == "space"
+    ]
+    return [one for one in every if one.share == 1.0 or one.label == MAIN_LABEL or one[:3] in ALSO_WHOLE]
 
 
 def walker(setting: Setting, seed: int) -> Walker:
-    """The paper's walker in the shipped lane by a setting."""
+    """The paper's walker in a shipped scene by a setting."""
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
-    scene = templates.load("lane-90hz", "scenes", Scene)
+    scene = templates.load(setting.scene, "scenes", Scene)
     contact = scene.contact.model_copy(update={"restitution": setting.label})
     legs = scene.legs.model_copy(update={"model": setting.model})
     seconds = REFERENCE_S if setting.share == REFERENCE else SECONDS
@@ -81,8 +94,8 @@ def walker(setting: Setting, seed: int) -> Walker:
     seconds *= 1.0 if setting.label == MAIN_LABEL else ELSEWHERE_SHARE
     timing = {"runs": RUNS, "seconds": seconds, "discard_seconds": DISCARD_S, "seed": seed}
     run = scene.run.model_copy(update=timing)
-    lane = scene.model_copy(update={"contact": contact, "legs": legs, "run": run})
-    made = Walker(lane, design, solids.mass_of(design))
+    asked = scene.model_copy(update={"contact": contact, "legs": legs, "run": run})
+    made = Walker(asked, design, solids.mass_of(design))
     if setting.share is None:
         return made
     return made.with_run(step_us=1e6 * setting.share * made.plan().world.options.step)
@@ -112,7 +125,7 @@ def measured(setting: Setting, seed: int) -> Row:
 def missing(path: Path) -> Iterator[tuple[int, Setting]]:
     """Settings that a file has no row of, with their seeds."""
     rows = cells.read(path) if path.exists() else ()
-    known = {row[:4] for row in rows}
+    known = {row[:5] for row in rows}
     yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if tuple(setting) not in known)
 
 

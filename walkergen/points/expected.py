@@ -27,6 +27,12 @@ MOMENT_S = 0.4
 SETTLING_S, LONGEST_S = 0.1, 60.0
 """Start of a moment, in which the walker lands, and its longest time after that, s."""
 
+STEP_S = 2.5e-7
+"""CPU time of a step, or of a period of the plate, s: 0.1 to 0.3 us were measured."""
+
+LONGEST_START_S = 2.0
+"""CPU time of the start of a moment, which nothing stops, up to which it is simulated, s."""
+
 SHORT_S = 10.0
 """Simulated time of all runs below which they take no time that is worth a moment, s."""
 
@@ -37,8 +43,21 @@ def moment() -> Stopped:
     return lambda: time.thread_time() >= ends
 
 
+def counted(plan: Plan) -> float:
+    """CPU seconds of a simulated second of a walker at most: by its steps, were its feet never off the plate, or by
+    the plate's periods.
+    """
+    step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
+    return STEP_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
+
+
 def rate(plan: Plan) -> float:
-    """CPU seconds of a simulated second of a walker, by a moment of its first run."""
+    """CPU seconds of a simulated second of a walker, by a moment of its first run; by its steps where these are so
+    many that even the start of a moment takes long.
+    """
+    by_steps = counted(plan)
+    if SETTLING_S * by_steps > LONGEST_START_S:
+        return by_steps
     compile_kernels(plan)
     result = simulate(plan.lasting(seconds=LONGEST_S, discard_seconds=SETTLING_S), 0, moment())
     return result.cpu_s / (SETTLING_S + result.measured_s)

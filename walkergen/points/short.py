@@ -1,17 +1,25 @@
 """A walker's speed by a short simulation: as designed to 5 %, and over prints of what is not known of it.
 
+What the scene's `run.accepted_error` allows is left out, and the bounds bear the error that was measured of that.
+
 The store keeps it, so that whoever asks again, and whoever asks elsewhere, gets the same at once.
 """
 
 import math
+from collections.abc import Iterator
 
+from walkergen.drive import Drive
 from walkergen.errors import InputError
+from walkergen.files import words
 from walkergen.files.progress import Progress, part
-from walkergen.points import draws, walkers
+from walkergen.points import draws, expected, walkers
+from walkergen.points.measure import FIRST_RUNS
 from walkergen.points.point import Record, digest
+from walkergen.points.simplest import simplest
 from walkergen.points.store import Store
 from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
+from walkergen.simulation.effects.resolve import changed
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import Outcome
 from walkergen.theory import prediction
@@ -29,6 +37,9 @@ PRINT_S, PRINT_DISCARD_S = 2.0, 0.5
 
 LONGEST_S, MOST_RUNS = 4.0, 64
 """Measured time of a run of the nominal walker, s, and most of these runs."""
+
+MOST_CPU_S = 150.0
+"""CPU time, as the steps tell, beyond which a walker is not simulated unasked, s: usual ones take 5 to 30."""
 
 FEW_LEGS = 4
 """Legs up to which runs have their full time."""
@@ -55,9 +66,14 @@ def kept(walker: Walker) -> Record | None:
 
 
 def simulated(walker: Walker, progress: Progress) -> Record:
-    """Numbers of a short simulation of a walker, which the store then has."""
-    few = walker.with_run(seconds=min(walker.scene.run.seconds, LONGEST_S * _light(walker)))
-    results = walkers.short(few, ERROR, MOST_RUNS, part(progress, 0, 2, "as designed"))
+    """Numbers of a short simulation of a walker, which the store then has.
+
+    Raises InputError for one whose steps are so many that it takes minutes.
+    """
+    _refuse_long(walker)
+    simple = simplest(_few(walker), part(progress, 0, 3, "what can be left out"))
+    few = simple.walker
+    results = walkers.short(few, ERROR, MOST_RUNS, part(progress, 1, 3, "as designed"))
     if results.partial:
         raise KeyboardInterrupt
     summary = results.summary
@@ -66,6 +82,8 @@ def simulated(walker: Walker, progress: Progress) -> Record:
         "low": summary.speed_low_95_mm_s,
         "high": summary.speed_high_95_mm_s,
         "falls": summary.outcomes.get(Outcome.TOPPLED.value, 0) / summary.runs,
+        "left_out": dict(simple.lines).get("left out"),
+        "left_out_mm_s": simple.error_mm_s,
     }
     record |= _of_prints(few, progress)
     store = Store()
@@ -74,6 +92,46 @@ def simulated(walker: Walker, progress: Progress) -> Record:
     finally:
         store.close()
     return record
+
+
+def _few(walker: Walker) -> Walker:
+    """Walker with runs of the time that is enough for its speed as designed."""
+    return walker.with_run(seconds=min(walker.scene.run.seconds, LONGEST_S * _light(walker)))
+
+
+def _cpu_s(walker: Walker) -> float:
+    """CPU time that the fewest runs of a short simulation take at most, by the number of their steps, s."""
+    run = _few(walker).scene.run
+    prints_s = PRINT_DISCARD_S + PRINT_S * _light(walker)
+    simulated_s = FIRST_RUNS * (run.discard_seconds + run.seconds) + PRINTS * prints_s
+    return simulated_s * expected.counted(walker.plan())
+
+
+def _refuse_long(walker: Walker) -> None:
+    """Raise InputError for a walker whose short simulation takes minutes, with the key that makes it so."""
+    cpu_s = _cpu_s(walker)
+    if cpu_s <= MOST_CPU_S:
+        return
+    usual = [(_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual(walker.scene)]
+    least_s, key, value = min(usual)
+    takes = f"to simulate this walker would take about {words.duration(cpu_s)} of CPU time"
+    most = f"a prediction {words.duration(MOST_CPU_S)} at most"
+    anyway = "`simulate --seconds 0.1 --runs 2` runs it all the same"
+    if least_s > 0.5 * cpu_s:
+        raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts, and {most}: {anyway}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}, and {most}: take another value, or {anyway}", f"scene.{key}")
+
+
+def _usual(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
+    """Keys that decide on a scene's steps, with their values, and the scene with a usual one."""
+    yield "drive.frequency_hz", scene.drive.frequency, changed(scene, {"drive": Drive(frequency_hz=90.0, gamma=1.8)})
+    for table in ("feet", "contact", "run"):
+        section = getattr(scene, table)
+        for own, field in type(section).model_fields.items():
+            value = getattr(section, own)
+            if isinstance(value, float) and value != field.default:
+                key = f"{table}.{own}"
+                yield key, value, changed(scene, {key: field.default})
 
 
 def _light(walker: Walker) -> float:
@@ -103,19 +161,21 @@ def spread(record: Record, scene: Scene) -> Spread | None:
     nominal, low, high = (_number(record, name) for name in ("nominal", "low", "high"))
     if nominal is None or float(record["falls"] or 0.0) >= FALLS_ALL:
         return None
-    bounds = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
+    left_out = _number(record, "left_out_mm_s") or 0.0
+    first, last = nominal if low is None else low, nominal if high is None else high  # one orbit has no scatter
+    first, _, _, last = draws.widened((first, nominal, nominal, last), nominal, left_out)
     mean = _number(record, "mean")
     if mean is None:  # nothing is unknown, or too few prints walk to tell
-        half = 0.5 * (bounds[1] - bounds[0])
+        half = 0.5 * (last - first)
         mean, sd = nominal, half / NORMAL_95
-        ends = bounds[0], nominal - half / 2.0, nominal + half / 2.0, bounds[1]
+        ends = first, nominal - half / 2.0, nominal + half / 2.0, last
     else:
-        sd = float(record["sd"] or 0.0)
+        sd = math.hypot(float(record["sd"] or 0.0), left_out / NORMAL_95)
         low2, low1, high1, high2 = (float(record[name] or 0.0) for name in ENDS)
-        ends = low2, low1, high1, high2
+        ends = draws.widened((low2, low1, high1, high2), mean, left_out)
     own = float(prediction.with_model_sd(mean, scene))
     ends = draws.added(ends, mean, (NORMAL_95 * own, own, own, NORMAL_95 * own))
-    return Spread(nominal, bounds, mean, math.hypot(sd, own), ends, "runs")
+    return Spread(nominal, (first, last), mean, math.hypot(sd, own), ends, "runs")
 
 
 def _number(record: Record, name: str) -> float | None:

@@ -51,6 +51,14 @@ class Simplest(NamedTuple):
     """CPU time that finding it out took, s."""
 
     @property
+    def error_mm_s(self) -> float:
+        """Largest error of the speed (95 %) by what was left out, mm/s."""
+        if not self.left_out:
+            return 0.0
+        change = self.left_out[-1].speed  # with all before it left out as well
+        return abs(change.number) + change.half_width()
+
+    @property
     def lines(self) -> list[tuple[str, str]]:
         """What was left out and what was kept: names and values in words."""
         if self.accepted is None:
@@ -61,7 +69,7 @@ class Simplest(NamedTuple):
         told = f"; {faster:.2g} times as fast" if out else ""
         return [
             ("left out", f"{', '.join(out) or 'nothing'}: within {share}{told}"),
-            *([("kept", f"{', '.join(kept)}: not within {share}")] if kept else []),
+            *([("kept", f"{', '.join(kept)}: not known to be within {share}")] if kept else []),
         ]
 
     @property

@@ -25,8 +25,8 @@ def predict(
     """Predict one walker by what knows it best.
 
     With model "known" nothing is simulated, with "theory" the theory stands alone: then a row may have no speed.
-    Raises InputError where a walker that is to be simulated and its scene contradict each other, TheoryError where
-    mode and law do.
+    Raises InputError where a walker that is to be simulated and its scene contradict each other or it takes minutes,
+    TheoryError where mode and law do.
     """
     if model == "theory":
         return prediction.row_of(design, mass, scene, mode, None)
@@ -42,5 +42,6 @@ def predict(
             return prediction.row_of(
                 design, mass, scene, mode, None, f"to be simulated by predict or --simulate: {reason}"
             )
-        falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}"
+        left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
+        falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"
         return prediction.row_of(design, mass, scene, mode, short.spread(record, scene), note, falls)

@@ -11,7 +11,8 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.run.explain import measured as measuring
 from walkergen.jobs.run.explain.measured import Measured
-from walkergen.points import variants
+from walkergen.points import simplest, variants
+from walkergen.points.simplest import Simplest
 from walkergen.points.variants import Change
 from walkergen.scene import Scene
 from walkergen.simulation.effects.effect import Effect
@@ -65,8 +66,9 @@ def explain(
 ) -> Report:
     """Say which effects a scene calls for, and what each costs where it can be off.
 
-    `measure`: also what those that are off would change, for ten seconds; `whole`: with all reasons; written where
-    `folder` says. Raises InputError for a scene that no model can simulate.
+    What the scene's accepted error leaves out is said, too. `measure`: also what effects that are off would change,
+    for ten seconds; `whole`: with all reasons; written where `folder` says. Raises InputError for a scene that no
+    model can simulate.
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
@@ -76,6 +78,7 @@ def explain(
         found = measuring.measure(walker, progress)
     elif cost:
         found = measuring.priced(walker, progress)
+    simple = simplest.simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
     rows = _rows(effects, () if found is None else found.changes)
     on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
     effects_table = Table(
@@ -92,10 +95,11 @@ def explain(
         title="Effects",
         caption=caption,
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
-        facts=_facts(rows, found),
+        facts=_facts(rows, found) | (simple.facts if found is not None else {}),
         lines=[
             *([] if whole else [f"off: {', '.join(row.effect for row in off)}; --all: why, and what sizes mean"]),
             *([] if found is None or not measure else [found.advice]),
+            *_accepted(simple, found is not None),
         ],
         warnings=[plan.resolved.idle] if plan.resolved.idle else [],
         figures={} if found is None or not measure else {"explain": partial(measuring.figure, found, caption)},
@@ -119,6 +123,17 @@ def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
             numbers = (change.change, speed.value, speed.se, cpu.value, cpu.se)  # type: ignore[assignment]
         rows.append(Row(*effect, *numbers))
     return rows
+
+
+def _accepted(simple: Simplest, measured: bool) -> list[str]:
+    """What runs leave out, and by which model they are, where an error is accepted."""
+    if simple.accepted is None:
+        return []
+    key = f"run.accepted_error = {simple.accepted:g}"
+    if not measured:
+        return [f"{key}: what it leaves out is measured; leave --no-cost out"]
+    model = simple.walker.plan().resolved.model
+    return [f"{key}: runs are by model {model}", *(f"{name}: {value}" for name, value in simple.lines)]
 
 
 def _facts(rows: Sequence[Row], found: Measured | None) -> dict[str, object]:

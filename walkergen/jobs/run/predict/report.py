@@ -50,8 +50,12 @@ def of(
     shares: Sequence[Sequence[Share]] = (),
     why: bool = True,
 ) -> PredictReport:
-    """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`."""
-    tables = speed_table.tables("prediction", design.name, walkers, why)
+    """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`.
+
+    Notes are told, too, where an accepted error may have left something out.
+    """
+    noted = why or scene.run.accepted_error is not None
+    tables = speed_table.tables("prediction", design.name, walkers, noted)
     rows = list(tables[0])
     for row, member, own in zip(rows, walkers, shares, strict=False):
         row["shares"] = [share._asdict() for share in own]
@@ -70,7 +74,7 @@ def of(
         tables=tables,
         facts={"rows": rows},
         caption="\n".join(said),
-        lines=speed_table.lines(walkers) if why else (),
+        lines=speed_table.lines(walkers) if noted else (),
         scene=scene,
         members=walkers,
     )

@@ -37,6 +37,9 @@ BIAS_PART = 0.7
 START_S = 1.2
 """Time in which a command starts, on an idle machine, s: imports, and kernels read from the cache."""
 
+LANE = "lane-90hz"
+"""Scene of the cells between which is read."""
+
 MEASURED_DRIVE = 90.0, 1.8
 """Frequency (Hz) and peak acceleration (g) of the plate of the cells."""
 
@@ -96,10 +99,10 @@ class Advice(NamedTuple):
 def place(plan: Plan) -> Place:
     """What the shipped data say of a plan of a walker in space."""
     scene, design = plan.scene, plan.case.design
-    rows = cells.read()
+    rows = [row for row in cells.read() if row.scene == LANE]
     tilt, label = abs(design.tilt_deg), scene.contact.restitution
     own_s, drive = resolution.own_step(plan), plan.shaken
-    cell = tuple(row for row in rows if row[:2] == (tilt, label)) if _is_measured(plan) else ()
+    cell = tuple(row for row in rows if row.cell == (LANE, tilt, label)) if _is_measured(plan) else ()
     cell = cell if any(row.share == REFERENCE for row in cell) else ()
     measured_us = _between(rows, lambda of: of[1.0].step_us or math.nan, tilt, label)
     harder = measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
@@ -138,12 +141,12 @@ def _scatter(steps: dict[float, Row]) -> float:
 def _is_measured(plan: Plan) -> bool:
     """Whether a walker and its scene are those of the cells, but for tilt and label."""
     from walkergen.files import templates
-    from walkergen.jobs.trust.accuracy.pace import SCENE, WALKER
+    from walkergen.jobs.trust.accuracy.pace import WALKER
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
     paper = templates.load(WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
-    lane = templates.load(SCENE, "scenes", Scene)
+    lane = templates.load(LANE, "scenes", Scene)
     contact = lane.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
     lane = lane.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run})
     return plan.case.design == paper and plan.scene == lane and plan.resolved.model == "space"
@@ -153,7 +156,7 @@ def _between(
     rows: Sequence[Row], of: Callable[[dict[float, Row]], float], tilt: float, label: float, logarithmic: bool = False
 ) -> float:
     """Number of a cell, linear in the tilt and the logarithm of the label between cells, constant beyond them."""
-    by_cell = {cell[0][:2]: {row.share or 0.0: row for row in cell} for cell in step_law.in_space(rows)}
+    by_cell = {cell[0][1:3]: {row.share or 0.0: row for row in cell} for cell in step_law.in_space(rows)}
     tilts, labels = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
     def number(own_tilt: float, own_label: float) -> float:
@@ -214,7 +217,7 @@ def _planar_bound(row: Row, at: Place) -> float | None:
 
 def _bias(row: Row, peak: float) -> float | None:
     """Largest bias (95 %) of a row against its cell's reference, as a share; None without a speed."""
-    (true,) = (one for one in cells.read() if one[:2] == row[:2] and one.share == cells.REFERENCE)
+    (true,) = (one for one in cells.read() if one.cell == row.cell and one.share == cells.REFERENCE)
     if row.speed_mm_s is None or true.speed_mm_s is None or true.se_mm_s is None:
         return None
     error = math.hypot(row.se_mm_s or 0.0, true.se_mm_s)

@@ -1,6 +1,6 @@
 """Cells: what each model and step gave for the paper's walker on its plate, as measured and shipped.
 
-cells.csv has a row a setting and a cell: a tilt and a label of the feet. `python -m evidence.accuracy.measure`
+cells.csv has a row a setting and a cell: a scene, a tilt and a label of the feet. `python -m evidence.accuracy.measure`
 makes it again.
 """
 
@@ -21,6 +21,7 @@ REFERENCE = 0.05
 class Row(NamedTuple):
     """Speed of a setting in a cell, and its cost; the field names are the CSV's columns."""
 
+    scene: str
     tilt_deg: float
     label: float
     """Restitution that labels the feet's damping."""
@@ -38,6 +39,11 @@ class Row(NamedTuple):
     work: float
     """CPU time of a simulated second, its discarded start included, over that of the loop (`pace`)."""
     outcomes: str
+
+    @property
+    def cell(self) -> tuple[str, float, float]:
+        """Scene, tilt and label, which name the cell."""
+        return self.scene, self.tilt_deg, self.label
 
     @property
     def variance_time(self) -> float:
@@ -67,6 +73,7 @@ def _row(cells: dict[str, str]) -> Row:
         return float(cells[name]) if cells[name] else None
 
     return Row(
+        cells["scene"],
         float(cells["tilt_deg"]),
         float(cells["label"]),
         cells["model"],  # type: ignore[arg-type]  # a name of a model

@@ -144,6 +144,8 @@ def at_once(design: Design, scene: Scene, folder: Path) -> Report:
     """
     title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
     answers = shipped.answers(shipped.place_of(design, scene), title)
+    rows, unmet = report.marked(answers.rows, scene.run.accepted_error)
+    answers = answers._replace(rows=rows, lines=[*answers.lines, *unmet])
     with Folder(folder, "") as target:
         made = report.of([], answers, 0.0, None, title, folder)
         made.write(target, pictures=False)
@@ -160,7 +162,7 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     place = shipped.place_of(survey.design, survey.scene)
     before = [shipped.answer(place, error) for error in errors]
-    rows = [_answer(survey, old, progress) for old in before]
+    rows, unmet = report.marked([_answer(survey, old, progress) for old in before], survey.scene.run.accepted_error)
     rungs = list(models.formulas(survey, reference))
     simpler = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
     refined = [str(row.error) for row in rows if row.known == NOW]
@@ -168,6 +170,7 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
         f"truth: {models.certificate(survey, progress)}",
         f"refined by this budget: {', '.join(refined) or 'no row'}; the others are as shipped",
         *shipped.lines(place),
+        *unmet,
     ]
 
     def draw() -> "Figure":

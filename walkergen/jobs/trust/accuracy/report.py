@@ -36,6 +36,8 @@ class Answer(NamedTuple):
     """measured: for this very walker, as shipped; scaled: from the shipped walker; law: by how the
     step's bias falls, below what the reference is known to; now: by this budget."""
     why: str
+    accepted: bool = False
+    """Whether it is the cheapest that the scene's `run.accepted_error` allows."""
 
     @property
     def plain(self) -> dict[str, Any]:
@@ -44,7 +46,7 @@ class Answer(NamedTuple):
 
 
 ANSWER = (
-    Column("error (95 %)", lambda row: str(row.error)),
+    Column("error (95 %)", lambda row: f"{row.error}{', accepted' if row.accepted else ''}"),
     report.text("setting", "setting"),
     Column("runs x seconds", lambda row: "-" if row.runs is None else f"{row.runs} x {row.seconds:g} s"),
     Column("takes", lambda row: "-" if row.expected_s is None else words.duration(row.expected_s)),
@@ -68,6 +70,17 @@ class Answers(NamedTuple):
     lines: Sequence[str]
     """What counts as true and how it was certified, and where numbers that are not measured now come from."""
     draw: "Callable[[], Figure]"
+
+
+def marked(rows: Sequence[Answer], accepted: float | None) -> tuple[list[Answer], list[str]]:
+    """Answers, of which the largest error within an accepted one is marked, and a line on it where none is."""
+    if accepted is None:
+        return list(rows), []
+    within = [row.error.value for row in rows if row.error.relative and row.error.value <= accepted * (1.0 + 1e-9)]
+    if not within:
+        why = f"run.accepted_error = {accepted:g}: no error of the table is within it"
+        return list(rows), [f"{why}: simulate --error {100.0 * accepted:g}%"]
+    return [row._replace(accepted=row.error.value == max(within)) for row in rows], []
 
 
 def of(

@@ -66,7 +66,7 @@ def unit(speed: float, peak: float) -> float:
 def in_space(rows: Iterable[Row]) -> list[list[Row]]:
     """Rows of the model in space with a speed and its error, cell by cell, finest step first."""
     known = [row for row in rows if row.model == "space" and row.speed_mm_s is not None and row.se_mm_s]
-    return [list(cell) for _, cell in groupby(known, key=lambda row: row[:2])]
+    return [list(cell) for _, cell in groupby(known, key=lambda row: row.cell)]
 
 
 @cache
