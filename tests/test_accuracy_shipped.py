@@ -1,6 +1,7 @@
 """What `accuracy` answers from what is shipped: the law of the step, the advice, and whether both are true."""
 
 import math
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +12,7 @@ from walkergen.files import templates
 from walkergen.jobs.trust.accuracy import advice, cells, drawn, figures, pace, shipped, step_law
 from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
 from walkergen.jobs.trust.accuracy.request import AccuracyRequest
-from walkergen.points import tolerance, walkers
+from walkergen.points import expected, tolerance, walkers
 from walkergen.scene import Scene
 from walkergen.simulation import orbits
 from walkergen.walker.design import Design
@@ -29,9 +30,10 @@ def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.22), speed=50.0):
     return rows
 
 
-def place(design="koumakis2016", scene="lane-90hz", **changed):
+def place(design="koumakis2016", scene="lane-90hz", label=0.22, **changed):
     walker = templates.load(design, "walkers", Design).variant(**changed)
-    return shipped.place_of(walker, templates.load(scene, "scenes", Scene))
+    ground = templates.load(scene, "scenes", Scene).variant(**{"contact.restitution": label})
+    return shipped.place_of(walker, ground)
 
 
 def test_every_cell_has_every_setting_and_the_file_is_small():
@@ -117,12 +119,13 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
     ("design", "scene", "known"),
     [
         ("koumakis2016", "lane-90hz", "measured"),  # at 10 deg, a cell
-        ("koumakis2016", "plane-90hz", "scaled"),
+        ("koumakis2016", "plane-90hz", "measured"),
         ("bristle", "plane-90hz", "scaled"),
         ("coinbot", "table-motor", "scaled"),
     ],
 )
-def test_the_papers_walker_in_its_lane_was_measured_and_others_are_scaled(design, scene, known):
+def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(design, scene, known, monkeypatch):
+    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
     walker = templates.load(design, "walkers", Design)
     at = shipped.place_of(walker, templates.load(scene, "scenes", Scene))
     assert at.known == known
@@ -130,14 +133,48 @@ def test_the_papers_walker_in_its_lane_was_measured_and_others_are_scaled(design
     assert isinstance(advice.advise(at, tolerance.Tolerance(0.2, True)), (advice.Advice, str))
 
 
-def test_the_scatter_of_a_plate_goes_with_its_speed_squared():
+def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
+    """Each tilt of the lane between two others is left out in turn, and read between those."""
+    monkeypatch.setattr(pace, "pace", lambda: 0.05)
+    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
+    every = cells.read()
+    tilts = sorted({row.tilt_deg for row in every if row.scene == advice.LANE})
+    ratios = []
+    for tilt, label in product(tilts[1:-1], (0.1, 0.22, 0.5)):
+        others = tuple(row for row in every if row.cell[:2] != (advice.LANE, tilt))
+        shares = []
+        for rows in (every, others):
+            monkeypatch.setattr(cells, "read", lambda rows=rows: rows)
+            at = place(tilt=tilt, label=label)
+            shares.append(math.sqrt(at.variance_time) / step_law.unit(at.speed, at.peak))
+        ratios.append(math.log(shares[0] / shares[1]))
+    assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(advice.SCALED_WITHIN, abs=0.1)
+    monkeypatch.setattr(cells, "read", lambda: every)
+    scaled, measured = (shipped.answers(place(tilt=tilt), "walker").rows[0].why for tilt in (12.0, 10.0))
+    assert "to a factor of 2.6" in scaled
+    assert "to a factor" not in measured
+
+
+def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
     scene = templates.load("lane-90hz", "scenes", Scene)
     faster = scene.model_copy(update={"drive": scene.drive.model_copy(update={"gamma": 3.6})})
     walker = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=5.0)
+    monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
     one, two = (shipped.place_of(walker, ground) for ground in (scene, faster))
     assert two.peak == pytest.approx(2.0 * one.peak)
     assert two.speed == pytest.approx(2.0 * one.speed)
     assert two.variance_time == pytest.approx(4.0 * one.variance_time)
+
+
+def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
+    """At 200 Hz and 1.3 g the walker was 2.1 mm/s fast in runs, where its plate's speed alone has 18."""
+    monkeypatch.setattr(pace, "pace", lambda: 0.05)
+    scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"drive.frequency_hz": 200.0, "drive.gamma": 1.3})
+    at = shipped.place_of(templates.load("koumakis2016", "walkers", Design), scene)
+    assert at.known == "scaled"
+    assert at.speed < 6.0
+    seconds = at.work(1.0) * 0.05  # of this walker, at its own step, by today's machine
+    assert 0.05 < seconds < 5.0
 
 
 def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):

@@ -34,6 +34,7 @@ CELLS = (
     (LANE, (5.0, 15.0, 1.0, 30.0), (0.22, 0.5, 0.1)),
     (LANE, (10.0,), (0.22, 0.5, 0.1)),
     (LANE, (20.0,), (0.22, 0.5, 0.1)),
+    (PLANE, (10.0, 5.0), (0.22,)),
 )
 """Scenes, tilts and labels of the feet, of which the later ones were measured later."""
 

@@ -40,6 +40,10 @@ START_S = 1.2
 LANE = "lane-90hz"
 """Scene of the cells between which is read."""
 
+SCALED_WITHIN = 2.6
+"""Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
+out scatters otherwise, for its speed, than is read between its neighbours."""
+
 MEASURED_DRIVE = 90.0, 1.8
 """Frequency (Hz) and peak acceleration (g) of the plate of the cells."""
 
@@ -99,11 +103,12 @@ class Advice(NamedTuple):
 def place(plan: Plan) -> Place:
     """What the shipped data say of a plan of a walker in space."""
     scene, design = plan.scene, plan.case.design
-    rows = [row for row in cells.read() if row.scene == LANE]
+    every, measured = cells.read(), _measured(plan)
     tilt, label = abs(design.tilt_deg), scene.contact.restitution
     own_s, drive = resolution.own_step(plan), plan.shaken
-    cell = tuple(row for row in rows if row.cell == (LANE, tilt, label)) if _is_measured(plan) else ()
+    cell = tuple(row for row in every if row.cell == (measured, tilt, label))
     cell = cell if any(row.share == REFERENCE for row in cell) else ()
+    rows = [row for row in every if row.scene == (measured if cell else LANE)]
     measured_us = _between(rows, lambda of: of[1.0].step_us or math.nan, tilt, label)
     harder = measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
     if cell:
@@ -138,18 +143,22 @@ def _scatter(steps: dict[float, Row]) -> float:
     return float(np.mean([row.variance_time for row in steps.values()]))
 
 
-def _is_measured(plan: Plan) -> bool:
-    """Whether a walker and its scene are those of the cells, but for tilt and label."""
+def _measured(plan: Plan) -> str:
+    """Name of the cells' scene that a plan has, but for its label; "" for others, and for another walker."""
     from walkergen.files import templates
     from walkergen.jobs.trust.accuracy.pace import WALKER
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
     paper = templates.load(WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
-    lane = templates.load(LANE, "scenes", Scene)
-    contact = lane.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
-    lane = lane.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run})
-    return plan.case.design == paper and plan.scene == lane and plan.resolved.model == "space"
+    if plan.case.design != paper or plan.resolved.model != "space":
+        return ""
+    for name in dict.fromkeys(row.scene for row in cells.read()):
+        scene = templates.load(name, "scenes", Scene)
+        contact = scene.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
+        if plan.scene == scene.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run}):
+            return name
+    return ""
 
 
 def _between(
