@@ -114,12 +114,11 @@ def _refuse_long(walker: Walker) -> None:
         return
     usual = [(_cpu_s(walker._replace(scene=scene)), key, value) for key, value, scene in _usual(walker.scene)]
     least_s, key, value = min(usual)
-    takes = f"to simulate this walker would take about {words.duration(cpu_s)} of CPU time"
-    most = f"a prediction {words.duration(MOST_CPU_S)} at most"
-    anyway = "`simulate --seconds 0.1 --runs 2` runs it all the same"
+    takes = f"a prediction by runs takes {words.duration(cpu_s)} of CPU time, {words.duration(MOST_CPU_S)} at most"
+    anyway = "`simulate --seconds 0.1 --runs 2`"
     if least_s > 0.5 * cpu_s:
-        raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts, and {most}: {anyway}")
-    raise InputError(f"scene.{key} = {value:g}: {takes}, and {most}: take another value, or {anyway}", f"scene.{key}")
+        raise InputError(f"{walker.design.name}: {takes}, so stiff, light or small are its parts: {anyway}")
+    raise InputError(f"scene.{key} = {value:g}: {takes}: take another value, or {anyway}", f"scene.{key}")
 
 
 def _usual(scene: Scene) -> Iterator[tuple[str, float, Scene]]:
