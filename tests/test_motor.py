@@ -9,6 +9,7 @@ from space_rival import weightless
 
 from walkergen.drive import GRAVITY, Drive
 from walkergen.errors import InputError
+from walkergen.points import speeds
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import motor
@@ -296,6 +297,13 @@ def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned,
     # (test_space_rivals.py); upright legs, which do not slide as they land, hardly
     near = 3.0 * error + share * abs(theirs.mean())
     assert ours.mean() == pytest.approx(theirs.mean(), abs=near)
+
+
+def test_a_weak_motor_comes_with_what_is_not_known_of_it():
+    plan = carrying(throwing(1.8))
+    assert plan.scene.drive.push(plan.case.mass.total) == pytest.approx(1.8)
+    assert "pushes with 1.8 weights" in speeds._of_push(1.8)
+    assert speeds._of_push(3.5) == ""
 
 
 def test_held_in_its_plane_a_walker_does_not_move_across():

@@ -140,6 +140,10 @@ class Drive(Section):
                 raise ValueError(f"{' and '.join(numbers)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}")
         return self
 
+    def push(self, mass: float) -> float:
+        """Largest push of a motor over the weight of a walker of this mass, g."""
+        return self.eccentric * self.omega**2 / (mass * GRAVITY)
+
     @property
     def omega(self) -> float:
         """Angular frequency, rad/s."""

@@ -14,7 +14,6 @@ import math
 
 import numpy as np
 
-from walkergen.drive import GRAVITY
 from walkergen.errors import InputError
 from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, Case, Effect, Rule, absent, forced
 from walkergen.simulation.effects.rotor import Rotor, Vector
@@ -53,7 +52,7 @@ def judge(case: Case) -> Effect:
             f"drive.eccentric_g_mm = {drive.eccentric:.3g}: must lie below the walker's mass times "
             f"its length, {total * length:.3g}; coin motors have about 1"
         )
-    number = drive.eccentric * drive.omega**2 / (total * GRAVITY)
+    number = drive.push(total)
     if number > LARGEST_THROW:
         raise InputError(
             f"drive.eccentric_g_mm = {drive.eccentric:.3g} at {drive.frequency:g} Hz: pushes with "
