@@ -100,6 +100,7 @@ def test_the_spread_in_a_lane_is_about_each_ones_own_speed(speeds):
     assert np.mean(np.abs(scores) < 2.3) > 0.8
 
 
+@pytest.mark.nightly
 def test_a_pure_jitter_without_headings_has_no_speed_of_its_own():
     still = Walker(speed=0.0, noise=0.3)
     films = [film(seed, 3, 10.0, still, 0.02, headed=False) for seed in range(10)]

@@ -123,6 +123,7 @@ def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
     assert abs(first.slope.value) <= 1.08 * best
 
 
+@pytest.mark.nightly
 def test_designs_are_distinct_and_on_the_steps_that_people_write(bench, tmp_path):
     result = make.make(job_of(), bench, tmp_path, pictures=False)
     assert len(result.designs) == 3
@@ -150,6 +151,7 @@ def test_equal_wishes_give_equal_files_and_the_store_changes_nothing(bench, tmp_
         assert one == two
 
 
+@pytest.mark.nightly
 def test_a_scene_may_vary_and_is_written_beside_the_design(bench, tmp_path):
     spans = (TILT, Span("scene.drive.gamma", 1.2, 3.0))
     result = make.make(job_of(spans=spans), bench, tmp_path, pictures=False)

@@ -116,6 +116,7 @@ def test_a_straight_lens_is_not_suspected(tmp_path):
     assert abs(bend.share) < 3.0 * bend.error
 
 
+@pytest.mark.nightly
 def test_walkers_without_caps_run_straight_through_a_lens_that_is_undone(tmp_path):
     """Along the upper edge and the middle: places, headings and lengths as without the lens."""
     camera, k1 = Camera(wide=320, high=240, focal=300.0), -0.3

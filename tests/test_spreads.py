@@ -84,6 +84,7 @@ def test_noise_that_diffusion_could_be_is_refused_with_a_way_to_tell():
     assert any("cannot be told apart" in reason and "at rest" in reason for reason in reasons)
 
 
+@pytest.mark.nightly
 def test_the_misfit_is_about_one_where_the_law_holds_and_large_where_it_does_not():
     fits = [found.msd_fit for found in analysed(FAST, 20)]
     assert 0.4 < np.mean([fit.misfit for fit in fits]) < 2.0
