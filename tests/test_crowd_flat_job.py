@@ -112,10 +112,15 @@ def test_cards_denser_than_was_tested_give_no_number_but_their_input(run, asked,
 def test_a_crowd_of_cards_tells_no_speed_which_a_card_alone_does(run, asked):
     short = {"arena": "periodic:212", "seconds": 1.0, "runs": 2}
     assert wg.crowd("bar.json", count=1, **short).statistics.numbers["speed"].known
-    many = wg.crowd("bar.json", count=4, **short).statistics.numbers
-    assert many["speed"].value is None
-    assert many["speed"].refused == in_plane.TOO_FAST
-    assert many["packing"].value is not None
+    many = wg.crowd("bar.json", count=4, **short)
+    numbers = many.statistics.numbers
+    assert numbers["speed"].value is None
+    assert numbers["speed"].refused == in_plane.TOO_FAST
+    assert numbers["packing"].value is not None
+    tables = {table.name: table for table in many.tables}
+    assert "msd" not in many.statistics.curves
+    assert not [key for name in ("crowd_series", "crowd_runs") for key in tables[name].keys if "speed" in key]
+    assert not [row for row in tables["crowd_series"].rows if "speed" in row[0]]
 
 
 def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_path):
@@ -141,7 +146,7 @@ def test_from_python_a_card_or_cards_make_the_same_crowd(run, asked, tmp_path):
     keys = {"arena": "disc:200", "seconds": 1.0, "runs": 2, "seed": 5}
     first = wg.crowd(card(), count=4, **keys)
     second = wg.crowd("bar.json", count=4, out=tmp_path / "dish", **keys)
-    assert first.statistics.by_run["speed"].tolist() == second.statistics.by_run["speed"].tolist()
+    assert first.statistics.by_run["polar_order"].tolist() == second.statistics.by_run["polar_order"].tolist()
     assert (tmp_path / "dish" / "crowd.csv").exists()
     both = wg.crowd(count={"bar.json": 2, "other.json": 2}, **keys)
     assert both.statistics.walkers == 4

@@ -1,7 +1,7 @@
 """A crowd in a plane: walkers by their cards, placed, moved by LAMMPS, and measured."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,8 @@ TESTED = (
     "1.43 ± 0.16 at 0.3"
 )
 """Where the numbers of a crowd in a plane were tested, in words."""
+
+V = TypeVar("V")
 
 TOO_FAST = "cards run too fast in crowds"
 SPEEDS = ("speed", "speed_along_heading", "wall_speed")
@@ -94,7 +96,12 @@ class InPlane(NamedTuple):
             return measured
         wrong = {name: measured.numbers[name] for name in SPEEDS if measured.numbers[name].value is not None}
         declined = {name: number._replace(value=None, se=None, refused=TOO_FAST) for name, number in wrong.items()}
-        return measured._replace(numbers={**measured.numbers, **declined})
+        return measured._replace(
+            numbers={**measured.numbers, **declined},
+            by_run=_without_speeds(measured.by_run),
+            series=_without_speeds(measured.series),
+            curves=_without_speeds(measured.curves),
+        )
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""
@@ -115,6 +122,11 @@ def inputs(job: Job) -> dict[str, bytes]:
         for number in range(job.scene.run.runs)
         for name, data in flat.files(_run(job, number)).items()
     }
+
+
+def _without_speeds(values: dict[str, V]) -> dict[str, V]:
+    """Values by name, without those that a speed is read from."""
+    return {name: value for name, value in values.items() if name not in (*SPEEDS, "msd")}
 
 
 def _seconds(job: Job) -> float:
