@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from browsed import Page, chromium, needs_browser, walkergen
 from night import by_day
 from selenium.webdriver.common.action_chains import ActionChains
@@ -171,6 +172,18 @@ def test_a_broken_mesh_is_refused_in_words_and_the_last_walker_stays(page):
     page.click("#undo")
     page.settle()
     assert page.refusals() == []
+    made_again(page, *page.take("stl"))
+
+
+def test_a_button_of_a_refusal_does_what_helps(page):
+    ball = page.folder / "ball.stl"
+    trimesh.creation.icosphere(subdivisions=2, radius=2.0).export(ball)
+    page.drop(ball)
+    refusals = page.until(page.refusals)
+    assert not any("body.base" in line or "length_mm" in line for line in refusals)
+    page.click(".help-out")
+    page.until(lambda: page.refusals() == [])
+    page.settle()
     made_again(page, *page.take("stl"))
 
 

@@ -1,13 +1,17 @@
 """The form of the page follows from the tables that check what people write."""
 
 import math
+import pickle
+import re
 
 import pytest
+import trimesh
 
-from walkergen.app import form, spans
+from walkergen.app import answers, form, spans
 from walkergen.app.document import Document
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
+from walkergen.walker import solids
 
 
 def document(walker="koumakis2016", **values):
@@ -85,3 +89,36 @@ def test_sliders_end_where_a_walker_can_no_longer_be_built():
 def test_a_tilt_beyond_its_slider_makes_it_longer():
     (tilt,) = (control for control in form.groups(document(**{"legs.tilt_deg": 60.0}))[0].controls)
     assert tilt.slider == (-60.0, 60.0)
+
+
+TOO_LONG = {"body": {"outline": "disc", "length_mm": 28.0, "thickness_mm": 3.0}, "legs.contact_spacing_mm": 22.0}
+MESHES = [
+    (trimesh.creation.icosphere(2, 2.0), ["put a plate under it", "make it 25 mm long"]),
+    (trimesh.creation.cylinder(5.0, 30.0), ["lay it down", "put a plate under it"]),
+    (
+        trimesh.creation.box([0.9, 0.5, 0.3]),
+        ["read it in inches: 22.86 mm", "read it in centimetres: 9 mm", "make it 28 mm long"],
+    ),
+    (None, ["let the legs place themselves"]),
+]
+
+
+@pytest.mark.parametrize(("mesh", "words"), MESHES)
+def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
+    """A refusal carries keys and values, for buttons; its words hold neither keys nor flags."""
+    values = dict(TOO_LONG)
+    if mesh is not None:
+        mesh.export(tmp_path / "own.stl")
+        values = {"body": {"mesh": str(tmp_path / "own.stl")}, "legs.place": "auto"}
+    with pytest.raises(WalkergenError) as error:
+        document(**values).design()
+    elsewhere = pickle.loads(pickle.dumps(error.value.found_out()))
+    *_, last = answers.refusal(elsewhere)
+    assert [remedy["words"] for remedy in last["helps"]] == words
+    assert not re.search(r"_mm|= true|--|\.\w+_|what helps", last["text"].replace(str(tmp_path), ""))
+    for remedy in last["helps"]:
+        assert all(key in str(error.value) for key, value in remedy["values"].items() if value is not None)
+        body = {**values["body"], **{key[5:]: own for key, own in remedy["values"].items() if key.startswith("body.")}}
+        rest = {key: own for key, own in remedy["values"].items() if not key.startswith("body.")}
+        kept = {key: own for key, own in body.items() if own is not None}
+        solids.mass_of(document(**{**values, "body": kept, **rest}).design())

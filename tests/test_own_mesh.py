@@ -153,11 +153,11 @@ def test_a_size_that_no_walker_has_asks_for_the_unit(tmp_path):
         mesh = Mesh(DUCK.vertices * factor, DUCK.triangles)
         return refused(hostile.to_stl(tmp_path / "duck.stl", mesh), **keys)
 
-    assert "micrometres (28 mm; scale_mm = 0.001)" in line(1000.0)
+    assert "micrometres: 28 mm, body.scale_mm = 0.001" in line(1000.0)
     told = line(1.0 / 40.0)  # both of two units that it may be in
-    assert "inches (17.78 mm; scale_mm = 25.4)" in told
-    assert "centimetres (7 mm" in told
-    assert "metres (28 mm; scale_mm = 1000)" in line(0.001)
+    assert "read it in inches: 17.78 mm, body.scale_mm = 25.4" in told
+    assert "centimetres: 7 mm" in told
+    assert "metres: 28 mm, body.scale_mm = 1000" in line(0.001)
     assert "1..500 mm" in line(1e9)
     path = hostile.to_stl(tmp_path / "inch.stl", Mesh(DUCK.vertices / 25.4, DUCK.triangles))
     found = own_mesh.read(path, Wishes(scale_mm=25.4)).mesh

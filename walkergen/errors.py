@@ -10,6 +10,27 @@ WalkergenError            everything walkergen raises on purpose; the CLI prints
 └── OutputError           a file or folder could not be written, or is not ours: exit code 1
 """
 
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
+from typing import NamedTuple, Self
+
+
+class Remedy(NamedTuple):
+    """What would mend a mistake: what it does, and the keys that do it."""
+
+    words: str
+    values: Mapping[str, bool | float | str | None]
+    """Values by dotted keys; None leaves a key out, which a command line does by itself."""
+
+    def __str__(self) -> str:
+        """What it does, and how that is written on a command line."""
+        keys = [f"{key} = {_written(value)}" for key, value in self.values.items() if value is not None]
+        return ", ".join([self.words, *filter(None, [" and ".join(keys)])])
+
+
+def _written(value: bool | float | str) -> str:
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else value
+
 
 class WalkergenError(Exception):
     """Base of every error that walkergen raises on purpose; its text is meant for the user."""
@@ -20,10 +41,31 @@ class InputError(WalkergenError):
 
     keys: tuple[str, ...]
     """Keys at fault, of each line of the text; "" of a line, or none, where it is no key's."""
+    helps: Callable[[], Sequence[Remedy]]
+    """Finds out what would help, which may take its time: it is asked where somebody reads of the mistake."""
 
-    def __init__(self, text: str = "", *keys: str) -> None:
+    def __init__(self, text: str = "", *keys: str, helps: Callable[[], Sequence[Remedy]] = tuple) -> None:
         super().__init__(text)
-        self.keys = keys
+        self.keys, self.helps = keys, helps
+
+    @cached_property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What would help, with which the text ends; a page has a button for each."""
+        return tuple(self.helps())
+
+    def found_out(self) -> Self:
+        """The same, once it is known what would help: for another process."""
+        self.helps = partial(tuple, self.remedies)
+        return self
+
+    @property
+    def fault(self) -> str:
+        """Text without what would help."""
+        return str(self.args[0])
+
+    def __str__(self) -> str:
+        """Text, and what would help."""
+        return f"{self.fault}; what helps: {', or '.join(map(str, self.remedies))}" if self.remedies else self.fault
 
 
 class GeometryError(InputError):

@@ -117,14 +117,18 @@ def _key_of(name: str, design: Design) -> str:
     return f"scene.{name}" if table in Scene.model_fields else name if key else ""
 
 
-def refusal(error: WalkergenError) -> list[dict[str, str]]:
-    """Mistakes, each with the key at fault where there is one, in words for people who click."""
-    keys = error.keys if isinstance(error, InputError) else ()
-    texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in str(error).splitlines()]
-    return [
-        {"key": key, "text": plain.line(sentences.plain(text))}
+def refusal(error: WalkergenError) -> list[dict[str, Any]]:
+    """Mistakes, each with its key where it has one, in words for people who click, and what helps, with the last."""
+    mistaken = error if isinstance(error, InputError) else InputError(str(error))
+    keys, remedies = mistaken.keys, mistaken.remedies
+    texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in mistaken.fault.splitlines()]
+    mistakes: list[dict[str, Any]] = [
+        {"key": key, "text": plain.line(sentences.plain(text)), "helps": []}
         for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
     ]
+    for mistake in mistakes[-1:]:
+        mistake["helps"] = [{"words": remedy.words, "values": dict(remedy.values)} for remedy in remedies]
+    return mistakes
 
 
 def triangles(mesh: Mesh) -> npt.NDArray[np.float32]:

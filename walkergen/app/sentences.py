@@ -42,7 +42,6 @@ MENUS: Mapping[str, str] = {
     "set thin_walls = true": "switch on “Detect thin walls”",
     "thin_walls = true": "“Detect thin walls” on",
     "set brim_width_mm": "give it a brim",
-    "try repair = true": "let it be mended",
     "turn the mesh by body.up": "choose another axis that points up",
 }
 """What the menus of slicers and the page's form call settings that messages name by their keys."""

@@ -216,6 +216,8 @@ def _result(work: Callable[..., Any], given: Any) -> Any:
     """What work gives, or the error that it raises."""
     try:
         return work(*given)
+    except InputError as error:
+        return error.found_out()
     except WalkergenError as error:
         return error
     except (MemoryError, RecursionError):

@@ -186,7 +186,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     try:
         return model.model_validate(data)
     except InputError as error:  # of parts that cannot be built, or of a file that a key names
-        problems = str(error).splitlines()
+        problems = error.fault.splitlines()
         at_fault = error.keys or [_key_of(problem, model) for problem in problems]
         lines = [
             f"{where(_split_key(key), source, text)}: {problem}"

@@ -99,17 +99,19 @@ def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]
 
 
 def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
-    """Findings as people read them: equal ones once, with the first place and the number of others.
+    """Findings as people read them: each kind once, as the part shows it that is farthest from its limit, with the
+    number of others.
 
-    Errors come first; of some levels alone.
+    A kind is what has one limit and one remedy. Errors come first; of some levels alone.
     """
-    places: dict[Finding, list[str]] = {}
+    kinds: dict[Finding, list[Finding]] = {}
     for finding in findings:
-        places.setdefault(finding._replace(where=""), []).append(finding.where)
-    merged = [
-        key._replace(where=first + (f" and {len(others)} more" if others else ""))
-        for key, (first, *others) in places.items()
-    ]
+        kinds.setdefault(finding._replace(where="", what="", seen=0.0), []).append(finding)
+    merged = []
+    for alike in kinds.values():
+        worst = max(alike, key=lambda finding: abs(finding.seen - finding.limit))
+        others = len({finding.where for finding in alike} - {worst.where})
+        merged.append(worst._replace(where=worst.where + (f" and {others} more" if others else "")))
     chosen = [finding for finding in merged if finding.level in levels]
     return sorted(chosen, key=lambda finding: LEVELS.index(finding.level))
 

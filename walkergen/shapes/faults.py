@@ -6,12 +6,14 @@ that vertices at one place must be one vertex. Bodies that touch in a vertex cou
 manifold3d has it; touching within TOLERANCE is no crossing.
 """
 
+from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import InputError
+from walkergen.errors import InputError, Remedy
 from walkergen.shapes import crossings
 from walkergen.shapes.mesh import Array, Mesh
 
@@ -46,14 +48,14 @@ class Shells(NamedTuple):
     """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
 
 
-def refuse(mesh: Mesh, source: str, advice: str = "") -> None:
+def refuse(mesh: Mesh, source: str, repairs: Sequence[Remedy] = ()) -> None:
     """Raise InputError, one line that begins with `source`, when a mesh is not a sound solid.
 
-    It ends with `advice` where a repair may help.
+    It knows how to repair what a repair may help.
     """
     fault = _of_triangles(mesh) or _of_edges(mesh) or _of_shells(mesh, shells(mesh))
     if fault:
-        raise InputError(f"{source}: {fault}{advice}")
+        raise InputError(f"{source}: {fault}", helps=partial(tuple, repairs))
     if fault := _of_crossings(mesh):
         raise InputError(f"{source}: {fault}")
 

@@ -1,12 +1,17 @@
 """Units that a file may be drawn in: asked back where a body has no walker's size."""
 
-from walkergen.errors import InputError
+from functools import partial
+
+from walkergen.errors import InputError, Remedy
 
 SMALLEST, LARGEST = 1.0, 500.0
 """Least and greatest length of the longest side of a body, mm, that is taken without asking back."""
 
 UNITS = {"inches": 25.4, "metres": 1000.0, "centimetres": 10.0, "micrometres": 1e-3}
 """Millimetres of other units."""
+
+LENGTH_MM = 28.0
+"""Length of what states none, mm: that of the paper's walker."""
 
 
 def refuse(size: float, source: str, scale_mm: float = 1.0) -> None:
@@ -17,12 +22,13 @@ def refuse(size: float, source: str, scale_mm: float = 1.0) -> None:
     if SMALLEST < size <= LARGEST:
         return
     readings = [
-        f"{name} ({size * unit:.4g} mm; scale_mm = {scale_mm * unit:g})"
+        Remedy(f"read it in {name}: {size * unit:.4g} mm", {"body.scale_mm": scale_mm * unit})
         for name, unit in UNITS.items()
         if SMALLEST <= size * unit <= LARGEST
     ]
-    ask = f"is it in {' or '.join(readings)}? Or give" if readings else "give"
+    larger = Remedy(f"make it {LENGTH_MM:g} mm long", {"body.length_mm": LENGTH_MM, "body.scale_mm": None})
     raise InputError(
-        f"{source}: the longest side is {size:.4g} mm at scale_mm = {scale_mm:g}, must lie in "
-        f"{SMALLEST:g}..{LARGEST:g} mm: {ask} the length that it shall have, length_mm"
+        f"{source}: the longest side is {size:.4g} mm at {scale_mm:g} mm for each unit of the file, must lie in "
+        f"{SMALLEST:g}..{LARGEST:g} mm",
+        helps=partial(tuple, [*readings, larger]),
     )

@@ -13,7 +13,7 @@ import math
 import os
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from operator import not_
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, field_validator, model_validator
 
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError, InputError, Remedy
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section, validate
 from walkergen.walker import buildable
@@ -190,6 +190,7 @@ class Design(Section):
             faults = buildable.of_list(self.limbs, self.size)
         if not faults and self.body.flat:
             faults = buildable.off_outline(self.limbs, self.body.shape)
+        helps = self._legs_elsewhere if faults else tuple
         if not self.marks.blank:
             faults += self._unmarkable()
         if not faults and self.parts:
@@ -202,8 +203,16 @@ class Design(Section):
                 "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out"
             )
         if faults:
-            raise GeometryError("\n".join(faults))
+            raise GeometryError("\n".join(faults), helps=helps)
         return self
+
+    def _legs_elsewhere(self) -> Sequence[Remedy]:
+        """What helps two equal legs that do not stand where they were put: that they place themselves."""
+        if not isinstance(self.legs, Legs) or self.placed or self.whole:
+            return []
+        from walkergen.walker import placing
+
+        return placing.auto(self.body, self.legs)
 
     def _unmarkable(self) -> list[str]:
         """Reasons why the body cannot bear its marks, one line each."""

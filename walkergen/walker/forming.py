@@ -15,9 +15,6 @@ from walkergen.shapes.contours import Array, NoUnitError
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker.body import DRAWN, Body, Shape, Size
 
-LENGTH_MM = 28.0
-"""Length of what states none, mm: that of the paper's walker."""
-
 SPECK = 0.005
 """Area of a piece of a drawing, over the largest, below which it is dirt."""
 
@@ -128,8 +125,8 @@ def _file(body: Body, path: Path) -> Plan:
     try:
         drawn = read(scale_mm=body.scale_mm, length_mm=body.wished_mm)
     except NoUnitError:
-        drawn = read(length_mm=LENGTH_MM)
-        said = f"made it {LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
+        drawn = read(length_mm=units.LENGTH_MM)
+        said = f"made it {units.LENGTH_MM:g} mm long, for it states no size: body.length_mm sets another"
         drawn = drawn._replace(notes=(*drawn.notes, said))
     if body.wished_mm is None:
         size = float(np.ptp(np.vstack(drawn.polygons), axis=0).max())

@@ -9,7 +9,7 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
-from walkergen.errors import InputError
+from walkergen.errors import InputError, Remedy
 from walkergen.files import words
 from walkergen.shapes import faults, meshes, modeller, repairs, units
 from walkergen.shapes.mesh import Mesh
@@ -38,6 +38,9 @@ class Wishes(NamedTuple):
 
 PLAIN = Wishes()
 """Wishes of a file that is taken as it is."""
+
+
+MEND = Remedy("mend it", {"body.repair": True})
 
 
 class OwnMesh(NamedTuple):
@@ -77,7 +80,7 @@ def read(path: Path, wishes: Wishes = PLAIN, key: str = "body.mesh") -> OwnMesh:
 def _sound(mesh: Mesh, wishes: Wishes, source: str, notes: tuple[str, ...]) -> tuple[Mesh, tuple[str, ...]]:
     """Mesh of one sound body, and what was left out or mended. Raises InputError."""
     if not wishes.repair and not wishes.base:
-        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source, "; try repair = true")
+        faults.refuse(mesh, f"{source} ({'; '.join(notes)})" if notes else source, [MEND])
         return mesh, notes
     try:
         faults.refuse(mesh, source)

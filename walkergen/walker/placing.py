@@ -8,13 +8,14 @@ direction that a walker that leans by LEAN falls back on its feet.
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import GeometryError, InputError, SolidError
+from walkergen.errors import GeometryError, InputError, Remedy, SolidError
 from walkergen.shapes import joining, units
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Legs, Limb, pair_of
@@ -159,7 +160,7 @@ def placed(body_key: str, legs_key: str) -> Placement:
     try:
         return _placed(body, legs)
     except GeometryError as error:
-        mistake = UnplacedError(f"legs.place: {error}; what helps: {', or '.join(_remedies(body, legs))}", "legs.place")
+        mistake = UnplacedError(f"legs.place: {error}", "legs.place", helps=partial(_remedies, body_key, legs_key))
         mistake.body, mistake.legs = body, legs
         raise mistake from None
 
@@ -209,36 +210,46 @@ def room(body: Body, legs: Legs) -> Room:
     return Room(ground, shapely.union_all(tops), (along, across), radius)
 
 
-def _remedies(body: Body, legs: Legs) -> list[str]:
+@lru_cache(maxsize=64)
+def _remedies(body_key: str, legs_key: str) -> list[Remedy]:
     """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = body.shape.size.length
     sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
-    plate = (
-        [("a plate under it, body.base = true", body.with_keys(base=True))] if body.sourced and not body.base else []
-    )
-    wishes = [
-        [(f"in inches, body.scale_mm = {INCH_MM}", body.with_keys(scale_mm=INCH_MM))] if _tiny(body) else [],
-        [(f"lying, {words}", body.with_keys(**axes)) for words, axes in _other_sides(body)],
-        plate,
-        [(f"larger, body.length_mm = {size:.0f}", body.with_keys(length_mm=size)) for size in sizes if size < LONGEST],
+    wishes: list[list[tuple[str, dict[str, Any]]]] = [
+        [("read it in inches", {"scale_mm": INCH_MM})] if _tiny(body) else [],
+        [("lay it down", axes) for axes in _other_sides(body)],
+        [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
+        [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < LONGEST],
     ]
     remedies = []
-    for wish in wishes:
-        remedies += [words for words, other in wish if _stands(other, legs)][:1]
-    lengths = (share * legs.length_mm for share in SHORTER)
-    shorter = [mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm}))]
-    remedies += [f"shorter, legs.length_mm = {mm:.3g}" for mm in shorter[:1]]
-    return remedies[:2] or ["a wider shape"]
+    for tries in wishes:
+        helpful = ((words, keys) for words, keys in tries if _stands(body.with_keys(**keys), legs))
+        remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
+    lengths = (float(f"{share * legs.length_mm:.3g}") for share in SHORTER)
+    shorter = (mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm})))
+    remedies += [Remedy(f"make the legs {mm:g} mm long", {"legs.length_mm": mm}) for mm in islice(shorter, 1)]
+    return [_alone(remedy) for remedy in remedies[:2]] or [Remedy("make the shape wider", {})]
 
 
-def _other_sides(body: Body) -> list[tuple[str, dict[str, Any]]]:
+def _alone(remedy: Remedy) -> Remedy:
+    """Remedy that leaves out the other key that gives a body's size."""
+    other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
+    return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
+
+
+def auto(body: Body, legs: Legs) -> list[Remedy]:
+    """That legs place themselves, where they can."""
+    own = legs.model_copy(update={"place": "auto"})
+    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _stands(body, own) else []
+
+
+def _other_sides(body: Body) -> list[dict[str, Any]]:
     """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
     if body.mesh is None or body.legs_below_mm is not None:
         return []
     (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
-    front = {"up": body.forward, "forward": body.up}
-    words = f"body.up = {body.forward} and body.forward = {body.up}"
-    return [(f"body.up = {across}", {"up": across}), (words, front)]
+    return [{"up": across}, {"up": body.forward, "forward": body.up}]
 
 
 def _tiny(body: Body) -> bool:

@@ -1,7 +1,7 @@
 // The form: a control for each key that the server names, in the order of its tables.
 
 import { ask, byId, lastOnly, settled, upload } from './ask.js';
-import { change, current, endDrag, isSet, set, without } from './state.js';
+import { change, current, endDrag, isSet, set, setAll, without } from './state.js';
 
 const NARROW = matchMedia('(max-width: 48rem)');
 const opens = (title) => title === 'tilt' || (!NARROW.matches && ['walker: body', 'walker: legs', 'walker: legs 1'].includes(title));
@@ -134,7 +134,7 @@ function row(control) {
     holder.append(range, marks);
     Object.assign(holder, { place, span });
   }
-  holder.append(hint, why);
+  holder.append(why, hint); // the hint opens with the focus, below what a press is aimed at
   return holder;
 }
 
@@ -240,18 +240,28 @@ export function showValue(key, value) {
   input.closest('.row').place?.();
 }
 
-/** Say beside the controls at fault why the walker cannot be built; elsewhere what is left. */
+// Buttons that do what helps; what no key does is said.
+const helping = (helps) =>
+  helps.map(({ words, values }) => {
+    if (!Object.keys(values).length) return make('span', { textContent: ` ${words}.` });
+    const button = make('button', { type: 'button', className: 'help-out', textContent: words });
+    button.addEventListener('click', () => setAll(values));
+    return button;
+  });
+
+/** Say beside the controls at fault why the walker cannot be built, with what helps; elsewhere what is left. */
 export function refuse(mistakes) {
   for (const why of document.querySelectorAll('.refusal')) why.hidden = true;
   const stray = [];
-  for (const { key, text } of mistakes) {
+  for (const { key, text, helps = [] } of mistakes) {
     const holder = document.querySelector(`.row[data-key="${CSS.escape(key)}"]`);
     const why = holder?.querySelector('.refusal');
     if (!why) {
-      stray.push(make('p', { textContent: text }));
+      stray.push(make('p', {}, `${text} `, ...helping(helps)));
       continue;
     }
-    Object.assign(why, { textContent: text, hidden: false });
+    why.replaceChildren(`${text} `, ...helping(helps));
+    why.hidden = false;
     holder.closest('details').open = true;
   }
   byId('stray').replaceChildren(...stray);

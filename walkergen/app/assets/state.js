@@ -60,9 +60,9 @@ function holder(values, key) {
   return { own, steps: steps.map((each) => (/^\d+$/.test(each) ? Number(each) - 1 : each)) };
 }
 
-/** Set a key anew; undefined leaves it as the file has it. */
-export function set(key, value, why = 'value') {
-  const values = structuredClone(now.values);
+// Values in which a key is set anew; undefined leaves it as the file has it.
+function withKey(before, key, value) {
+  const values = structuredClone(before);
   const inside = holder(values, key);
   if (inside) {
     const last = inside.steps.pop();
@@ -72,7 +72,17 @@ export function set(key, value, why = 'value') {
     else place[last] = value;
   } else if (value === undefined) delete values[key];
   else values[key] = value;
-  change({ ...now, values }, why, why === 'value' ? key : '');
+  return values;
+}
+
+/** Set a key anew; undefined leaves it as the file has it. */
+export const set = (key, value, why = 'value') =>
+  change({ ...now, values: withKey(now.values, key, value) }, why, why === 'value' ? key : '');
+
+/** Set several keys anew, as one step. */
+export function setAll(settings) {
+  const values = Object.entries(settings).reduce((kept, [key, value]) => withKey(kept, key, value ?? undefined), now.values);
+  change({ ...now, values }, 'shape');
 }
 
 /** Values without those of some keys, by the beginnings of their names. */
