@@ -485,7 +485,7 @@ def fit(
     """
 
 def calibrate(
-    what: Name,
+    what: Name | None = None,
     design: Walker = "koumakis2016",
     scene: Ground = "lane-90hz",
     *,
@@ -508,6 +508,7 @@ def calibrate(
     max_plates: int | None = None,
     prusaslicer: bool = False,
     strict: bool = False,
+    plate: Name | None = None,
     set: Mapping[str, Any] = {},
     pictures: bool = True,
     out: Name | None = None,
@@ -521,6 +522,10 @@ def calibrate(
     scene.toml for `family` and `simulate`; what it lacks stays as design and scene have it. Of films it takes those of
     slides: the quantity filmed_deg, angle of the incline, with a column tracks that names the film's tracks.csv. A
     drop test of the walker is simulated (a minute), the rest takes a second.
+
+    `calibrate --plate FILE.csv` takes what a phone's accelerometer recorded on the shaken plate (phyphox and others: a
+    column of times, three of accelerations): frequency and amplitude of the drive, second harmonic, motion along the
+    plate and noise, each with its error, and a scene.toml that has them.
 
     `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
     drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate

@@ -34,14 +34,16 @@ R = TypeVar("R", bound=LabReport)
 def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", every: bool = False) -> R:
     """Report, once its folder holds it with what was asked, a `job` of design, scene and pictures.
 
-    With a comment, design and scene as they go on are files as well, with `every` key or those set.
+    With a comment, scene and design as they go on are files as well, with `every` key or those set; a design that
+    nothing changed is none.
     """
     assert report.folder is not None
     with Folder(report.folder) as target:
         report.write(target, job.pictures)
         if comment:
             target.write("scene.toml", templates.dump(report.scene, comment, every=every).encode())
-            target.write("design.toml", templates.dump(report.design, comment, every=every).encode())
+            if report.design != job.design:
+                target.write("design.toml", templates.dump(report.design, comment, every=every).encode())
         inputs = {"design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json")}
         target.finish({**inputs, **asked})
     return report

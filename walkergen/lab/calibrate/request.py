@@ -59,6 +59,10 @@ class CalibrateRequest(request.Request):
     slides: the quantity filmed_deg, angle of the incline, with a column tracks that names the film's tracks.csv. A
     drop test of the walker is simulated (a minute), the rest takes a second.
 
+    `calibrate --plate FILE.csv` takes what a phone's accelerometer recorded on the shaken plate (phyphox and others: a
+    column of times, three of accelerations): frequency and amplitude of the drive, second harmonic, motion along the
+    plate and noise, each with its error, and a scene.toml that has them.
+
     `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
     drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
     tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
@@ -73,10 +77,10 @@ class CalibrateRequest(request.Request):
         Flag(
             "Form of `calibrate plate`, filled in; or plate; or a test to simulate: drop, slide or pluck.",
             "WHAT",
-            takes="Name",
+            takes="Name | None",
             argument=True,
         ),
-    ]
+    ] = None
     design: request.Filmed = request.PAPER
     tilt: request.Tilt = None
     legs: request.Legs = None
@@ -110,12 +114,19 @@ class CalibrateRequest(request.Request):
     max_plates: request.MaxPlates = None
     prusaslicer: request.ForPrusaSlicer = False
     strict: request.Strict = False
+    plate: Annotated[
+        Path | None, request.File, Flag("Recording of an accelerometer on the plate, CSV.", "FILE", takes="Name | None")
+    ] = None
     set: request.Settings = {}
     pictures: request.Pictures = True
     out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
         """Make a plate to measure, simulate a test, or estimate from a filled form."""
+        if self.plate is not None:
+            return self._shaken(self.plate)
+        if self.what is None:
+            raise InputError("WHAT: name a filled form, plate, drop, slide or pluck; or --plate FILE", "what")
         what = self.what if self.what in (*TESTED, "plate") else WHOLE
         for field, owners in OWN.items():
             if what not in owners:
@@ -128,6 +139,18 @@ class CalibrateRequest(request.Request):
         if what == WHOLE:
             return self._form(given, progress)
         return self._test(given, what, progress)
+
+    def _shaken(self, path: Path) -> "Report":
+        """Estimate the drive of the plate that was recorded."""
+        from walkergen.files import output
+        from walkergen.lab.calibrate import make, shaken
+        from walkergen.lab.report import written
+
+        self.refuse("is not of --plate", "what", *(name for name in OWN if name != "scene"))
+        given = self.inputs()
+        job = make.Job(given.one(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures)
+        report = shaken.calibrate(path, job.design, job.scene, output.results(path, self.out, "calibrate"))
+        return written(report, job, {"file": path.name, "settings": report.settings}, f"Measured: {path.name}")
 
     def _form(self, given: "Inputs", progress: Progress) -> "Report":
         """Estimate what a filled form tells."""
