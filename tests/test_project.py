@@ -39,6 +39,19 @@ def test_version_and_licence_are_told_alike_everywhere():
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")
 
 
+def test_the_citation_file_has_what_its_format_asks_for():
+    """The fields that the schema of version 1.2.0 requires, and no other names of persons and entities."""
+    assert CITATION["cff-version"] == "1.2.0"
+    assert CITATION["type"] in ("software", "dataset")
+    for work in (CITATION, *CITATION["references"]):
+        assert isinstance(work["title"], str)
+        for author in work["authors"]:
+            assert set(author) <= {"name"} or set(author) <= {"family-names", "given-names", "orcid", "affiliation"}
+    assert {"message", "title", "authors"} <= set(CITATION)
+    for reference in CITATION["references"]:
+        assert {"type", "title", "authors"} <= set(reference)
+
+
 def test_authors_titles_and_words_are_told_alike_everywhere():
     authors = [author["name"] for author in PROJECT["authors"]]
     assert [author["name"] for author in CITATION["authors"]] == authors

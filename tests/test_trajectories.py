@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 
 from walkergen.analysis import track_files
@@ -51,6 +52,28 @@ def frames_of(text):
         found.append((float(re.search(r"Time=(\S+)", keys)[1]), values))
         lines = lines[2 + count :]
     return found
+
+
+def test_xarray_reads_all_runs_in_the_layout_of_movement(tmp_path):
+    found = simulated(asked_of("plane", "space"))
+    own = dict(zip(found.columns, found.rows.T, strict=True))
+    path = tmp_path / "all.nc"
+    path.write_bytes(trajectories.to_nc(Written(found, WALKER)))
+    with netcdf_file(path, "r", mmap=False) as file:
+        position, heading = file.variables["position"], file.variables["heading"]
+        assert position.dimensions == ("time", "space", "keypoint", "individual")
+        assert (file.ds_type, file.time_unit) == (b"poses", b"seconds")
+        assert file.fps == pytest.approx(1.0 / INTERVAL)
+        names = [b"".join(row).rstrip(b"\0").decode() for row in file.variables["individual"][:]]
+        for place, name in enumerate(names):
+            mine = own["particle"] == int(name.removeprefix("run_"))
+            np.testing.assert_array_equal(position[:, 1, 0, place], own["y"][mine])
+            np.testing.assert_array_equal(heading[:, place], own["theta"][mine])
+        np.testing.assert_array_equal(file.variables["time"][:], own["t_s"][mine])
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_dataset(path) as data:
+        assert list(data.individual.values) == names
+        assert list(data.space.values) == ["x", "y"]
 
 
 def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):

@@ -54,7 +54,11 @@ class SimulateRequest(request.Request):
     trajectory: Annotated[
         Path | None,
         request.Target,
-        Flag("File for the tracks of all runs: .csv, .npz, or .xyz for OVITO.", "FILE", takes="Name | None"),
+        Flag(
+            "File for the tracks of all runs: .csv, .npz, .nc for xarray and movement, or .xyz for OVITO.",
+            "FILE",
+            takes="Name | None",
+        ),
     ] = None
     rate_hz: Annotated[float, Field(ge=1e-3, le=1e7), Flag("Samples per second of it.", "HZ")] = 1000.0
     error: Annotated[str | None, Flag("Error to meet: 5% or 3mm/s.", "ERROR")] = None

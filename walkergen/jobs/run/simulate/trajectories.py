@@ -1,4 +1,4 @@
-"""Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ or extended XYZ.
+"""Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ, NetCDF or extended XYZ.
 
 Columns: what trackpy and `analyse` read of a film (`frame`, `particle`, `x`, `y`, `theta`), seen
 from above, in mm and rad, not in pixels; then ours: `t_s` and what the model shows, with units in
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import extended_xyz, output
+from walkergen.files import extended_xyz, netcdf, output
 from walkergen.files.extended_xyz import Bodies
 from walkergen.files.progress import Progress
 from walkergen.points import walkers
@@ -105,7 +105,18 @@ def _box(places: Array, reach: float) -> str:
     return extended_xyz.box_of(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
-FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz}
+def to_nc(written: Written) -> bytes:
+    """NetCDF for xarray and movement: a run is an individual."""
+    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
+    frames, at = np.unique(own["frame"], return_inverse=True)
+    names, who = np.unique(own["particle"].astype(np.int64), return_inverse=True)
+    table = np.full((len(frames), 4, len(names)), np.nan)
+    table[at, :, who] = np.column_stack([own["t_s"], own["x"], own["y"], own["theta"]])
+    times = np.nanmax(table[:, 0], axis=1)
+    return netcdf.poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
+
+
+FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
 """Writers of the formats, by the suffixes of their files."""
 
 
@@ -113,7 +124,7 @@ def check(path: Path) -> None:
     """Raise InputError when a file's suffix names no format."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (extended XYZ, for OVITO)"
+            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (xyz for OVITO, nc for xarray)"
         )
 
 
