@@ -101,7 +101,7 @@ TURNED = {
         "up_mm": 5.0,
         "left_mm": 5.0,
     },
-    "run": {"seed": 2, "step_us": 2.0},
+    "run": {"seed": 2, "step_us": 2.0, "heading_deg": (1.0,)},
     "effects": {
         **dict.fromkeys(("air_drag", *NUMBERS), True),
         **dict.fromkeys(("roll_and_yaw", "leg_twist", "lane_walls"), False),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from walkergen.drive import AT_REST as AT_REST
 from walkergen.drive import GRAVITY as GRAVITY
@@ -210,6 +210,19 @@ class Tether(Section):
     """Where it is tied to the body, from the walker's centre of mass."""
 
 
+def _headings(value: Any) -> Any:
+    """Headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
+    listed = value if isinstance(value, (list, tuple)) else (value,)
+    fine = all(
+        isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
+    )
+    if value != "uniform" and not (fine and listed):
+        raise ValueError(
+            f'{str(value)[:40]!r} is none: give headings in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
+        )
+    return value if value == "uniform" else tuple(listed)
+
+
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
@@ -222,6 +235,8 @@ class Run(Section):
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
+    heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_headings)] = (0.0,)
+    """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
     """Time step, us, while a foot is in contact. None: the model's own, 30
     us in a plane, in space what resolves the feet."""

@@ -50,6 +50,8 @@ UNITS = {
     "parallel_sd": "mm",
     "orthogonal_mean": "mm",
     "orthogonal_sd": "mm",
+    "self_alignment": "per_mm",
+    "slope_turning": "rad_s",
 }
 """Names of all estimates, and the unit of each as keys write it.
 
@@ -62,9 +64,10 @@ moves a walker; `translational_diffusion` the part of it that is no run. `persis
 decay of the correlation of headings about the same mean turning; without headings, of
 displacements, which also lose direction where walkers turn apart. Its error, and that of the
 time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
+`self_alignment` and `slope_turning` are of walkers on a slope (see `alignment`).
 """
 
-WRITTEN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
+WRITTEN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as people read them, where these are not as keys write them."""
 
 FITS = ("amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first", "shortened")
@@ -78,7 +81,11 @@ NEAR, FAR = 1.5, -0.5
 """Weights of displacements along headings half a sample and one and a half from their middles, that
 extrapolate to none."""
 
-HEADED = ("body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory", "heading_noise")
+ALIGNED = ("self_alignment", "slope_turning")
+HEADED = (
+    *("body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory", "heading_noise"),
+    *ALIGNED,
+)
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
 TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
@@ -87,6 +94,7 @@ TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_
 IN_A_LANE = "along a lane, where direction does not turn"
 HEADINGS_KNOWN = "headings are known: see body_speed"
 NO_HEADINGS = "no headings in the file (theta, theta_deg)"
+LEVEL = "no slope is known, which alone shows it"
 """Reasons of refusals that no better film would change; tables leave such lines out."""
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import between, estimates, judgement, lagged, moments, spreads, turning, walls
+from walkergen.analysis import alignment, between, estimates, judgement, lagged, moments, spreads, turning, walls
 from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
@@ -95,11 +95,14 @@ LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
 
 
-def analyse(tracks: Tracks, lag_s: float | None = None, found: Walls | None = None) -> Motion:
+def analyse(
+    tracks: Tracks, lag_s: float | None = None, found: Walls | None = None, descent: float | None = None
+) -> Motion:
     """Compute the statistics of all tracks; displacements along and across the body span `lag_s`.
 
     `lag_s` (s) is by default LAG_S, or one sample where that is longer.
-    Between walls that were `found` all numbers are of free motion.
+    Between walls that were `found` all numbers are of free motion. `descent` is the direction (rad) toward which the
+    plate descends; None: it is level.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin
     (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
@@ -114,12 +117,12 @@ def analyse(tracks: Tracks, lag_s: float | None = None, found: Walls | None = No
         )
     if found is not None:
         tracks = walls.kept_off(tracks, found)
-    whole = _analyse(tracks, lag_s, found)
+    whole = _analyse(tracks, lag_s, found, descent)
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
         return whole
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
-    analyses = [_analyse(tracks._replace(tracks=group), lag_s, found) for group in groups]
+    analyses = [_analyse(tracks._replace(tracks=group), lag_s, found, descent) for group in groups]
     speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
     usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
@@ -130,7 +133,7 @@ def analyse(tracks: Tracks, lag_s: float | None = None, found: Walls | None = No
     )
 
 
-def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
+def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float | None) -> Motion:
     groups, length = moments.samples(tracks.tracks)
     if not groups:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
@@ -140,7 +143,8 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
     if found is not None:
         lags = min(lags, int(grid.square_lags[-1]))
     on_plane = headed and not tracks.lane
-    turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
+    aligned = alignment.of(groups, tracks.interval, descent)
+    turnings = turning.walkers(_level(tracks, aligned, descent), tracks.interval) if on_plane else []
     mean_steps = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
 
     def summed(some: Iterable[Track]) -> Moments:
@@ -205,6 +209,8 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
     if on_plane:
         judged["turning_scatter"] = turning.scatter(turnings)
         judged["rotational_diffusion"] = turning.diffusion(turnings, judgement.measured(numbers, "heading_variance"))
+    if headed and not tracks.lane:
+        judged |= aligned
     correlation = _curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     return Motion(
         estimates=judged,
@@ -213,7 +219,7 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=[*([found.said] if found else []), *_poor(fit), *_unlike(judged)],
+        doubts=[*([found.said] if found else []), *_poor(fit), *_unlike(judged, descent)],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
@@ -253,6 +259,17 @@ def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
         return [sample["turning_bias"] for sample in numbers]
     return [0.0] * len(numbers)
+
+
+def _level(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:
+    """Tracks whose headings have not turned by the slope, as far as it is known to turn them."""
+    rate = aligned["slope_turning"].value
+    if descent is None or rate is None:
+        return tracks.tracks
+    return [
+        track if track.heading is None else alignment.without(track, rate, tracks.interval, descent)
+        for track in tracks.tracks
+    ]
 
 
 def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
@@ -368,7 +385,9 @@ def _poor(fit: Fitted | None) -> list[str]:
     ]
 
 
-def _unlike(judged: Mapping[str, Quantity]) -> list[str]:
+def _unlike(judged: Mapping[str, Quantity], descent: float | None) -> list[str]:
+    if descent is not None:
+        return ["a slope turns and drives walkers: persistence, diffusivity and crossover are those on it"]
     if judged["turning_scatter"].value is None:
         return []
     return [

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 
-from walkergen.analysis.estimates import UNITS
+from walkergen.analysis.estimates import ALIGNED, UNITS
 from walkergen.errors import InputError
 from walkergen.points import expected, speeds, walkers
 from walkergen.points.kinds import Picture
@@ -20,11 +20,14 @@ from walkergen.simulation.run import ENDED_WELL, Outcome
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 
-GROUPS = ("speed", "spread", "persistence", "impacts", "masses", "printability")
+GROUPS = ("speed", "spread", "persistence", "alignment", "impacts", "masses", "printability")
 KEPT, SCENE, RUNS, MEETS_ERRORS = ("speed",), "lane-90hz", None, True
 
-MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
-"""Estimates of the group "persistence", by the names of `estimates.UNITS`."""
+OF_MOTION: dict[str, tuple[str, ...]] = {
+    "persistence": ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias"),
+    "alignment": ALIGNED,
+}
+"""Groups of what tracks tell, with their estimates by the names of `estimates.UNITS`."""
 
 PREDICTED = "speed_mm_s", "theory_mm_s", "model"
 SIMULATED = (
@@ -43,7 +46,10 @@ SIMULATED = (
 
 MORE = {
     "spread": tuple(f"predicted_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")),
-    "persistence": tuple(f"{name}{se}_{UNITS[name]}" for name in MOTION for se in ("", "_se")),
+    **{
+        group: tuple(f"{name}{se}_{UNITS[name]}" for name in names for se in ("", "_se"))
+        for group, names in OF_MOTION.items()
+    },
     "impacts": ("impacts_per_s", "impacts_per_s_se", "contact_fraction", "contact_fraction_se"),
     "masses": ("total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2"),
     "printability": ("print_errors", "print_warnings", "print_told"),
@@ -53,11 +59,12 @@ MORE = {
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     """Refuse groups that do not go with a model. Raises InputError."""
-    for name in ("persistence", "impacts"):
+    for name in ("persistence", "alignment", "impacts"):
         if name in keep and model == PREDICTION:
             raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
-    if "persistence" in keep and model not in ("space", "auto"):
-        raise InputError(f"--keep persistence: model {model} cannot turn: --model space")
+    for name in OF_MOTION:
+        if name in keep and model not in ("space", "auto"):
+            raise InputError(f"--keep {name}: model {model} cannot turn: --model space")
     if "printability" in keep and printer is None:
         raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
 
@@ -153,19 +160,19 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
             record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
-    if "persistence" in point.keep:
-        record |= _motion(results)
+    if names := [name for group, names in OF_MOTION.items() if group in point.keep for name in names]:
+        record |= _motion(results, names)
     return record
 
 
-def _motion(results: Results) -> Record:
-    """Persistence and turning of runs in space; None where they are not known."""
+def _motion(results: Results, names: Sequence[str]) -> Record:
+    """Estimates of the motion of runs in space; None where they are not known."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
     if good and results.model == "space":
-        moved, _ = walkers.motion_of(good, results.walker.scene.arena.kind == "lane")
+        moved, _ = walkers.motion_of(good, results.walker.scene)
     record: Record = {}
-    for name in MOTION:
+    for name in names:
         estimate = None if moved is None else moved.estimates.get(name)
         record[f"{name}_{UNITS[name]}"] = None if estimate is None else estimate.value
         record[f"{name}_se_{UNITS[name]}"] = None if estimate is None else estimate.se

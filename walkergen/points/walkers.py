@@ -19,6 +19,7 @@ from walkergen.points import expected
 from walkergen.points.expected import Told
 from walkergen.points.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
 from walkergen.points.tolerance import Tolerance
+from walkergen.scene import Scene
 from walkergen.simulation import batch, experiments, observables, trajectory
 from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.observables import SPEED
@@ -172,11 +173,13 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
-def motion_of(results: Sequence[RunResult], lane: bool, interval: float | None = None) -> tuple[Motion | None, str]:
+def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
     """Motion of at least one run in space; None for runs too short to tell, with the reason."""
-    tracks = tracks_of(results, lane, interval)
+    slope = scene.plate.slope_deg if scene.effects.plate_slope is not False else 0.0
+    descent = None if not slope else 0.0 if slope > 0.0 else math.pi
+    tracks = tracks_of(results, scene.arena.kind == "lane", interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
     least = max(motion.LAG_S, tracks.interval)
     if longest > 1.001 * least:
-        return motion.analyse(tracks), ""
+        return motion.analyse(tracks, descent=descent), ""
     return None, f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"

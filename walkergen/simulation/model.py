@@ -20,8 +20,8 @@ class Model(NamedTuple):
     """One way to move a walker; every function but `pose` reads a `World`."""
 
     start: Callable[..., State]
-    """start(world, clearance in mm, pitch, phase, roll in rad) -> a state at rest in the
-    laboratory, its legs relaxed, its lower foot `clearance` over the plate; planes have no roll."""
+    """start(world, clearance in mm, pitch, phase, roll, heading in rad) -> a state at rest in the
+    laboratory, its legs relaxed, its lower foot `clearance` over the plate; planes have no roll and no heading."""
     advance: Callable[[World, State, float, Tally], int]
     """advance(world, state, seconds, tally) -> a status of `world`; the state changes in place."""
     energy: Callable[[World, State], float]
@@ -76,9 +76,9 @@ class Plan(NamedTuple):
         """Plan of one run, whose print and plate are drawn where the scene calls for it."""
         return self._replace(world=self.model.drawn(self.case, self.resolved, self.world, rng))
 
-    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0) -> State:
+    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0) -> State:
         """A state at rest, its lower foot `clearance` (mm) over the plate; angles in rad."""
-        return self.model.start(self.world, clearance, pitch, phase, roll)
+        return self.model.start(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
         """Advance a state in place by `seconds`; returns a status of `world`."""

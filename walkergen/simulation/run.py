@@ -98,19 +98,27 @@ def compile_kernels(plan: Plan) -> float:
 def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
     """Plan of one run, with its own print and its own plate, and the state in which it is let go.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll; at a heading of the scene.
     """
-    return drop(plan, np.random.default_rng([plan.scene.run.seed, number]))
+    run = plan.scene.run
+    rng = np.random.default_rng([run.seed, number])
+    if run.heading_deg == "uniform":
+        heading = rng.spawn(1)[0].uniform(0.0, 2.0 * math.pi)  # a stream of its own: all else is drawn as without
+    else:
+        heading = math.radians(run.heading_deg[number % len(run.heading_deg)])
+    return drop(plan, rng, heading=heading)
 
 
-def drop(plan: Plan, rng: np.random.Generator, common_phase: float | None = None) -> tuple[Plan, Array]:
+def drop(
+    plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
+) -> tuple[Plan, Array]:
     """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.drawn(rng)
     height = plan.shaken.amplitude * clearance
     phase = phase if common_phase is None else common_phase
-    return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
+    return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll, heading)
 
 
 def simulate(

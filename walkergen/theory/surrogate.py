@@ -114,6 +114,8 @@ def _reasons(scene: Scene, design: Design) -> Iterator[str]:
         yield "walkers on feet of another shape or material are simulated"
     if scene.legs.model not in ("auto", "space"):
         yield f"legs.model = {scene.legs.model} is simulated: the surrogate is of the model in space"
+    if scene.plate.slope_deg and scene.run.heading_deg != type(scene.run).model_fields["heading_deg"].default:
+        yield "walkers that start across a slope are simulated"
     yield from beyond(scene)
 
 

@@ -14,14 +14,16 @@ import numpy as np
 from walkergen.crowd.space import bodies, steps
 from walkergen.crowd.space.result import CrowdRun, Impulses
 from walkergen.crowd.space.shape import Shape, shape_of
+from walkergen.errors import InputError
 from walkergen.numerics import kernels
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import plan as plans
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
+from walkergen.simulation.space.model import turn_to
 from walkergen.simulation.space.pose import place
-from walkergen.simulation.space.state import C_X, C_Z, COLUMNS, HEADING, PHASE, Q_0, Array, work_for
+from walkergen.simulation.space.state import C_X, C_Z, COLUMNS, PHASE, Array, work_for
 from walkergen.simulation.world import OK, State, World
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -52,7 +54,12 @@ class CrowdPlan(NamedTuple):
 
 
 def on_plane(scene: Scene) -> Scene:
-    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds."""
+    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds.
+
+    Raises InputError for headings at the start, which are drawn with the places.
+    """
+    if scene.run.heading_deg != (0.0,):
+        raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
     walls = scene.arena.model_dump(include={"wall_friction", "wall_restitution"})
     return scene.model_copy(update={"arena": Arena(kind="plane", **walls)})
 
@@ -175,10 +182,8 @@ def let_go(plan: CrowdPlan, number: int) -> Walkers:
 
 def _put(world: World, state: State, x: float, y: float, heading: float) -> None:
     """Put a walker with its centre of mass at (x, y), mm, on the plate, turned to a heading."""
-    c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
-    q, i, j, k = state[Q_0 : Q_0 + 4]
-    state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
-    state[C_X], state[C_Z], state[HEADING] = x, -y, heading
+    turn_to(state, heading)
+    state[C_X], state[C_Z] = x, -y
     place(world, state, work_for(world.walker, state))
 
 

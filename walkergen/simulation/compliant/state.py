@@ -153,7 +153,9 @@ def _swing(mass: MassProperties, ratios: Ratios) -> Swing:
     return Swing(*(float(value) for value in (cos, sin, *mobility, excess, *shares)))
 
 
-def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
+def start(
+    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
+) -> State:
     """A state at rest in the laboratory, relaxed, its lower foot `clearance` mm over the plate."""
     walker = world.walker
     state = np.zeros(COMPLIANT_SIZE)

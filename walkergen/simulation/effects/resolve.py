@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.scene import Arena, Scene
-from walkergen.simulation.effects import idle, rules
+from walkergen.simulation.effects import idle, rules, turning
 from walkergen.simulation.effects.acting import Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
 from walkergen.walker.design import Design
@@ -42,6 +42,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     _check_elastic(scene, design, case.model)
     effects = tuple(rule.judge(case) for rule in rules.of(case))
     on = _verdicts(effects).__getitem__
+    _check_headings(case, on(turning.NAME))
     return Resolved(case.model, effects, acting(case, on), idle.line(case, on))
 
 
@@ -54,7 +55,9 @@ def without_space(scene: Scene) -> Scene:
 def in_a_plane(scene: Scene, model: ModelName) -> Scene:
     """Scene with a planar model, in a lane and by its own step, without what only space has."""
     lane = Arena(length_mm=scene.arena.length_mm)
-    return changed(without_space(scene), {"legs.model": model, "arena": lane, "run.step_us": None})
+    return changed(
+        without_space(scene), {"legs.model": model, "arena": lane, "run.step_us": None, "run.heading_deg": (0.0,)}
+    )
 
 
 def on_still_plate(scene: Scene) -> Scene:
@@ -85,6 +88,23 @@ def _check_room(scene: Scene, design: Design) -> None:
             raise InputError(
                 f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
                 f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
+            )
+
+
+def _check_headings(case: Case, turns: bool) -> None:
+    """Raise InputError for headings at the start of a walker that does not turn."""
+    wanted = case.scene.run.heading_deg
+    words = wanted if wanted == "uniform" else list(wanted)
+    if wanted == "uniform" or any(wanted):
+        if case.model != "space":
+            raise InputError(
+                f"run.heading_deg = {words}: a walker of the model {case.model!r} runs along x; "
+                "use legs.model = 'space', or leave the key out"
+            )
+        if not turns:
+            raise InputError(
+                f"run.heading_deg = {words}: effects.roll_and_yaw = false holds the walker in its plane along x; "
+                "leave one of them out"
             )
 
 

@@ -36,6 +36,21 @@ def gap(case: Case) -> float:
     return wanted
 
 
+def _check_headings(case: Case) -> None:
+    """Raise InputError for a heading at which a run would start inside the walls."""
+    size, wanted, room = case.design.size, case.scene.run.heading_deg, gap(case)
+    widest = [math.degrees(math.atan2(size.length, size.depth))]
+    for heading in widest if wanted == "uniform" else wanted:
+        turn = math.radians(heading)
+        across = size.depth * abs(math.cos(turn)) + size.length * abs(math.sin(turn))
+        if heading and across > room - LEAST_PLAY * size.length:
+            words = wanted if wanted == "uniform" else list(wanted)
+            raise InputError(
+                f"run.heading_deg = {words}: at {heading:.3g} deg the walker is {across:.4g} mm wide and the lane "
+                f"{room:g} mm; widen it (arena.gap_mm), or use arena.kind = 'plane'"
+            )
+
+
 def judge(case: Case) -> Effect:
     """Rule: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
     arena, size = case.scene.arena, case.design.size
@@ -48,6 +63,8 @@ def judge(case: Case) -> Effect:
     if not turning.judge(case).on:
         return Effect(NAME, False, turn, meaning, absent(case, SWITCH, "the walker is held in its plane"), "")
     on, reason = forced(case.scene.effects.lane_walls, True, "the walker yaws")
+    if on:
+        _check_headings(case)
     return Effect(NAME, on, turn, meaning, reason, SWITCH)
 
 

@@ -133,7 +133,9 @@ def level_pitch(walker: Walker) -> float:
     return math.atan((back_y - front_y) / (front_x - back_x))
 
 
-def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
+def start(
+    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
+) -> State:
     """A state at rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
     walker, state = world.walker, np.zeros(RIGID_SIZE)
     state[PITCH], state[PHASE] = pitch, phase

@@ -53,20 +53,25 @@ from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 
 
-def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0) -> State:
+def start(
+    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
+) -> State:
     """A state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
 
-    The body is rolled about its own x axis, then pitched; angles in rad. A walker that is held in
-    its plane does not roll.
+    The body is rolled about its own x axis, then pitched, then turned; angles in rad. A walker that is
+    held in its plane does not roll.
     """
     roll = roll if world.walker.inverse_mass[2] > 0.0 else 0.0
     state = np.zeros(size_of(world.walker))
     c, s = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
     a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
     state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
+    if heading:
+        turn_to(state, heading)
     state[PHASE] = phase
     if (walled := world.walker.place > 0.0).any():  # the body's middle in the lane's, wherever its centre of mass is
-        sides = world.walker.root[walled, 2]
+        edges = world.walker.root[walled]
+        sides = math.cos(heading) * edges[:, 2] - math.sin(heading) * edges[:, 0]
         state[C_Z] = 0.0 - 0.5 * (sides.min() + sides.max())
     work = work_for(world.walker, state)
     place(world, state, work)
@@ -76,6 +81,14 @@ def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0
     state[C_Y] += clearance - float(gaps.min())
     place(world, state, work)
     return state
+
+
+def turn_to(state: State, heading: float) -> None:
+    """Turn a walker at heading 0 to another, rad to the left."""
+    c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    q, i, j, k = state[Q_0 : Q_0 + 4]
+    state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
+    state[HEADING] = heading
 
 
 def _sway(world: World, state: State, work: Work) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from walkergen.analysis import doubts, facts
 from walkergen.analysis.between import Alone
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, NO_HEADINGS, UNITS, WRITTEN, with_error
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, LEVEL, NO_HEADINGS, UNITS, WRITTEN, with_error
 from walkergen.analysis.facts import OF_WALKERS
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks
@@ -110,7 +110,7 @@ def _tables(motion: Motion) -> Iterator[Table]:
         Column("value ± standard error", lambda row: _with_scale(estimates[row[0]], motion)),
         Column("95 %", lambda row: _bounds(estimates[row[0]])),
     ]
-    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN, NO_HEADINGS)]
+    readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN, NO_HEADINGS, LEVEL)]
     yield Table("analysis", rows, ESTIMATES, columns, "Motion", read=readable)
     yield _walkers(motion)
     yield from _curves(motion)

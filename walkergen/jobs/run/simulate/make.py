@@ -94,7 +94,7 @@ def measured(point: Results, progress: Progress = silent) -> Simulated:
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")
-    moved, untold = walkers.motion_of(good, walker.scene.arena.kind == "lane", walker.sample_interval)
+    moved, untold = walkers.motion_of(good, walker.scene, walker.sample_interval)
     legs = names.legs(walker.design)
     landed = [_landings(result, len(legs)) for result in good] if walker.impacts else []
     return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)

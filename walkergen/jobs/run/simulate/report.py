@@ -48,6 +48,7 @@ FIRST = (
     "chosen",
     "error, 95 %",
     "turning",
+    "self-alignment",
     "persistence",
     "runs",
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.estimates import IN_A_LANE, with_error
+from walkergen.analysis.estimates import IN_A_LANE, LEVEL, with_error
 from walkergen.analysis.landings import CORNERS, TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
 from walkergen.files import words
@@ -23,6 +23,8 @@ MOVED = {
     "sideways_speed": ("sideways drift", "mm/s to the left"),
     "turning_bias": ("turning", "rad/s to the left"),
     "turning_scatter": ("turning scatter", "rad/s between runs"),
+    "self_alignment": ("self-alignment", "/mm (> 0: turns the way that the slope takes it)"),
+    "slope_turning": ("turned by slope", "rad/s toward the descent, at 90 deg to it"),
     "rotational_diffusion": ("rotational D_r", "rad²/s"),
     "persistence_time": ("persistence", "s"),
     "persistence_length": ("", "mm"),
@@ -90,7 +92,7 @@ def motion_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
         estimate = simulated.motion.estimates[name]
         if in_lane and name == "lane_speed":
             continue  # the summary's mean speed
-        if estimate.refused != IN_A_LANE and (estimate.value is not None or estimate.refused != before):
+        if estimate.refused not in (IN_A_LANE, LEVEL) and (estimate.value is not None or estimate.refused != before):
             value = with_error(estimate)
             text = f"{value} {unit}"
             if name == "rotational_diffusion" and estimate.value:

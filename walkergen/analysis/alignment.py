@@ -1,0 +1,76 @@
+"""Self-alignment (curvity): the rate at which walkers turn toward the way that a force takes them, over its speed.
+
+A walker with heading n that moves at v turns at kappa (n x v), kappa > 0 toward v (P. Baconnier et al., Rev. Mod. Phys.
+97, 015007, 2025; called curvity by M. Casiulis et al., arXiv 2409.04618). Its own run is along n, so that only what
+else moves it turns it. On a slope both the rate of turning and the drift across the heading go with the sine of the
+angle from heading to descent; kappa is the ratio of their slopes on it. That sine is taken a sample before, so that
+noise of headings is in one of both alone, and about its mean, so that turning of the walker's own counts for nothing.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.estimates import ALIGNED, FEWEST_SAMPLES, LEVEL, SIGNIFICANT, quantity, refusal
+from walkergen.analysis.tracks import Track
+from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+
+ALIKE = "headings hardly differ against the slope: let walkers start at others"
+
+
+def of(groups: Sequence[Sequence[Track]], interval: float, descent: float | None) -> dict[str, Quantity]:
+    """Numbers of ALIGNED by independent groups of tracks; the plate descends toward `descent`, rad (None: level)."""
+    if descent is None:
+        return {name: refusal(name, LEVEL) for name in ALIGNED}
+    sums = np.array([sum((_sums(track, descent) for track in group), np.zeros(8)) for group in groups])
+    if len(sums) < FEWEST_SAMPLES:
+        reason = f"{len(sums)} independent samples; at least {FEWEST_SAMPLES}"
+        return {name: refusal(name, reason) for name in ALIGNED}
+    ratios = np.array([_slopes(sums.sum(axis=0) - left) for left in (0.0 * sums[0], *sums)])
+    (_, across, spread), errors = ratios[0], statistics.jackknife_error(ratios[1:])
+    if not spread > SIGNIFICANT * errors[2]:
+        return {name: refusal(name, ALIKE) for name in ALIGNED}
+    freedom = len(sums) - 1.0
+    kappas = ratios[:, 0] / ratios[:, 1]
+    if abs(across) > SIGNIFICANT * errors[1]:
+        kappa = quantity(ALIGNED[0], kappas[0], float(statistics.jackknife_error(kappas[1:, None])[0]), freedom)
+    else:
+        kappa = refusal(ALIGNED[0], "walkers hardly drift across their headings: a steeper slope, or more runs")
+    rates = ratios[:, 0] / (interval * ratios[:, 2])
+    return {
+        ALIGNED[0]: kappa,
+        ALIGNED[1]: quantity(ALIGNED[1], rates[0], float(statistics.jackknife_error(rates[1:, None])[0]), freedom),
+    }
+
+
+def without(track: Track, rate: float, interval: float, descent: float) -> Track:
+    """Track whose headings have not turned by the slope, at `rate` (rad/s) where it is across the heading."""
+    assert track.heading is not None
+    turned = np.nancumsum(rate * interval * np.sin(descent - track.heading))
+    return track._replace(heading=track.heading - np.append(0.0, turned[:-1]))
+
+
+def _sums(track: Track, descent: float) -> Array:
+    """Sums over samples: number; sine before, in the middle; turn, drift to the left; products of the first sine."""
+    if track.heading is None or track.position.shape[1] < 2:
+        return np.zeros(8)
+    heading, moved = track.heading, np.diff(track.position, axis=0)[1:]
+    turn = np.angle(np.exp(1j * np.diff(heading)[1:]))
+    middle = heading[1:-1] + 0.5 * turn
+    drift = moved[:, 1] * np.cos(middle) - moved[:, 0] * np.sin(middle)
+    before, now = np.sin(descent - heading[:-2]), np.sin(descent - middle)
+    rows = np.stack([np.ones_like(now), before, now, turn, drift, before * now, before * turn, before * drift])
+    seen = np.isfinite(rows).all(axis=0)
+    if (free := track.free(2)) is not None:
+        seen &= free[: len(seen)]
+    return np.asarray(rows[:, seen].sum(axis=1))
+
+
+def _slopes(sums: Array) -> tuple[float, float, float]:
+    """Covariances of the sine with turn, drift (mm) and the sine in the middle of a sample."""
+    _, before, now, turn, drift, squares, turns, drifts = sums / max(sums[0], 1.0)
+    return turns - before * turn, drifts - before * drift, squares - before * now
