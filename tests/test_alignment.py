@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import walkergen as wg
 from walkergen.analysis import alignment, motion
 from walkergen.analysis.estimates import LEVEL
 from walkergen.analysis.tracks import Track, Tracks
@@ -81,6 +82,25 @@ def test_a_slope_is_no_turning_of_walkers_by_themselves():
     assert not any("rates of their own" in doubt for doubt in told.doubts)
     assert told.estimates["turning_scatter"].refused
     assert blind.estimates["self_alignment"].refused == LEVEL
+
+
+def test_a_film_of_a_tilted_plate_tells_kappa_whichever_way_y_points():
+    tracks = made(np.random.default_rng(4), 0.1)
+    rows = [
+        (frame, track.particle, *state)
+        for track in tracks.tracks
+        for frame, state in enumerate(np.column_stack([track.position, track.heading]))
+    ]
+    table = np.array(rows)
+    found = []
+    for way in (1.0, -1.0):
+        names = ("frame", "particle", "x_mm", "y_mm", "theta")
+        columns = dict(zip(names, (table * (1.0, 1.0, 1.0, way, way)).T, strict=True))
+        descent = way * math.degrees(DESCENT)
+        given = {"fps": 1.0 / INTERVAL, "arena": "open", "descent_deg": descent, "y_down": way < 0.0}
+        found.append(wg.analyse(columns, **given).estimates["self_alignment"])
+    assert found[0].pair == pytest.approx(found[1].pair)
+    assert found[0].value == pytest.approx(0.1, abs=4.0 * found[0].se)
 
 
 def test_walkers_that_hardly_drift_or_all_head_alike_tell_no_kappa():

@@ -432,6 +432,7 @@ def analyse(
     y_down: bool = False,
     lane: bool = False,
     lag_ms: float | None = None,
+    descent_deg: float | None = None,
     arena: str | None = None,
     dish: str | None = None,
     body: str | float | None = None,

@@ -1,11 +1,12 @@
 """What `analyse` is asked for."""
 
+import math
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
 from walkergen import request
 from walkergen.errors import InputError
@@ -43,6 +44,11 @@ class AnalyseRequest(request.Request):
     lane: Annotated[bool, Flag("Ignore y: the walkers ran in a lane along x.")] = False
     lag_ms: Annotated[
         float | None, Flag("Lag of displacements along and across the body, ms; 40 by default.", "MS")
+    ] = None
+    descent_deg: Annotated[
+        float | None,
+        Field(ge=-360, le=360),
+        Flag("Direction in which the plate descends, from x toward y: tells self-alignment.", "DEG"),
     ] = None
     arena: Annotated[
         str | None,
@@ -97,14 +103,17 @@ class AnalyseRequest(request.Request):
         if self.dish is None:
             self.refuse("is of a crowd: give --dish, or", "body", "middle", "runs")
         else:
-            self.refuse("is of single walkers, not of a --dish", "lag_ms", "arena")
+            self.refuse("is of single walkers, not of a --dish", "lag_ms", "arena", "descent_deg")
         units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:
             from walkergen.track.analyse import make
 
             lag_s = None if self.lag_ms is None else 1e-3 * self.lag_ms
-            return make.analyse(path, units, lag_s, self._walls(), folder, self.pictures, progress)
+            descent = None if self.descent_deg is None else math.radians(self.descent_deg)
+            if descent is not None and self.y_down:
+                descent = -descent  # as all angles of the file
+            return make.analyse(path, units, lag_s, self._walls(), descent, folder, self.pictures, progress)
         from walkergen.crowd import filmed
 
         crowd = filmed.asked(self.dish, self.body, self.middle, self.runs)
