@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from app import PAPER, large_mesh, quantiles
 
-WARM_S = 3.0
+WARM_S = 6.0
 """Time in which processes of the server import what they need."""
 
 

@@ -45,9 +45,9 @@ METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods()
 NEEDED = [f"walkergen.app.{name}" for name in ("answers", "curves", "form", "taking", "crowding", "effects")]
 """Modules that answers need: where processes can be copied, one imports them for all."""
 
-LATER, CALM_S = "walkergen.points.short", 1.0
+LATER, CALM_S = "walkergen.points.short", 3.0
 """Module for walkers that only runs know, imported once nobody has asked for so long, s: it takes half a second, and
-what compares the triangles of a mesh, loaded then as well, another one."""
+what compares the triangles of a mesh, loaded then as well, another one; a page that loads needs the cores itself."""
 
 MOST_BYTES = 6 * 2**30
 """Addresses that a process may use: where a system has such a limit."""

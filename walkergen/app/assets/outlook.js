@@ -94,19 +94,27 @@ function drawMarker(chart) {
   add(group, 'circle', { class: row.speed_mm_s === null ? 'unknown' : '', cx: x, cy: y, r: 6 });
 }
 
-function drawChart() {
-  const chart = byId('chart');
-  const focused = document.activeElement?.id === 'marker';
+let shownCurve = null;
+function drawCurve(chart) {
+  shownCurve = curve;
   chart.replaceChildren();
-  chart.toggleAttribute('hidden', !curve || !walker);
-  if (!curve || !walker) return;
-  scale = scaleOf();
   drawAxes(chart);
-  chart.classList.toggle('unsure', !walker.sentence.sure);
   drawBand(chart, 'share95', curve.low_95, curve.high_95);
   drawBand(chart, 'share68', curve.low_68, curve.high_68);
   drawSpeed(chart);
   drawBackward(chart);
+}
+
+function drawChart() {
+  const chart = byId('chart');
+  const focused = document.activeElement?.id === 'marker';
+  chart.toggleAttribute('hidden', !curve || !walker);
+  if (!curve || !walker) return;
+  const before = scale;
+  scale = scaleOf();
+  chart.classList.toggle('unsure', !walker.sentence.sure);
+  if (shownCurve === curve && ['low', 'high', 'bottom', 'top'].every((end) => before[end] === scale[end])) byId('marker').remove();
+  else drawCurve(chart); // a step of the tilt moves the marker alone
   drawMarker(chart);
   if (focused) byId('marker').focus();
 }
