@@ -68,6 +68,7 @@ def test_a_speed_that_a_run_has_yet_to_tell_is_not_sure():
             "the perimeter generator (wall generator in Orca and Bambu) Classic with “Detect thin walls” on prints it",
         ),
         ("set brim_width_mm, and cut it off every leg", "give it a brim, and cut it off every leg"),
+        ("scene.drive: a motor has one; add a table [motor]", "drive: a motor has one; add a table motor"),
         ("legs[2].along_mm = 9: lies beyond", "along of leg 2 = 9: lies beyond"),
         ("bounds are wide; family --simulate puts runs in its place", "bounds are wide"),
         ("a leg of 0.4 mm, well-known", "a leg of 0.4 mm, well-known"),

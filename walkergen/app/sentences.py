@@ -133,6 +133,7 @@ def plain(text: str) -> str:
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
     for key, menu in MENUS.items():
         text = text.replace(key, menu)
+    text = re.sub(r"(?<!\w)\[{1,2}([a-z_]+)\]{1,2}", r"\1", text)  # tables
     text = re.sub(r">= (\S+) and <= (\S+)", r"between \1 and \2", text)
     text = re.sub(r"([\w.\[\]]+) = (true|false)\b", lambda key: f"{key[1]}: {_yes(key[2])}", text)
     return re.sub(r"[A-Za-z_]\w*(?:\[\d+\])?(?:\.[A-Za-z_]\w*(?:\[\d+\])?)*", _in_words, text)
@@ -145,6 +146,8 @@ def _yes(word: str) -> str:
 def _in_words(key: re.Match[str]) -> str:
     """Key in words without its unit; other words as they are."""
     known = key[0].removeprefix("scene.").removeprefix("printer.")
+    if known.isidentifier() and known != key[0]:  # a table
+        return known
     if ("." not in known and "_" not in known) or re.sub(r"\[\d+\]", "", known) not in _keys():
         return key[0]
     return name(known) if "." in known else known.removesuffix(_ending(known)).replace("_", " ")

@@ -6,6 +6,7 @@ module stands apart from outlines.py, which knows no pictures.
 
 import unicodedata
 from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 import manifold3d
 import numpy as np
 
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError, InputError, Remedy
 from walkergen.files import reading
 from walkergen.shapes.contours import FLATNESS, Shape, flatten
 from walkergen.shapes.outlines import Polygon, area, sound
@@ -22,6 +23,9 @@ MOST_CHARACTERS = 40
 
 FINE = 2.0**20
 """Factor that brings letters (about 100 units) to manifold3d, which rounds them to 1e-8 units."""
+
+ON_A_PLATE = Remedy("put a plate under it", {"body.base": True})
+WITH_RAILS = Remedy("join the letters by rails 2 mm wide", {"body.rails_mm": 2.0})
 
 
 def letters(
@@ -106,13 +110,12 @@ def _check_connected(text: str, where: str, rails: float | None, font: str) -> N
     if broken:
         named = ", ".join(map(repr, broken))
         raise GeometryError(
-            f"{where}: {named} is drawn in several pieces, a body is one; base = true puts a plate under it"
+            f"{where}: {named} is drawn in several pieces, a body is one", helps=partial(tuple, [ON_A_PLATE])
         )
     gaps = (f"{left!r} and {right!r}" for left, right in pairwise(text) if _pieces(left + right, font) != 1)
     apart = next(gaps, "letters")  # beside others, letters may stand as they do not in a pair
     raise GeometryError(
-        f"{where}: {apart} do not touch, a body is one piece; base = true puts a plate under them, "
-        "rails_mm = 2 joins them"
+        f"{where}: {apart} do not touch, a body is one piece", helps=partial(tuple, [ON_A_PLATE, WITH_RAILS])
     )
 
 
