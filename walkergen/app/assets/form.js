@@ -218,6 +218,7 @@ export const rebuild = lastOnly(async () => {
     ...answer.groups.map((group) =>
       groupOf(group, answer.shapes, open.get(group.title) ?? opens(group.title))),
   );
+  refuse(refused); // what stood beside the former controls
   if (focused) byId(focused)?.focus();
   askSpans();
 });
@@ -249,8 +250,11 @@ const helping = (helps) =>
     return button;
   });
 
+let refused = []; // mistakes that are shown
+
 /** Say beside the controls at fault why the walker cannot be built, with what helps; elsewhere what is left. */
 export function refuse(mistakes) {
+  refused = mistakes;
   for (const why of document.querySelectorAll('.refusal')) why.hidden = true;
   const stray = [];
   for (const { key, text, helps = [] } of mistakes) {
