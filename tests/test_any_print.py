@@ -264,7 +264,9 @@ def test_previews_show_bodies_in_plan_view_from_higher_above():
     parts = [preview.Part(design, solids.build(design).walker) for design in (DISC, PAPER)]
     assert [part.view is preview.FROM_ABOVE for part in parts] == [True, False]
     assert [part.label for part in parts] == ["flexible", "10° flexible"]
-    assert len(preview.preview_figure(parts, "both").axes[0].collections) == 2
+    (faces,) = preview.preview_figure(parts, "both").axes[0].collections
+    alone = [preview.preview_figure([part], "one").axes[0].collections[0] for part in parts]
+    assert len(faces.get_paths()) == sum(len(part.get_paths()) for part in alone)
 
 
 @pytest.mark.parametrize("count", [3, 41])

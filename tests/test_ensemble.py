@@ -23,7 +23,7 @@ def scene_of(**run):
 def fake_plan(advance, scene=None):
     """A plan whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
     model = Model(
-        start=lambda world, clearance, pitch, phase, roll: np.array([0.0, 0.0, 0.0, clearance + phase]),
+        start=lambda world, clearance, pitch, phase, roll, heading: np.array([0.0, 0.0, 0.0, clearance + phase]),
         advance=lambda world, state, duration, tally: advance(state, duration, tally),
         energy=lambda world, state: 0.0,
         feet=None,

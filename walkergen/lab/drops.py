@@ -85,8 +85,8 @@ def let_go(plan: Plan, let: Let) -> Plan:
     """Plan whose runs start as `let` says, not by the height, turns and phase that each draws."""
     start = plan.model.start
 
-    def started(world: World, clearance: float, pitch: float, phase: float, roll: float) -> State:
-        return start(world, let.height, let.pitch, 0.0, let.roll)
+    def started(world: World, clearance: float, pitch: float, phase: float, roll: float, heading: float) -> State:
+        return start(world, let.height, let.pitch, 0.0, let.roll, heading)
 
     return plan._replace(model=plan.model._replace(start=started))
 
