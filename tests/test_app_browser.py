@@ -181,6 +181,7 @@ def test_a_button_of_a_refusal_does_what_helps(page):
     page.drop(ball)
     refusals = page.until(page.refusals)
     assert not any("body.base" in line or "length_mm" in line for line in refusals)
+    page.until(lambda: page.find("img.trouble").get_property("naturalWidth") > 300)
     page.click(".help-out")
     page.until(lambda: page.refusals() == [])
     page.settle()

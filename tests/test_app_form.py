@@ -12,6 +12,7 @@ from walkergen.app.document import Document
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.walker import solids
+from walkergen.walker.placing import UnplacedError
 
 
 def document(walker="koumakis2016", **values):
@@ -115,7 +116,9 @@ def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
     elsewhere = pickle.loads(pickle.dumps(error.value.found_out()))
     *_, last = answers.refusal(elsewhere)
     assert [remedy["words"] for remedy in last["helps"]] == words
-    assert not re.search(r"_mm|= true|--|\.\w+_|what helps", last["text"].replace(str(tmp_path), ""))
+    assert not re.search(r"_mm|= true|--|\.\w+_|what helps|own\.stl", last["text"])
+    assert answers.trouble(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
+    assert last["drawn"] is isinstance(error.value, UnplacedError)
     for remedy in last["helps"]:
         assert all(key in str(error.value) for key, value in remedy["values"].items() if value is not None)
         body = {**values["body"], **{key[5:]: own for key, own in remedy["values"].items() if key.startswith("body.")}}

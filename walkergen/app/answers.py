@@ -3,7 +3,9 @@
 Every number comes from the job that the command line calls for it.
 """
 
+import base64
 import json
+import re
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from typing import Any
@@ -25,6 +27,12 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
+from walkergen.walker.placing import UnplacedError
+
+OWN_FILE = re.compile(
+    r"""(?<!\S)(['"]?)(?:[A-Za-z]:)?[\\/][^:\n]*?\.(?:svg|dxf|stl|3mf|obj|ply|off|glb|png|jpe?g)\b\1""", re.IGNORECASE
+)
+"""Path of a file that somebody dropped onto a page, where they have never been."""
 
 LEGS_MM = 1e-4
 """Distance below the body's underside from which on a triangle belongs to a leg."""
@@ -118,17 +126,40 @@ def _key_of(name: str, design: Design) -> str:
 
 
 def refusal(error: WalkergenError) -> list[dict[str, Any]]:
-    """Mistakes, each with its key where it has one, in words for people who click, and what helps, with the last."""
+    """Mistakes, each with its key where it has one, in words for people who click.
+
+    The last comes with what helps, and says whether `trouble` draws it.
+    """
     mistaken = error if isinstance(error, InputError) else InputError(str(error))
     keys, remedies = mistaken.keys, mistaken.remedies
     texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in mistaken.fault.splitlines()]
     mistakes: list[dict[str, Any]] = [
-        {"key": key, "text": plain.line(sentences.plain(text)), "helps": []}
+        {"key": key, "text": plain.line(sentences.plain(OWN_FILE.sub("the file", text))), "helps": [], "drawn": False}
         for text, key in zip_longest(texts, keys[: len(texts)], fillvalue="")
     ]
     for mistake in mistakes[-1:]:
         mistake["helps"] = [{"words": remedy.words, "values": dict(remedy.values)} for remedy in remedies]
+        mistake["drawn"] = isinstance(error, UnplacedError)
     return mistakes
+
+
+def trouble(document: Document) -> dict[str, str]:
+    """Address of a picture of the body under which no legs stand, in red what has no room; "" of another walker."""
+    from walkergen.files import figures
+    from walkergen.jobs.make.family import trouble as drawing
+
+    try:
+        document.design()
+    except UnplacedError as error:
+        return {"picture": address(figures.png(drawing.figure(error), 100))}
+    except WalkergenError:
+        pass  # the page says it already
+    return {"picture": ""}
+
+
+def address(picture: bytes) -> str:
+    """Address that holds a picture (PNG) itself."""
+    return f"data:image/png;base64,{base64.b64encode(picture).decode()}"
 
 
 def triangles(mesh: Mesh) -> npt.NDArray[np.float32]:

@@ -1,6 +1,5 @@
 """What each effect changes of a page's walker: the command that measures it, and its picture for the page."""
 
-import base64
 from pathlib import Path
 
 from walkergen.app import answers
@@ -24,7 +23,7 @@ def picture(document: Document, folder: Path) -> dict[str, str]:
         data = path.read_bytes()[:MOST_BYTES]
     except OSError:
         raise InputError(f"{documents.SOURCE}: no effects of this walker were measured") from None
-    return {"picture": f"data:image/png;base64,{base64.b64encode(data).decode()}"}
+    return {"picture": answers.address(data)}
 
 
 def _folder(document: Document, folder: Path) -> Path:

@@ -114,6 +114,7 @@ def application(server: Server) -> Any:
         "outlook": _outlook,
         "curve": _curve,
         "shares": _shares,
+        "trouble": _trouble,
         "form": _form,
         "spans": _spans,
         "keep": _keep,
@@ -324,6 +325,11 @@ async def _curve(server: Server, request: Request) -> Response:
 async def _shares(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
     return _json({"shares": await _worked(server.workers, request, answers.shares, document)})
+
+
+async def _trouble(server: Server, request: Request) -> Response:
+    document, _ = await _asked(server, request)
+    return _json(await _worked(server.workers, request, answers.trouble, document))
 
 
 async def _form(server: Server, request: Request) -> Response:

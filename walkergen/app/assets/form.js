@@ -250,6 +250,13 @@ const helping = (helps) =>
     return button;
   });
 
+// Picture of a body under which no legs stand, as soon as the server has drawn it.
+function drawing() {
+  const image = make('img', { className: 'trouble', alt: 'The body from above; red has no room for legs.' });
+  ask('trouble', { document: current() }).then(({ picture }) => picture && (image.src = picture));
+  return image;
+}
+
 let refused = []; // mistakes that are shown
 
 /** Say beside the controls at fault why the walker cannot be built, with what helps; elsewhere what is left. */
@@ -257,14 +264,15 @@ export function refuse(mistakes) {
   refused = mistakes;
   for (const why of document.querySelectorAll('.refusal')) why.hidden = true;
   const stray = [];
-  for (const { key, text, helps = [] } of mistakes) {
+  for (const { key, text, helps = [], drawn } of mistakes) {
+    const said = [`${text} `, ...helping(helps), ...(drawn ? [drawing()] : [])];
     const holder = document.querySelector(`.row[data-key="${CSS.escape(key)}"]`);
     const why = holder?.querySelector('.refusal');
     if (!why) {
-      stray.push(make('p', {}, `${text} `, ...helping(helps)));
+      stray.push(make('p', {}, ...said));
       continue;
     }
-    why.replaceChildren(`${text} `, ...helping(helps));
+    why.replaceChildren(...said);
     why.hidden = false;
     holder.closest('details').open = true;
   }
