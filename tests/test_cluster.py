@@ -67,7 +67,7 @@ def cluster(tmp_path):
             program.wait()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_killing_a_worker_changes_no_bit(cluster, tmp_path, monkeypatch):
     address, workers = cluster
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))

@@ -155,7 +155,7 @@ def test_intervals_of_a_walker_that_turns_at_random_hold_their_share(runs, secon
     assert abs(speeds.mean()) < 3.0 * speeds.std(ddof=1) / np.sqrt(len(speeds))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_intervals_of_a_running_walker_hold_their_share():
     # One run in 100 stays on a faster orbit (193 for 129 mm/s) for a second: a tail of kurtosis 30 to 40
     assert_honest(walkers(10.0, 0.8, 16, 1.0, 300), least_68=0.61)

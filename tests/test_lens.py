@@ -106,7 +106,7 @@ def test_a_barrel_is_told_with_its_size_and_undone_by_its_calibration(tmp_path):
     assert made.picture.is_file()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_straight_lens_is_not_suspected(tmp_path):
     path, _ = circling(tmp_path / "straight.mp4", 0.0)
     made = wg.track(path, markers="aruco", out=tmp_path / "t")

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from report_folder import folder_of, job_of, text_of
 from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
 from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels, size, styled
 
 from walkergen.errors import InputError
@@ -141,6 +142,11 @@ def orange(image):
     return int(((red > 0.75) & (green < 0.6) & (blue < 0.4)).sum())
 
 
+def shown_ms(browser):
+    """Time that the page shows, ms."""
+    return float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms"))
+
+
 class TestInABrowser:
     pytestmark = in_a_browser
 
@@ -175,10 +181,10 @@ class TestInABrowser:
         button = browser.find_element(By.ID, "play")
         button.click()
         assert button.text == "pause"
-        time.sleep(0.6)
+        WebDriverWait(browser, 30).until(lambda _: shown_ms(browser) > 20.0)
         button.click()
         assert button.text == "play"
-        reached = float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms"))
+        reached = shown_ms(browser)
         assert 20.0 < reached < 1000.0
         time.sleep(0.2)
         assert browser.find_element(By.ID, "time-shown").text == f"{reached:.1f} ms"
@@ -188,14 +194,13 @@ class TestInABrowser:
         move_to(browser, 0.95)
         button = browser.find_element(By.ID, "play")
         button.click()
-        time.sleep(1.0)
-        assert button.text == "play"
-        assert browser.find_element(By.ID, "time-shown").text == "1000.0 ms"
+        WebDriverWait(browser, 30).until(lambda _: button.text == "play")
+        assert shown_ms(browser) == 1000.0
         browser.execute_script("document.getElementById('pace').value = '100'")
         button.click()
         time.sleep(0.3)
         button.click()
-        assert float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms")) < 100.0
+        assert shown_ms(browser) < 100.0
 
     def test_another_part_stands_still_and_says_which_one_runs(self, browser):
         """Nothing jumps to another part: the run's own controls are there for its part alone."""
