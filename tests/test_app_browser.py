@@ -268,6 +268,7 @@ def test_a_walker_with_a_motor_runs_on_a_table(page):
 
 @pytest.mark.nightly
 def test_the_marker_on_the_curve_drags_the_tilt(page):
+    page.until(lambda: page.find("#marker").is_displayed())
     marker = page.find("#marker .touch")
     drag = ActionChains(page.browser, duration=30).move_to_element(marker).click_and_hold()
     for _ in range(6):
@@ -332,6 +333,7 @@ def test_the_keyboard_alone_is_enough(page):
 
 
 def test_the_keyboard_moves_the_marker(page):
+    page.until(lambda: page.find("#marker").is_displayed())  # the curve comes after the walker
     page.find("#marker").send_keys(Keys.ARROW_RIGHT)
     page.settle()
     assert page.control("legs.tilt_deg").get_attribute("value") == "10.5"
