@@ -111,11 +111,11 @@ def application(server: Server) -> Any:
     doors: dict[str, Door] = {
         "start": _start,
         "walker": _walker,
-        "outlook": _outlook,
+        "outlook": _told(answers.outlook),
         "curve": _curve,
         "shares": _shares,
-        "trouble": _trouble,
-        "form": _form,
+        "trouble": _told(answers.trouble),
+        "form": _told(form.whole),
         "spans": _spans,
         "keep": _keep,
         "run": _run,
@@ -310,9 +310,14 @@ async def _walker(server: Server, request: Request) -> Response:
     return Response(packed, media_type="application/octet-stream")
 
 
-async def _outlook(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    return _json(await _worked(server.workers, request, answers.outlook, document))
+def _told(answer: Callable[[Document], Any]) -> Door:
+    """Door that tells what an answer says of a page's walker."""
+
+    async def door(server: Server, request: Request) -> Response:
+        document, _ = await _asked(server, request)
+        return _json(await _worked(server.workers, request, answer, document))
+
+    return door
 
 
 async def _curve(server: Server, request: Request) -> Response:
@@ -325,16 +330,6 @@ async def _curve(server: Server, request: Request) -> Response:
 async def _shares(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
     return _json({"shares": await _worked(server.workers, request, answers.shares, document)})
-
-
-async def _trouble(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    return _json(await _worked(server.workers, request, answers.trouble, document))
-
-
-async def _form(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    return _json(await _worked(server.workers, request, form.whole, document))
 
 
 async def _spans(server: Server, request: Request) -> Response:

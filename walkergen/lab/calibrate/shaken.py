@@ -148,7 +148,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     # upward is Re[Z exp(i omega t)] with Z = A omega^2 i exp(i phi), and -4 r A omega^2 sin(2 phi + s) beside it
     second = sines.upward[:, 1] * np.conj(-1j * unit) ** 2 / (4j * size)
     beyond = f"not seen at {rate:.0f} samples a second: at {2 * frequency:.4g} Hz it looks like another"
-    refused = "" if 2.0 * frequency < USED * NYQUIST * rate else beyond
+    refused = "" if 2.0 * frequency < _highest(rate) else beyond
     rows += _sine("second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused)
     for axis, own in zip("xy", sines.sideways.T, strict=True):
         rows += _sine(f"motion along the phone's {axis}", own * np.conj(unit) / size, "", "", "")
@@ -246,13 +246,12 @@ def _sine(name: str, waves: Complex, ratio: str, phase: str, refused: str) -> li
     size, freedom = abs(mean), len(waves) - 1.0
     if not refused and size < SIGNIFICANT * max(along, across):
         refused = f"not told from 0: below {size + 2.0 * along:.2g} of the drive's amplitude (95 %)"
-    numbers = (
-        Quantity("ratio", "", None, refused=refused) if refused else Quantity("ratio", "", size, along, freedom),
-        Quantity("phase", "deg", None, refused=refused)
-        if refused
-        else Quantity("phase", "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom),
-    )
-    return [Row(name, numbers[0], ratio), Row(f"phase of {name}", numbers[1], phase)]
+    if refused:
+        sizes, turns = (Quantity(key, unit, None, refused=refused) for key, unit in (("ratio", ""), ("phase", "deg")))
+    else:
+        sizes = Quantity("ratio", "", size, along, freedom)
+        turns = Quantity("phase", "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
+    return [Row(name, sizes, ratio), Row(f"phase of {name}", turns, phase)]
 
 
 def _highest(rate: float) -> float:
