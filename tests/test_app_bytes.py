@@ -158,6 +158,7 @@ def test_lines_of_python_make_the_same_part_and_speed(doors, tmp_path, chosen):
     assert (tmp_path / "page" / "walker.stl").read_bytes() == part
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chosen", [CHANGED], ids=["changed"])
 def test_numbers_equal_those_of_predict(doors, tmp_path, chosen):
     facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
@@ -194,6 +195,7 @@ def test_numbers_of_a_run_equal_those_of_simulate(doors, tmp_path):
     assert event["facts"] | clocks == printed | clocks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chosen", ["changed", "listed", "stl", "svg"])
 def test_settings_taken_from_a_page_are_its_walker(doors, tmp_path, chosen):
     chosen = {"changed": CHANGED, "listed": LISTED}.get(chosen) or uploaded(doors, chosen)

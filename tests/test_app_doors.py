@@ -253,6 +253,7 @@ def test_a_wish_is_one_of_the_commands(doors, asked):
     assert answer.status == 422 or answer.events[-1]["refused"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "value"),
     [

@@ -133,6 +133,7 @@ def refusal_of(*words):
     return done.stderr
 
 
+@pytest.mark.slow
 def test_a_port_in_use_is_refused_in_one_line(process):
     port = process.host.rpartition(":")[2]
     line = refusal_of("--port", port)
@@ -140,6 +141,7 @@ def test_a_port_in_use_is_refused_in_one_line(process):
     assert line == f"error: --port {port}: {reason}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("host", ["192.0.2.1", "0.0.0.0", "::", "no.such.host.invalid", "a b", ""])
 def test_an_address_of_no_interface_is_refused_in_one_line(host):
     line = refusal_of("--port", "0", "--host", host)

@@ -221,6 +221,7 @@ RESOLVED = 0.5 * slide.LAST_STEP
 """Largest distance (deg) of a slope from the middle of its last step."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tilt", "kind", "heading"),
     [
@@ -247,6 +248,7 @@ def test_facing_uphill_it_goes_where_statics_let_its_upper_foot_slip(friction):
     assert slide.friction_angle(plan, 180.0).angle == pytest.approx(slips, abs=0.2)
 
 
+@pytest.mark.slow
 def test_near_the_friction_that_jams_it_goes_between_that_slip_and_the_block():
     # Jamming from 0.23 on: there the foot that slips first need not take the walker along
     for friction in (0.2, 0.25):

@@ -22,6 +22,7 @@ def run(tmp_path, monkeypatch):
     return lambda *words: CliRunner().invoke(command_line, ["calibrate", *words])
 
 
+@pytest.mark.slow
 def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
     words = ("--tilt", "10", "--measured", "0.8", "--measured-sd", "0.05", "--drops", "6")
     data = json.loads(run("drop", *words, "--out", "a", "--json").stdout)
@@ -44,6 +45,7 @@ def test_a_flat_drop_sets_the_scene(run):
     assert 0.03 < data["settings"]["contact.restitution_sd"] < 0.12
 
 
+@pytest.mark.slow
 def test_an_incline_and_a_pluck_set_their_keys(run):
     words = ("--measured", "14", "--measured-sd", "1", "--no-pictures", "--json")
     found = json.loads(run("slide", *words).stdout)["settings"]

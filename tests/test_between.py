@@ -72,6 +72,7 @@ def test_alike_walkers_are_limited_by_their_tracks():
     assert found.estimates["speed"].value == pytest.approx(60.0, abs=4 * 2.0)
 
 
+@pytest.mark.slow
 def test_walkers_that_differ_keep_their_persistence_and_diffusion():
     # Turning rates 2 rad/s apart: a common correlation would vanish within a second.
     walkers = [CLEAN._replace(speed=v, turn=t) for v, t in zip(SPEEDS, (-2, 0, 2), strict=True)]
@@ -122,6 +123,7 @@ def test_a_spread_of_normal_values_covers_the_one_put_in():
     assert np.mean(inside) > 0.95 - 3.5 * 0.011  # those too small to be resolved are left out
 
 
+@pytest.mark.slow
 def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     made = three("headings")

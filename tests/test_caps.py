@@ -147,6 +147,7 @@ def test_a_walker_is_weighed_with_its_cap():
     assert float(solids.weigh(scaled, built).total) == pytest.approx(1.1, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_plates_come_with_their_caps(run, tmp_path):
     done = run("plate", "koumakis2016", "--caps", "aruco", "--copies", "0:2,10:3", "--quiet")
     assert done.exit_code == 0, done.output
@@ -195,6 +196,7 @@ def test_exported_walkers_come_with_their_caps(run, tmp_path):
     assert (tmp_path / "e" / "caps" / "caps.pdf").is_file()
 
 
+@pytest.mark.slow
 def test_a_sheet_is_read_and_in_true_size():
     markers = [Cap(kind="paper", number=number) for number in range(5)]
     (page,) = cap_sheet.pages(markers)

@@ -266,6 +266,7 @@ def scripts(tmp_path, card):
     return runpy.run_path(str(tmp_path / "crowd_pymunk.py"))
 
 
+@pytest.mark.slow
 def test_pymunk_gives_the_walker_of_the_card(tmp_path):
     """Speed, relaxation, both diffusions and turning of a walker alone come back."""
     script, draws = scripts(tmp_path, CARD), random.Random(5)

@@ -328,6 +328,7 @@ SOME_NEED = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "more"),
     [

@@ -81,6 +81,7 @@ def momentum(walker, state):
     return np.array([*(m.sum() * mean), turning]), centre
 
 
+@pytest.mark.slow
 def test_a_flight_of_100_s_keeps_angular_momentum():
     """Nearly without weight, legs swinging and damped, in 1e6 steps; before, it was of second order in them."""
     for ratio in (0.0, 0.05):

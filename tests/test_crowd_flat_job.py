@@ -142,6 +142,7 @@ def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
     assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
 
 
+@pytest.mark.slow
 def test_from_python_a_card_or_cards_make_the_same_crowd(run, asked, tmp_path):
     keys = {"arena": "disc:200", "seconds": 1.0, "runs": 2, "seed": 5}
     first = wg.crowd(card(), count=4, **keys)

@@ -131,6 +131,7 @@ def test_edge_on_edge_two_edges_press_at_once(boxes, shift, label):
     np.testing.assert_allclose(velocities(found), velocities(expected), rtol=0, atol=2e-3 * SPEED)
 
 
+@pytest.mark.slow
 def test_pushed_box_bears_its_share_of_the_push(boxes):
     motions, points = facing(0.5)
     rest = [

@@ -225,6 +225,7 @@ def test_errors_are_the_scatter_of_the_runs():
     assert (course.se > 0).all()
 
 
+@pytest.mark.slow
 def test_one_run_has_an_error_where_it_is_long_and_none_where_it_is_short():
     long = crowds.measure([gas("disc:100", 40, 200, 1)]).numbers["polar_order"]
     many = crowds.measure([gas("disc:100", 40, 200, seed) for seed in range(6)])

@@ -30,6 +30,7 @@ def run(monkeypatch, tmp_path, cache):
     return lambda *words: CliRunner().invoke(command_line, ["design", *words])
 
 
+@pytest.mark.slow
 def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     told = run("--speed", "40", "--printer", "ender3", *QUICK)
     assert told.exit_code == 0, told.output
@@ -49,6 +50,7 @@ def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     assert {"design.csv", "design.md", "design.png"} <= set(manifest["files"])
 
 
+@pytest.mark.slow
 def test_json_holds_every_number_and_quiet_says_nothing(run):
     told = run("--fastest", *QUICK, "--json", "--no-pictures", "--out", "fast")
     found = json.loads(told.stdout)

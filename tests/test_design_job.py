@@ -137,6 +137,7 @@ def test_designs_are_distinct_and_on_the_steps_that_people_write(bench, tmp_path
         assert one.design.family.tilt_deg == [tilt]
 
 
+@pytest.mark.slow
 def test_equal_wishes_give_equal_files_and_the_store_changes_nothing(bench, tmp_path):
     empty = Store(tmp_path / "other.sqlite")
     make.make(job_of(), bench, tmp_path / "one")
@@ -162,6 +163,7 @@ def test_a_scene_may_vary_and_is_written_beside_the_design(bench, tmp_path):
     assert evaluate(Point(design, scene))["speed_mm_s"] == pytest.approx(40.0, abs=2.0)
 
 
+@pytest.mark.slow
 def test_a_drawing_is_found_from_the_new_folder(bench, tmp_path):
     (tmp_path / "bar.svg").write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="28mm" height="8mm" viewBox="0 0 28 8">'
@@ -205,6 +207,7 @@ def test_a_printer_on_which_nothing_prints_says_why(bench, tmp_path):
         make.make(job._replace(printer=thick), bench, tmp_path / "none")
 
 
+@pytest.mark.slow
 def test_only_what_prints_is_proposed(bench, tmp_path):
     spans = (TILT, Span("legs.flexible_thickness_mm", 0.1, 0.6))
     result = make.make(job_of(spans=spans), bench, tmp_path, pictures=False)

@@ -19,6 +19,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("walkers", by_day([1, 8], 1))
 def test_sound_tracks_raise_no_doubt(kind, walkers):

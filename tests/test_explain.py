@@ -134,6 +134,7 @@ def test_only_what_changes_less_than_accepted_is_left_out():
     assert found.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
 
 
+@pytest.mark.slow
 def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
     measured_errors = {"relaxed": 40.0, "compliant": 6.0}
 

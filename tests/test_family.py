@@ -118,6 +118,7 @@ def test_manifest_lists_every_file_with_its_hash(tmp_path):
     assert manifest["time_taken_s"] > 0
 
 
+@pytest.mark.slow
 def test_equal_input_gives_equal_bytes(tmp_path):
     for folder in ("one", "two"):
         family.make(job_of(pictures=True), tmp_path / folder, silent, unheard)

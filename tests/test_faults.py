@@ -103,6 +103,7 @@ def test_every_system_call_that_fails_is_a_line_and_a_rerun_completes(job, call,
     assert call in ("unlink", "fsync") or count > 1  # only a manifest waits for the disk
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "after"),
     [
@@ -341,6 +342,7 @@ def environment(**more):
     return kept | {"PYTHONPATH": root} | more
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "surroundings",
     [

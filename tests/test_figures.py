@@ -106,6 +106,7 @@ def texts(figure):
     return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
 
 
+@pytest.mark.slow
 def test_figures_have_a_journals_width_and_letters_of_seven_points_or_more(drawn):
     for name, figure in drawn.items():
         assert round(MM * figure.get_figwidth()) in (86, 178), name

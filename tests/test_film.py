@@ -86,6 +86,7 @@ def undrawn(monkeypatch):
     monkeypatch.setattr("walkergen.files.figures.png", lambda figure: b"")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", TIMES)
 def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
@@ -152,6 +153,7 @@ def tracked(folder, film, shifts=None):
     return made, np.concatenate(errors)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
     made, errors = tracked(tmp_path, Filmed(screws=True))
@@ -196,6 +198,7 @@ def test_a_shadow_is_measured(tmp_path, share):
     assert made.facts["shadow_px"] == pytest.approx(pull, rel=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("film", "word"),

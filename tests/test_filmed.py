@@ -127,6 +127,7 @@ def test_rows_that_make_no_sense_are_one_line(folder, text, hint):
     assert len(str(caught.value).splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_fit_learns_from_films_as_from_the_numbers_they_give(folder, tmp_path):
     """The same speeds and errors, by tracks and by numbers: the same posterior."""
     seen = read(folder, "tilt_deg,tracks\n5,five.csv\n10,ten.csv\n")

@@ -66,6 +66,7 @@ def fitted(folder, speeds, errors=True, **choices):
     return make.fit(path, wish, folder / "out", silent)
 
 
+@pytest.mark.slow
 def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp_path):
     within, held, errors = [], [], []
     for seed in range(2):

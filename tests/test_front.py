@@ -315,6 +315,7 @@ MEASURING = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(one, marks=[pytest.mark.nightly] * (one == "slide")) for one in MEASURING]
 )
@@ -609,6 +610,7 @@ def test_tables_escape_count_and_need_pandas(monkeypatch):
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_the_notebooks_run_as_shown(path, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -106,6 +106,7 @@ def test_a_body_of_a_million_triangles_becomes_a_family_and_a_plate(tmp_path):
         assert (seen.code, hostile.faults(tried, seen)) == (0, []), seen.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", by_day(["c.csv", "f.csv", "t.csv", "o.csv"], "t.csv", "o.csv"))
 def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -164,6 +164,7 @@ def test_walkers_that_touch_keep_their_numbers(tmp_path):
     assert off.place_mm < 0.02  # a neighbour's rim ends the white at the edge of the window
 
 
+@pytest.mark.slow
 def test_times_are_the_container_s(tmp_path):
     """A phone's rate that changes: at their own times places lie on the way."""
     times = "N/60+0.1*floor(N/10)"
@@ -184,6 +185,7 @@ def test_times_are_the_container_s(tmp_path):
     assert slow.clock.times[-1] == pytest.approx(2.0 * stamps[-1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_tracks_by_markers_are_analysed_as_any_others(tmp_path, plain):
     path, ways = plain
     made = wg.track(path, markers="aruco", out=tmp_path / "t")
@@ -272,6 +274,7 @@ def pictures():
     return films.draw(films.circles(3), 20)
 
 
+@pytest.mark.slow
 def test_a_film_without_markers_and_a_mirrored_one_are_refused(tmp_path, pictures):
     none = films.write(tmp_path / "none.mp4", [np.full_like(pictures[0], 120)] * 20)
     with pytest.raises(InputError, match=r"none.mp4: no marker .* is read in 20 frames"):
@@ -286,6 +289,7 @@ def told(path):
     return " ".join(read(path)[1].warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("textures", "left", "words"),
     [
@@ -305,6 +309,7 @@ def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, wor
     assert words in told(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("covered", "words"),
     [

@@ -54,6 +54,7 @@ def as_trackpy_writes(path, filmed, mm_per_px):
 FILM = ("--fps", "100", "--mm-per-px", "0.05", "--y-down")
 
 
+@pytest.mark.slow
 def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     as_trackpy_writes(tmp_path / "film.csv", film(11, 10, 20.0, WALKER), 0.05)
     found = json.loads(run("analyse", "film.csv", *FILM, "--json").stdout)

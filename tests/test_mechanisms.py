@@ -146,6 +146,7 @@ def test_the_mechanisms_are_those_of_the_paper():
     assert len(lengths) == 2
 
 
+@pytest.mark.slow
 def test_the_modeller_tells_of_no_leaks_at_the_end(tmp_path):
     words = ["-m", "walkergen", "simulate", "rotator", "--seconds", "0.02", "--runs", "1", "--quiet"]
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True)

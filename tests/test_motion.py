@@ -93,6 +93,7 @@ def test_products_of_displacements_share_no_position():
     assert curve.value[0] < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", by_day([{"inertia": 0.15}, {"turn_memory": 0.15}], {"inertia": 0.15}))
 def test_speed_and_persistence_hold_with_inertia(kind):
     walker = Walker(speed=45.0, rate=0.8, **kind)
@@ -142,6 +143,7 @@ def test_few_data_are_refused_with_the_reason(few):
     assert "film for longer" in found["speed"].refused
 
 
+@pytest.mark.slow
 def test_stubs_of_tracks_do_not_pass_for_walkers():
     whole = film(9, 2, 40.0)
     stubs = tuple(

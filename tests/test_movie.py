@@ -203,6 +203,7 @@ def short():
     return movie.plan([PAPER], SCENE, periods=0.5, slow=180, fps=10)
 
 
+@pytest.mark.slow
 def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
     one = movie.make(short, tmp_path / "a.gif", silent)
     two = movie.make(short, tmp_path / "b.gif", silent)
@@ -305,6 +306,7 @@ def leaving(length_mm, discard_seconds):
     return SCENE.model_copy(update={"arena": arena, "run": run})
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
     job = movie.plan([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
     made = movie.make(job, tmp_path / "a.gif", silent)

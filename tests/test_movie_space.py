@@ -201,6 +201,7 @@ def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
         assert image.n_frames == 4
 
 
+@pytest.mark.slow
 def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
     choice = {"periods": 0.5, "slow": 180, "fps": 10, "view": "perspective"}
     job = movie.plan([PAPER], lasting(PLANE, 1.0), **choice)

@@ -270,6 +270,7 @@ def test_an_arrow_is_engraved_on_wish_and_points_forward(tmp_path):
     assert tip[2] == pytest.approx(0.5 * (floor[:, 2].min() + floor[:, 2].max()), abs=0.5)  # a letter of the font
 
 
+@pytest.mark.slow
 def test_a_family_shows_what_was_taken_of_a_picture(tmp_path):
     path = picture(tmp_path / "blob.png", 250, 20)
     wg.family(path, tilt=10, out=tmp_path / "family")

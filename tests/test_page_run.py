@@ -63,6 +63,7 @@ def truth():
     return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / play.RATE)
 
 
+@pytest.mark.slow
 def test_the_part_stands_where_the_run_has_it(run, truth):
     rows, corners = floats(run["poses"], 7), np.array(run["corners"])
     assert len(rows) == len(truth.times) == 2001

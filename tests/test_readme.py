@@ -83,6 +83,7 @@ def test_the_page_is_served_as_shown(tmp_path):
         server.terminate()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("page", "code"), list(blocks("python")))
 def test_the_python_runs_as_shown(page, code, tmp_path):
     words = [sys.executable, "-c", code]

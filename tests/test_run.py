@@ -271,6 +271,7 @@ def test_a_crew_has_a_number_of_workers_that_makes_sense():
     assert 1 <= worker_pool.cores() <= os.cpu_count()
 
 
+@pytest.mark.slow
 def test_workers_with_other_sources_are_named():
     worker_pool.check({"tcp://a": digest()})
     with pytest.raises(WalkergenError, match="worker tcp://b has another version of walkergen"):

@@ -30,6 +30,7 @@ def only(monkeypatch, check):
     monkeypatch.setattr(catalogue, "CASES", (Case("made up", "6.0", "nowhere", LAW, check),))
 
 
+@pytest.mark.slow
 def test_a_section_runs_its_cases_in_processes_of_their_own():
     result = call("--only", "6.3")
     assert result.exit_code == 0, result.output

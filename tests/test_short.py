@@ -27,6 +27,7 @@ def predicted(design, scene, model="best"):
     return speeds.predict(design, solids.mass_of(design), scene, model=model)
 
 
+@pytest.mark.slow
 def test_what_the_surrogate_declines_is_simulated_once_and_then_known():
     """By direct runs 39.5 mm/s; short runs err by some more."""
     design, scene = Design().variant(tilt_deg=10.0), on_plane(contact={"friction": 0.6})

@@ -148,6 +148,7 @@ def test_all_keys_of_a_scene_are_turned():
         assert known == set(keys), table
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("numbers", [{}, TAUT | WALLED], ids=["plain", "rich"])
 @pytest.mark.parametrize("model", ["space", "compliant", "relaxed"])
 def test_a_key_of_a_scene_changes_the_motion_or_is_named(model, numbers):
@@ -218,6 +219,7 @@ print(" ".join(name.rpartition(".")[2] for name in sys.modules if name.startswit
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("keys", "needed"),
     [

@@ -116,6 +116,7 @@ def test_explain_measures_what_an_effect_costs(run, monkeypatch):
     assert tensor["cpu_ratio"] > 0
 
 
+@pytest.mark.slow
 def test_family_simulate_adds_columns_and_points(run, tmp_path):
     result = run("family", "--tilt", "10", "--simulate", "--seconds", "0.3", "--runs", "2", "--out", "here")
     assert "simulated" in result.stdout

@@ -18,6 +18,7 @@ def analysed(walker, seeds, walkers=8, seconds=20.0, headed=True):
         yield motion.analyse(film(seed, walkers, seconds, walker, 1 / 30, headed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("walker", "headed"), [(SLOW, False), (FAST, True)])
 def test_diffusion_besides_the_run_counts_for_diffusivity_and_is_no_noise(walker, headed):
     truth = {
@@ -42,6 +43,7 @@ def test_diffusion_besides_the_run_counts_for_diffusivity_and_is_no_noise(walker
         assert np.mean(held) >= 0.8, name  # 95 % less 3 sigma of 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("headed", [True, False])
 def test_diffusion_alone_is_not_ballistic(headed):
     inside = []

@@ -194,6 +194,7 @@ def test_no_such_file_is_a_line(tmp_path):
         sweep_file.read(tmp_path / "sweep.toml")
 
 
+@pytest.mark.slow
 def test_of_many_mistakes_twenty_are_told(mistakes):
     text = "[grid]\n" + "".join(f'"legs.x{number}" = 1\n' for number in range(900))
     lines = mistakes(text)

@@ -252,6 +252,7 @@ def test_parquet_holds_the_table(home):
     assert found["speed_mm_s"].to_pylist() == [float(row["speed_mm_s"]) for row in rows]
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_line_and_loses_no_point(home):
     program = "\n".join(
         [
@@ -314,6 +315,7 @@ def ends_whole(folder, home, texts):
     assert first == second
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_goes_on(home):
     assert 0 < killed(home / "one", 0.0) < 391
     ends_whole("one", home, ENDLESS_ENOUGH)

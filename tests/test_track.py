@@ -292,6 +292,7 @@ def movies_film(path, seconds):
     return shot, max(across, (top - low) / above.TALLEST)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""

@@ -104,6 +104,7 @@ BY_DAY = (0.5, 60.0)
 """Share and gaps of the quick suite; each takes five seconds."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kept", "gap"),
     [

@@ -30,6 +30,7 @@ def _analysed(values, halves, seed=1):
     return uncertain.analyse("space", KNOWN, values, halves, {"ok": len(values)}, seed)
 
 
+@pytest.mark.slow
 def test_scatter_between_prints_and_statistics_are_told_apart():
     found = _analysed(*_synthetic(256, 1, statistical=8.0))
     # Relative errors of deviations from 256 values: 4 % each, the difference of squares 8 %.
@@ -38,6 +39,7 @@ def test_scatter_between_prints_and_statistics_are_told_apart():
     assert found.speed_mm_s == pytest.approx(60.0, abs=3.0 * found.speed_se_mm_s)
 
 
+@pytest.mark.slow
 def test_the_share_of_an_input_and_of_the_print_come_out():
     """Variances: 100 by restitution, 100 by the print, none by friction."""
     found = _analysed(*_synthetic(256, 2, statistical=2.0, print_sd=10.0))
@@ -121,6 +123,7 @@ def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
     assert prints.UNEXPLAINED in (out / "shares.csv").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_equal_seeds_give_equal_bytes(tmp_path):
     for name in ("one", "two"):
         CliRunner().invoke(command_line, [*QUICK, "--quiet", "--out", str(tmp_path / name)])

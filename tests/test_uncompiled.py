@@ -30,6 +30,7 @@ runs = 1
 CLOCKS = ("cpu_s", "wall_s")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "law", "restitution", "seconds"),
     [
@@ -78,6 +79,7 @@ def test_motion_is_the_same_without_the_compiler(tmp_path, monkeypatch, model, l
     assert len(rows) > 20000 * seconds
 
 
+@pytest.mark.slow
 def test_walkers_collide_by_closed_forms_without_the_compiler():
     """The collisions of test_crowd.py, whose compiled kernels are tested where time is."""
     chosen = "head_on or corner or glancing or rough or askew"
