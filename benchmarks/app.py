@@ -31,6 +31,9 @@ more than twice the time of one; growth of the server's memory."""
 SETTLED_S = 3.0
 """Time in which what is slower than a step is drawn as well."""
 
+APART_S = 0.5
+"""Time between two steps, in which their part is drawn; `dragged` asks without a pause."""
+
 PAPER = {"walker": "koumakis2016", "scene": "lane-90hz", "printer": "prusa-mk3s"}
 
 STEP = """
@@ -104,9 +107,12 @@ def tilt(browser):
 
 
 def steps(browser, count):
-    """Times of a slider's steps, one after the other, ms."""
-    key, places = tilt(browser), np.random.default_rng(1).uniform(0.55, 0.85, count + 5)
-    taken = [browser.execute_async_script(STEP, key, place) for place in places]
+    """Times of a slider's steps, one after the other, ms: never twice the same place, where nothing is drawn."""
+    places = np.random.default_rng(1).permutation(np.linspace(0.55, 0.85, count + 5))
+    key, taken = tilt(browser), []
+    for place in places:
+        taken.append(browser.execute_async_script(STEP, key, place))
+        time.sleep(APART_S)
     return np.array(taken[5:])
 
 

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from walkergen.app import server as servers
+from walkergen.app import served, server
 from walkergen.app.document import Document
 from walkergen.files import config
 from walkergen.printing.printers import Printer
@@ -67,9 +67,9 @@ class Doors:
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
         walker = own or PAPER["walker"]
-        first = Document(walker, PAPER["scene"], PAPER["printer"], servers.START)
-        self.server = servers.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
-        self.app = servers.application(self.server)
+        first = Document(walker, PAPER["scene"], PAPER["printer"], served.START)
+        self.server = served.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
+        self.app = server.application(self.server)
         Doors.begun.append(self.server)
         while len(Doors.begun) > 2:
             gone = Doors.begun.pop(0)

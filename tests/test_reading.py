@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import walkergen as wg
 from walkergen.errors import InputError
 from walkergen.files import columns, config, reading
 from walkergen.walker.design import Design
@@ -37,6 +38,12 @@ def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypat
     assert str(caught.value).endswith(told)
     assert name[:60] in str(caught.value).replace("\\x00", "\0").replace("\\udc80", "\udc80")
     assert "\n" not in str(caught.value)
+
+
+def test_a_file_in_the_place_of_a_walker_is_named_once():
+    with pytest.raises(InputError) as caught:
+        wg.predict("../none.svg")
+    assert str(caught.value) == "../none.svg: no such file"
 
 
 def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):

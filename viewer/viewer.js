@@ -29,8 +29,7 @@ import { unpack } from './run.js';
 
 const FIELD_OF_VIEW = 30; // degrees
 const EDGE_ANGLE = 25; // degrees between faces from which their edge is drawn
-const MOST_EDGED = 30_000; // triangles up to which edges are drawn at once
-const EDGES_MS = 250; // later the edges of a larger part follow, once it stays
+const MOST_EDGED = 30_000; // triangles up to which edges are drawn: to find those of 100 000 takes a second
 const FILLED = 0.94; // share of the frame that the part takes
 const GROWN = 1.15; // change of size from which the view is fitted anew
 const KEY_STEP = Math.PI / 24;
@@ -123,7 +122,6 @@ export function create(canvas, parts) {
   let seenSize = 1; // of the part for which the camera's distance was chosen
   let labels = []; // of lengths: element and place in the part
   let scaleBar = null; // element that is as wide as a round length, which stands in it
-  let edgesLater = 0;
   let waiting = 0; // for the next frame
 
   // Fit plate, light and camera to boxes of this size; what stood in the view goes on being seen.
@@ -273,24 +271,15 @@ export function create(canvas, parts) {
   /** Look at the part from one of VIEWS. */
   const look = (name) => lookFrom(new Vector3().fromArray(VIEWS[name]));
 
-  function drawEdges() {
-    edges.geometry.dispose();
-    edges.geometry = new EdgesGeometry(part.geometry, EDGE_ANGLE);
-  }
-
   // Put a geometry on the plate, in a CSS colour.
   function put(geometry, css) {
     part.geometry.dispose();
     part.geometry = geometry;
-    clearTimeout(edgesLater);
     edges.visible = geometry.getAttribute('position').count <= 3 * MOST_EDGED;
-    if (edges.visible) drawEdges();
-    else
-      edgesLater = setTimeout(() => {
-        edges.visible = true;
-        drawEdges();
-        draw();
-      }, EDGES_MS);
+    if (edges.visible) {
+      edges.geometry.dispose();
+      edges.geometry = new EdgesGeometry(geometry, EDGE_ANGLE);
+    }
     material.color.setStyle(css);
     part.position.set(0, -geometry.boundingBox.min.y, 0);
     part.quaternion.identity();

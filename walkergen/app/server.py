@@ -10,7 +10,7 @@ import json
 import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -32,7 +32,8 @@ from walkergen.app import (
     taking,
 )
 from walkergen.app import document as documents
-from walkergen.app.document import Document, Place
+from walkergen.app.document import Document
+from walkergen.app.served import START, Server
 from walkergen.app.workers import Workers
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import output, reading, templates
@@ -60,9 +61,6 @@ KEPT = "kept.json"
 MOST_KEPT = 50 * MOST_BYTES
 """Largest such file, bytes: a message with a line for each number in it."""
 
-START = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
-"""Values of a new document: a run that is done within seconds."""
-
 POLICY = (
     "default-src 'none'; connect-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -70,40 +68,7 @@ POLICY = (
 Result = TypeVar("Result")
 
 
-class Server(NamedTuple):
-    """What a server knows from its start."""
-
-    folder: Path
-    """Folder of all that it writes."""
-    hosts: frozenset[str]
-    """Hosts, with ports, by which its pages call it."""
-    secret: str
-    """Path below which its doors stand."""
-    place: Place
-    first: Document
-    """Document of the command line, with which a page begins."""
-    running: children.Running
-    """What has a child."""
-    steps: Workers
-    """Processes of walkers alone, so that a slider's step waits for nothing else."""
-    workers: Workers
-    """Processes of all else that takes its time."""
-    anew: bool = False
-    """True where the command line says what a page is about: what was kept of others is not it."""
-    once: str | None = None
-    """Word in the address that opens the page once, for a phone; None for this machine alone."""
-
-
 Door = Callable[[Server, Request], Awaitable[Response]]
-
-
-def new(
-    folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool, anew: bool = False
-) -> Server:
-    """Server with fresh secrets; `away` if other machines can reach it."""
-    place = Place(folder / "uploads", own)
-    once = secrets.token_urlsafe(9) if away else None
-    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(), Workers(), Workers(), anew, once)
 
 
 def application(server: Server) -> Any:

@@ -14,8 +14,7 @@ from typing import Any
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from walkergen.app import children
-from walkergen.app import server as servers
+from walkergen.app import served as servers
 from walkergen.app.document import Document
 from walkergen.errors import InputError
 from walkergen.files import templates
@@ -56,6 +55,8 @@ class _Ending(uvicorn.Server):
         self._served = served
 
     async def shutdown(self, sockets: Any = None) -> None:
+        from walkergen.app import children
+
         logging.getLogger("uvicorn.error").disabled = True
         await children.end(self._served.running)
         for workers in (self._served.steps, self._served.workers):
@@ -83,18 +84,20 @@ def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, brows
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
     if browser and not away:
         threading.Timer(0.3, webbrowser.open, [address]).start()
-    config = uvicorn.Config(
-        servers.application(served),
-        log_level="error",
-        access_log=False,
-        server_header=False,
-        timeout_graceful_shutdown=1,
-        ws="none",
-        lifespan="off",
-        http=_Impatient,
-        loop="asyncio",
-    )
     with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+        from walkergen.app import server  # takes as long as a browser takes to start
+
+        config = uvicorn.Config(
+            server.application(served),
+            log_level="error",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=1,
+            ws="none",
+            lifespan="off",
+            http=_Impatient,
+            loop="asyncio",
+        )
         _Ending(config, served).run(sockets=[listening])
 
 

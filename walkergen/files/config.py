@@ -189,7 +189,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
         problems = error.fault.splitlines()
         at_fault = error.keys or [_key_of(problem, model) for problem in problems]
         lines = [
-            f"{where(_split_key(key), source, text)}: {problem}"
+            problem if problem.startswith(f"{source}: ") else f"{where(_split_key(key), source, text)}: {problem}"
             for key, problem in zip(at_fault, problems, strict=True)
         ]
         error.args, error.keys = ("\n".join(lines),), tuple(at_fault)  # the same error, with what it holds

@@ -26,11 +26,16 @@ const refresh = lastOnly(async () => {
   if (answer.refused) return;
   if (carriesAnew(answer.facts)) return state.change({ ...document, scene: table }, 'shape', 'scene');
   walker = answer;
-  showPart(answer);
   showSpeed(answer.facts);
   compare(answer.facts);
+  await painted(); // the speed is seen before a slow machine has drawn the part
+  showPart(answer);
   if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
 });
+
+// What was written is on the screen; at once in a page that is not seen, which is never painted.
+const painted = () =>
+  document.hidden || new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 
 // A motor that has just come to a shaken plate: such walkers run on a table.
 const carriesAnew = ({ motor, shaken, name }) =>
@@ -76,7 +81,7 @@ const shortSoon = settled(() => {
 const lookSoon = settled(() => Promise.all([look(), drawCurve(true)]), SETTLED_MS);
 const restSoon = settled(() => Promise.all([drawCurve(false), showMeasure()]), RESTED_MS);
 const keepSoon = settled(() => ask('keep', { document: state.current() }), KEPT_MS);
-const rebuildSoon = settled(rebuild, SETTLED_MS);
+const rebuildSoon = settled(() => rebuild().then(drawTemplates), SETTLED_MS);
 
 function changed(document, why) {
   byId('undo').disabled = !state.canUndo();
@@ -109,12 +114,18 @@ function addTemplates(names) {
   for (const name of names) {
     const button = make('button', { type: 'button', value: name, title: about[name] ?? name });
     button.setAttribute('role', 'radio');
-    if (about[name]) button.append(make('img', { src: `picture/${name}.svg`, alt: '', width: 72, height: 36 }));
+    if (about[name]) button.append(make('img', { alt: '', width: 72, height: 36 }));
     button.append(make('span', { textContent: titles[name] ?? name }));
     if (titles[name]) button.append(make('small', { textContent: name }));
     button.addEventListener('click', () => begin(name));
     byId('templates').append(button);
   }
+}
+
+// The server draws the templates once it has made the form.
+function drawTemplates() {
+  for (const image of document.querySelectorAll('#templates img:not([src])'))
+    image.src = `picture/${image.closest('button').value}.svg`;
 }
 
 // Begin with another walker, on a plate that it runs on.
