@@ -15,7 +15,13 @@ HARMONIC = {"drive": {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio
 AIR = {"effects": {"air_drag": True}}
 SLOPE = {"plate": {"slope_deg": 2.0}}
 IN_SPACE = {
-    "plate": {"slope_deg": 2.0, "noise_ratio": 0.1, "roughness_um": 1.0},
+    "plate": {
+        "slope_deg": 2.0,
+        "noise_ratio": 0.1,
+        "roughness_um": 1.0,
+        "along_ratio": 0.1,
+        "rocking_percent_per_mm": 0.01,
+    },
     "tether": {"stiffness_n_per_m": 1.0},
     "arena": {"kind": "plane"},
 }

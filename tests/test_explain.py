@@ -69,6 +69,7 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert every["leg twist"].leaves_out
     assert every["hysteretic feet"].change == "on, damping = hysteretic"
     assert every["plate noise"].walker.scene.plate.noise_ratio > 0.0
+    assert every["plate gradient"].change == "on, gradient_percent_per_mm = 0.1"
     assert not every["plate noise"].leaves_out
     assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
     assert {"second harmonic", "plate roughness", "tether", "air drag", "unevenness", "yaw and roll"} < set(every)

@@ -20,17 +20,21 @@ TRUTH = {
     "phase of second harmonic": 40.0,
     "motion along the phone's x": 0.05,
     "phase of motion along the phone's x": -70.0,
+    "gradient": 0.2,
+    "direction of gradient": 30.0,
+    "rocking": 0.1,
+    "direction of rocking": -120.0,
     "noise": 0.15,
 }
 
 
-def turned(rng, up, along, tilt):
-    """What a phone that lies tilted feels of a plate's accelerations."""
+def turned(rng, up, along, tilt, rates):
+    """What a phone that lies tilted feels of a plate's accelerations, and of its rates of turning about x and y."""
     axis = rng.normal(size=2)
     axis = np.array([*axis / np.linalg.norm(axis), 0.0])
     across = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
     rotation = np.eye(3) + math.sin(tilt) * across + (1.0 - math.cos(tilt)) * across @ across
-    return np.column_stack([along, 0.0 * along, up]) @ rotation.T
+    return np.column_stack([along, 0.0 * along, up]) @ rotation.T, np.column_stack([*rates, 0.0 * along]) @ rotation.T
 
 
 def rumbled(rng, times, rate):
@@ -43,7 +47,7 @@ def rumbled(rng, times, rate):
     return np.interp(times, np.arange(count) / fine, np.fft.irfft(2j * math.pi * at * velocity, count) / spread)
 
 
-def made(rng, rate=500.0, seconds=20.0, truth=TRUTH, tilt=0.0, jitter=0.02, linear=False, phone=10.0):
+def made(rng, rate=500.0, seconds=20.0, truth=TRUTH, tilt=0.0, jitter=0.02, linear=False, phone=10.0, gyroscope=True):
     """Recording (mm/s^2) of a plate that is known: even noise of velocity between 20 and 200 Hz, and a phone's own."""
     count = round(rate * seconds)
     times = (np.arange(count) + jitter * rng.uniform(-0.5, 0.5, count)) / rate
@@ -53,8 +57,15 @@ def made(rng, rate=500.0, seconds=20.0, truth=TRUTH, tilt=0.0, jitter=0.02, line
     up = -size * omega**2 * (np.sin(phi) + 4.0 * truth["second harmonic"] * np.sin(2.0 * phi + shift))
     along = -size * omega**2 * truth["motion along the phone's x"] * np.sin(phi + way)
     up += truth["noise"] * size * omega * rumbled(rng, times, rate)
-    felt = turned(rng, up + (0.0 if linear else GRAVITY), along, tilt) + rng.normal(0.0, phone, (count, 3))
-    return Recording(times, felt, linear)
+    # heights A (1 + g . r) sin(phi) + A k . r cos(phi); where they rise to the left the plate turns about x, where
+    # along x about -y
+    slopes = 0.0
+    for name, wave in (("gradient", np.cos(phi)), ("rocking", -np.sin(phi))):
+        way = math.radians(truth[f"direction of {name}"])
+        slopes += 0.01 * truth[name] * size * omega * np.array([math.cos(way), math.sin(way)])[:, None] * wave
+    felt, rates = turned(rng, up + (0.0 if linear else GRAVITY), along, tilt, (slopes[1], -slopes[0]))
+    felt, rates = felt + rng.normal(0.0, phone, (count, 3)), rates + rng.normal(0.0, 0.005, (count, 3))
+    return Recording(times, felt, linear, rates if gyroscope else None)
 
 
 def rows_of(recording, scene=SCENE):
@@ -78,7 +89,14 @@ def test_a_tilted_phone_sees_the_same_plate():
     found, notes = rows_of(made(np.random.default_rng(3), tilt=0.2))
     assert found["amplitude"].value == pytest.approx(TRUTH["amplitude"], rel=0.01)
     assert found["second harmonic"].value == pytest.approx(TRUTH["second harmonic"], abs=0.01)
+    assert found["rocking"].value == pytest.approx(TRUTH["rocking"], rel=0.05)
     assert not any("gravity" in note for note in notes)
+
+
+def test_without_a_gyroscope_rocking_is_declined():
+    found, _ = rows_of(made(np.random.default_rng(2), gyroscope=False))
+    for name in ("gradient", "rocking"):
+        assert "record the gyroscope too" in found[name].refused
 
 
 def test_a_recording_without_gravity_takes_the_axis_that_shakes_most():
@@ -146,7 +164,8 @@ def test_the_command_writes_the_scene_of_the_plate(tmp_path):
     recording = made(np.random.default_rng(9), seconds=10.0)
     path, out = tmp_path / "plate.csv", tmp_path / "out"
     names = ["Time (s)", *(f"Acceleration {axis} (m/s^2)" for axis in "xyz")]
-    rows = np.column_stack([recording.times, 1e-3 * recording.felt])
+    names += [f"Gyroscope {axis} (deg/s)" for axis in "xyz"]
+    rows = np.column_stack([recording.times, 1e-3 * recording.felt, np.degrees(recording.turned)])
     np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="")
     report = wg.calibrate(plate=path, out=out)
     scene = config.read(report.folder / "scene.toml", Scene)
@@ -155,6 +174,11 @@ def test_the_command_writes_the_scene_of_the_plate(tmp_path):
     assert 1e3 * scene.drive.amplitude == pytest.approx(52.0, rel=0.01)
     assert scene.drive.second_harmonic_ratio == pytest.approx(0.06, abs=0.01)
     assert scene.plate.noise_ratio == pytest.approx(0.15, abs=0.02)
+    assert scene.plate.along_ratio == pytest.approx(0.05, abs=0.005)
+    assert scene.plate.along_phase_deg == pytest.approx(-70.0, abs=5.0)
+    assert scene.plate.across_ratio == 0.0  # not told from 0
+    assert scene.plate.gradient_percent_per_mm == pytest.approx(0.2, rel=0.05)
+    assert scene.plate.rocking_toward_deg == pytest.approx(-120.0, abs=3.0)
     assert not (report.folder / "design.toml").exists()
 
 

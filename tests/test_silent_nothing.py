@@ -24,6 +24,9 @@ NUMBERS = {
     "unevenness": "feet.unevenness_um = 0",
     "plate_noise": "plate.noise_ratio = 0",
     "plate_roughness": "plate.roughness_um = 0",
+    "plate_along": "plate.along_ratio = 0",
+    "plate_gradient": "plate.gradient_percent_per_mm = 0",
+    "plate_rocking": "plate.rocking_percent_per_mm = 0",
     "tether": "tether.stiffness_n_per_m = 0",
     "lid": "arena.lid_mm is not given",
     "local_stiffness": "feet.local_stiffness_ratio is not given",
@@ -74,6 +77,14 @@ TURNED = {
         "noise_high_hz": 300.0,
         "roughness_um": 3.0,
         "roughness_length_mm": 2.0,
+        "along_ratio": 0.2,
+        "along_phase_deg": 50.0,
+        "across_ratio": 0.2,
+        "across_phase_deg": 50.0,
+        "gradient_percent_per_mm": 0.02,
+        "gradient_toward_deg": 50.0,
+        "rocking_percent_per_mm": 0.02,
+        "rocking_toward_deg": 50.0,
     },
     "arena": {
         "kind": "plane",
@@ -136,7 +147,15 @@ def tried(keys):
         return str(error)
 
 
-TAUT = {"tether.stiffness_n_per_m": 0.02, "plate.noise_ratio": 0.2, "plate.roughness_um": 2.0}
+TAUT = {
+    "tether.stiffness_n_per_m": 0.02,
+    "plate.noise_ratio": 0.2,
+    "plate.roughness_um": 2.0,
+    "plate.along_ratio": 0.1,
+    "plate.across_ratio": 0.1,
+    "plate.gradient_percent_per_mm": 0.01,
+    "plate.rocking_percent_per_mm": 0.01,
+}
 """Numbers without which other keys say nothing."""
 WALLED = {"effects.lane_walls": None, "drive.second_harmonic_ratio": 0.1, "arena.gap_mm": 8.2}
 
@@ -225,10 +244,11 @@ print(" ".join(name.rpartition(".")[2] for name in sys.modules if name.startswit
     [
         ({"arena.kind": "plane"}, set()),
         ({"arena.kind": "plane", "plate.noise_ratio": 0.2}, {"noisy_plate"}),
+        ({"arena.kind": "plane", "plate.along_ratio": 0.2}, {"swaying_plate"}),
         ({}, {"walls"}),
         ({"legs.model": "compliant"}, set()),
     ],
 )
 def test_a_scene_imports_no_module_of_what_it_has_not(keys, needed):
     run = subprocess.run([sys.executable, "-c", IMPORTED, repr(keys)], check=True, capture_output=True, text=True)
-    assert set(run.stdout.split()) & {"walls", "noisy_plate", "motor"} == needed
+    assert set(run.stdout.split()) & {"walls", "noisy_plate", "swaying_plate", "motor"} == needed

@@ -73,6 +73,10 @@ UNMET = {
     "feet.tangential_ratio": 0.5,
     "feet.local_stiffness_ratio": 1.0,
     "plate.roughness_um": 1.0,
+    "plate.along_ratio": 0.01,
+    "plate.across_ratio": 0.01,
+    "plate.gradient_percent_per_mm": 0.01,
+    "plate.rocking_percent_per_mm": 0.01,
     "tether.stiffness_n_per_m": 0.05,
     "legs.spring": "frequency",
     "legs.model": "compliant",
@@ -147,6 +151,8 @@ def test_keys_of_a_scene_are_read_or_declined():
         *("contact.prior", "contact.law", "contact.restitution_sd", "contact.friction_sd"),  # planar models; bounds
         *("legs.damping_ratio_sd", "feet.unevenness_sd_um", "plate.roughness_length_mm", "arena.kind"),
         *("plate.noise_low_hz", "plate.noise_high_hz"),  # of noise that there is not
+        *("plate.along_phase_deg", "plate.across_phase_deg"),  # of what there is not either
+        *("plate.gradient_toward_deg", "plate.rocking_toward_deg"),
         *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
         *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
     }

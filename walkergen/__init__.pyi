@@ -526,7 +526,8 @@ def calibrate(
 
     `calibrate --plate FILE.csv` takes what a phone's accelerometer recorded on the shaken plate (phyphox and others: a
     column of times, three of accelerations): frequency and amplitude of the drive, second harmonic, motion along the
-    plate and noise, each with its error, and a scene.toml that has them.
+    plate and noise, each with its error, and a scene.toml that has them. Three columns of a gyroscope beside them tell
+    how the amplitude changes over the plate, and how it rocks.
 
     `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
     drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate

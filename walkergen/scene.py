@@ -77,6 +77,10 @@ class Contact(Section):
         return "contact as given" if len(named) == 2 else f"{named[0]} as given, else {prior}"
 
 
+Phase = Annotated[float, Field(ge=-360, le=360)]
+"""Phase or direction, deg."""
+
+
 class Plate(Section):
     """The vibrating plate."""
 
@@ -91,6 +95,22 @@ class Plate(Section):
     """Root mean square height of the plate's bumps."""
     roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Wavelength of the bumps."""
+    along_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Amplitude of the plate's motion along x over the drive's, at the same frequency."""
+    along_phase_deg: Phase = 0.0
+    """Phase by which that motion leads the drive's."""
+    across_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    across_phase_deg: Phase = 0.0
+    """The same to the left of x."""
+    gradient_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Growth of the drive's amplitude with the distance from the start."""
+    gradient_toward_deg: Phase = 0.0
+    """Direction in which it grows, from x to the left."""
+    rocking_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Rocking of the plate about the start, a quarter of a period ahead of the drive: its amplitude in height, over
+    the drive's, at a mm from there."""
+    rocking_toward_deg: Phase = 0.0
+    """Direction in which it is so far ahead, from x to the left."""
 
     @model_validator(mode="after")
     def _band(self) -> "Plate":
@@ -100,6 +120,11 @@ class Plate(Section):
                 f"{self.noise_high_hz:g}: exchange them"
             )
         return self
+
+    @property
+    def sways(self) -> bool:
+        """Whether its points do not only move up and down alike."""
+        return any((self.along_ratio, self.across_ratio, self.gradient_percent_per_mm, self.rocking_percent_per_mm))
 
 
 class Arena(Section):
@@ -262,6 +287,9 @@ class Effects(Section):
     local_stiffness: bool | None = None
     unevenness: bool | None = None
     plate_noise: bool | None = None
+    plate_along: bool | None = None
+    plate_gradient: bool | None = None
+    plate_rocking: bool | None = None
     plate_roughness: bool | None = None
     tether: bool | None = None
     gyroscopic_torque: bool | None = None

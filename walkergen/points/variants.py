@@ -188,7 +188,7 @@ def _variant(walker: Walker, effect: str, change: str, values: Mapping[str, Any]
 def _possible(variant: Variant) -> Variant | None:
     """Variant that can be simulated; None for others."""
     try:
-        variant.walker.plan()
+        _short(variant.walker).plan()
     except InputError:
         return None
     return variant

@@ -20,6 +20,8 @@ def reason(scene: Scene, design: Design, mass: MassProperties) -> str:
     tests/test_standing.py.
     """
     drive, plate, contact = scene.drive, scene.plate, scene.contact
+    if plate.sways:
+        return ""
     frictions = [contact.friction if limb.friction is None else limb.friction for limb in design.limbs]
     if max(frictions) == 0.0 and plate.slope_deg == 0.0:
         return "without friction no foot pushes: the walker bounces in place"

@@ -131,10 +131,22 @@ READ = {
 """Keys of other tables that the surrogate reads, or that it draws."""
 
 
+SHAPED_BY = {
+    "roughness_length_mm": "roughness_um",
+    "noise_low_hz": "noise_ratio",
+    "noise_high_hz": "noise_ratio",
+    "along_phase_deg": "along_ratio",
+    "across_phase_deg": "across_ratio",
+    "gradient_toward_deg": "gradient_percent_per_mm",
+    "rocking_toward_deg": "rocking_percent_per_mm",
+}
+"""Keys of the plate that say nothing without a number."""
+
+
 def beyond(scene: Scene) -> list[str]:
     """Keys and values of a scene, as people write them, that the surrogate has never met.
 
-    What shapes noise or roughness counts only where there is some.
+    What shapes a number of the plate counts only where there is some.
     """
     reasons = []
     for name in type(scene).model_fields:
@@ -142,8 +154,7 @@ def beyond(scene: Scene) -> list[str]:
             continue
         table = getattr(scene, name)
         for key, field in type(table).model_fields.items():
-            idle = key == "roughness_length_mm" and scene.plate.roughness_um == 0.0
-            idle |= key.startswith("noise_") and scene.plate.noise_ratio == 0.0
+            idle = name == "plate" and getattr(table, SHAPED_BY.get(key, key)) == 0.0
             idle |= name == "tether" and scene.tether.stiffness_n_per_m == 0.0
             value = getattr(table, key)
             if key not in READ.get(name, ()) and not idle and value != field.default:

@@ -21,6 +21,7 @@ from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import ensemble, trajectory
+from walkergen.simulation.effects import swaying_plate
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL
@@ -64,8 +65,9 @@ class Measured(NamedTuple):
 def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
     """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
 
-    Raises InputError for a scene in which it cannot turn, and where too few runs end well.
+    Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
     """
+    swaying_plate.refuse(scene, "a card is of plates that move up and down alike everywhere")
     if scene.arena.kind != "plane":
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "

@@ -19,6 +19,7 @@ from walkergen.numerics import kernels
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import plan as plans
 from walkergen.simulation import record
+from walkergen.simulation.effects import swaying_plate
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
 from walkergen.simulation.space.model import turn_to
@@ -56,10 +57,11 @@ class CrowdPlan(NamedTuple):
 def on_plane(scene: Scene) -> Scene:
     """Scene of a walker in a crowd: free to turn, on ground that the dish bounds.
 
-    Raises InputError for headings at the start, which are drawn with the places.
+    Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
     """
     if scene.run.heading_deg != (0.0,):
         raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
+    swaying_plate.refuse(scene, "a crowd's plate moves up and down alike everywhere")
     walls = scene.arena.model_dump(include={"wall_friction", "wall_restitution"})
     return scene.model_copy(update={"arena": Arena(kind="plane", **walls)})
 

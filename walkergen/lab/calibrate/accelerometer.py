@@ -1,7 +1,8 @@
 """Recordings of an accelerometer on the plate, as apps of phones export them: times and three axes.
 
 Columns are told by their names: phyphox ("Time (s)", "Acceleration x (m/s^2)", "Linear Acceleration x (m/s^2)"),
-Physics Toolbox (time, ax or gFx), Sensor Logger (seconds_elapsed, x), and any others that name the same.
+Physics Toolbox (time, ax or gFx), Sensor Logger (seconds_elapsed, x), and any others that name the same. Columns of a
+gyroscope beside them (phyphox "Gyroscope x (rad/s)", Physics Toolbox wx) are read too.
 """
 
 import re
@@ -23,6 +24,10 @@ AXIS = re.compile(
     r"(\(?(?P<unit>m/s\^?2|m/s²|m s-2|g|mm/s\^?2)\)?)?",
     re.IGNORECASE,
 )
+RATE = re.compile(
+    r"(gyroscope|gyro|rotation[ _]*rate|w|omega)[ _]*(?P<axis>[xyz])[ _]*(\(?(?P<unit>rad/s|deg/s|°/s)\)?)?",
+    re.IGNORECASE,
+)
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 FEWEST, SLOWEST_S = 400, 0.1
@@ -38,6 +43,8 @@ class Recording(NamedTuple):
     """Accelerations along the phone's x, y and z, mm/s^2, shape (n, 3): with gravity upward, or without."""
     linear: bool
     """True where the app has taken gravity off."""
+    turned: Array | None = None
+    """Rates of turning about the phone's x, y and z, rad/s, shape (n, 3); None: not recorded."""
 
     @property
     def rate(self) -> float:
@@ -50,12 +57,14 @@ def read(path: Path) -> Recording:
     names = columns.header(path)
     time, unit = _time(names, path)
     axes, linear, scale = _axes(names, path)
-    found = columns.read(path, [time, *axes])
+    rates, radians = _rates(names)
+    found = columns.read(path, [time, *axes, *rates])
     times = SECONDS[unit] * found.values[time]
     felt = scale * np.column_stack([found.values[axis] for axis in axes])
     order = np.argsort(times, kind="stable")
     order = order[np.append(True, np.diff(times[order]) > 0.0)]  # a sample that is told twice counts once
-    recording = Recording(times[order] - times[order[0]], felt[order], linear)
+    turned = radians * np.column_stack([found.values[name] for name in rates])[order] if rates else None
+    recording = Recording(times[order] - times[order[0]], felt[order], linear, turned)
     if len(order) < FEWEST:
         raise InputError(f"{path}: {len(order)} samples: must be at least {FEWEST}; record for half a minute")
     if 1.0 / recording.rate > SLOWEST_S:
@@ -87,6 +96,15 @@ def _axes(names: list[str], path: Path) -> tuple[list[str], bool, float]:
     raise InputError(
         f"{path}: no three axes of accelerations, as 'Acceleration x (m/s^2)'; columns seen: {_listed(names)}"
     )
+
+
+def _rates(names: list[str]) -> tuple[list[str], float]:
+    """Names of the three axes of a gyroscope, none where they are not all there, and rad/s of their unit."""
+    found = {match["axis"].lower(): (name, match["unit"]) for name in names if (match := RATE.fullmatch(name.strip()))}
+    if len(found) < 3:
+        return [], 1.0
+    unit = (found["x"][1] or "rad/s").lower()
+    return [found[axis][0] for axis in "xyz"], 1.0 if unit == "rad/s" else np.pi / 180.0
 
 
 def _listed(names: list[str]) -> str:

@@ -1,8 +1,10 @@
-"""A plate's drive from an accelerometer that rides on it: frequency, amplitude, harmonic, motion along, noise.
+"""A plate's drive from a phone that rides on it: frequency, amplitude, harmonic, motion along, rocking, noise.
 
 The recording is cut into equal pieces. In each, sines at the drive's frequency and its multiples are fitted to the
 acceleration along gravity and across it; pieces differ by noise and by drifts, which the errors come from (Student's
 t). Phases are those of `drive`: the plate is at A [sin(phi) + r sin(2 phi + s)], and along it at q A sin(phi + p).
+A gyroscope tells slopes: heights beside the phone's are A (g . r sin(phi) + k . r cos(phi)), with the gradient g of the
+amplitude and the rocking k; x and y of the scene are the phone's as it lies, on its back y to the left of x.
 What moves beside the sines is integrated to a velocity in the band of the scene's noise; the phone's own is in it.
 """
 
@@ -45,8 +47,14 @@ NYQUIST = 0.5
 USED = 0.8
 """Share of half the rate up to which a spectrum counts: phones damp what is close to it."""
 
-LEAST_NOISE = 0.01
-"""Noise over the drive's peak speed from which a scene has it: phones alone make less."""
+LEAST = {
+    "plate.noise_ratio": (0.01, ""),
+    "plate.along_ratio": (0.005, "plate.along_phase_deg"),
+    "plate.across_ratio": (0.005, "plate.across_phase_deg"),
+    "plate.gradient_percent_per_mm": (0.005, "plate.gradient_toward_deg"),
+    "plate.rocking_percent_per_mm": (0.005, "plate.rocking_toward_deg"),
+}
+"""Least numbers that a scene has, with what shapes them: phones alone make as much noise, and less moves no walker."""
 
 UPRIGHT = 0.8
 """Upward part of the phone's x axis beyond which its y axis stands for it: the phone lies on its side."""
@@ -72,7 +80,8 @@ class Sines(NamedTuple):
     upward: Complex
     """Amplitudes (mm/s^2) of upward accelerations, shape (pieces, MULTIPLES)."""
     sideways: Complex
-    """Of those along both axes of the plate, at the drive's frequency, shape (pieces, 2)."""
+    """Of those along both axes of the plate, at the drive's frequency, and of rates (rad/s) of turning about both, if
+    known: shape (pieces, 2) or (pieces, 4)."""
     rest: Array
     """What the upward acceleration has beside them, shape (n,), mm/s^2."""
 
@@ -84,9 +93,10 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
     recording = accelerometer.read(path)
     rows, notes = measure(recording, scene, str(path))
     settings = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
-    if settings.get("plate.noise_ratio", 1.0) < LEAST_NOISE:
-        del settings["plate.noise_ratio"]
-        notes.append(f"noise below {100 * LEAST_NOISE:g} % of the drive's speed is a phone's own: not set")
+    for key, (least, shaped) in LEAST.items():
+        if settings.get(key, least) < least:
+            settings = {name: value for name, value in settings.items() if name not in (key, shaped)}
+            notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
     if "plate.noise_ratio" in settings:
         settings |= {"plate.noise_high_hz": min(scene.plate.noise_high_hz, math.floor(_highest(recording.rate)))}
     description = f"As {scene.name}, measured: {path.name[:200]}"
@@ -150,18 +160,17 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     beyond = f"not seen at {rate:.0f} samples a second: at {2 * frequency:.4g} Hz it looks like another"
     refused = "" if 2.0 * frequency < _highest(rate) else beyond
     rows += _sine("second harmonic", second, "drive.second_harmonic_ratio", "drive.second_harmonic_phase_deg", refused)
-    for axis, own in zip("xy", sines.sideways.T, strict=True):
-        rows += _sine(f"motion along the phone's {axis}", own * np.conj(unit) / size, "", "", "")
+    for axis, key, own in zip("xy", ("along", "across"), sines.sideways.T[:2], strict=True):
+        keys = f"plate.{key}_ratio", f"plate.{key}_phase_deg"
+        rows += _sine(f"motion along the phone's {axis}", own * np.conj(unit) / size, *keys, "")
+    rows += _uneven(sines.sideways[:, 2:], unit, size / omega)
     rows.append(Row("noise", _noise(sines.rest, recording, scene, omega, float(size.mean())), "plate.noise_ratio"))
     return rows, _notes(recording, frequency, gravity, scene)
 
 
 def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
     """What the numbers leave open."""
-    rate, notes = (
-        recording.rate,
-        ["rocking is not seen from one place, and motion along the plate is no part of a scene"],
-    )
+    rate, notes = (recording.rate, ["x of the scene is the phone's, lying on its back: along the lane"])
     if recording.linear:
         notes.append(
             "gravity is taken off: up is the axis that shakes most, and the harmonic's phase may be off by 180 deg"
@@ -177,8 +186,24 @@ def _notes(recording: Recording, frequency: float, gravity: float | None, scene:
     return notes
 
 
+def _uneven(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
+    """Gradient of the amplitude and rocking, by rates (rad/s) of turning about x and y of the plate, shape (pieces, 2).
+
+    `speed`: the plate's peak speed (mm/s). A plate that turns at W about x and y rises at W_x y - W_y x.
+    """
+    refused = "" if rates.size else "an accelerometer in one place does not see it: record the gyroscope too"
+    x, y = np.stack([-rates[:, 1], rates[:, 0]]) * 100j * np.conj(unit) / speed if rates.size else np.zeros((2, PIECES))
+    rows = []
+    for name, part in (("gradient", np.real), ("rocking", np.imag)):
+        keys = f"plate.{name}_percent_per_mm", f"plate.{name}_toward_deg"
+        rows += _sine(name, part(x) + 1j * part(y), *keys, refused, "%/mm", "direction")
+    return rows
+
+
 def _turned(recording: Recording) -> tuple[Array, Array, float | None]:
-    """Upward accelerations, shape (n,), those along the plate, shape (n, 2), and gravity (mm/s^2; None: taken off)."""
+    """Upward accelerations, shape (n,), those along the plate, then what it turns about the same axes, if known, shape
+    (n, 2) or (n, 4), and gravity (mm/s^2; None: taken off).
+    """
     mean = recording.felt.mean(axis=0)
     moved = recording.felt - mean
     if recording.linear:
@@ -189,7 +214,9 @@ def _turned(recording: Recording) -> tuple[Array, Array, float | None]:
     first = np.eye(3)[int(abs(up[0]) > UPRIGHT)]
     first = first - (first @ up) * up
     first /= np.linalg.norm(first)
-    return moved @ up, moved @ np.column_stack([first, np.cross(up, first)]), gravity
+    axes = np.column_stack([first, np.cross(up, first)])
+    sideways = [moved @ axes] if recording.turned is None else [moved @ axes, recording.turned @ axes]
+    return moved @ up, np.hstack(sideways), gravity
 
 
 def _frequency(recording: Recording, upward: Array, source: str) -> tuple[float, float]:
@@ -238,20 +265,23 @@ def _mean(key: str, unit: str, values: Array) -> Quantity:
     )
 
 
-def _sine(name: str, waves: Complex, ratio: str, phase: str, refused: str) -> list[Row]:
+def _sine(
+    name: str, waves: Complex, ratio: str, phase: str, refused: str, unit: str = "", turn: str = "phase"
+) -> list[Row]:
     """Amplitude over the drive's, and phase, of a sine beside it; declined, or of none that differs from 0."""
     mean, root = complex(waves.mean()), math.sqrt(len(waves))
     turned = waves * np.exp(-1j * np.angle(mean))
     along, across = (float(part.std(ddof=1)) / root for part in (turned.real, turned.imag))
     size, freedom = abs(mean), len(waves) - 1.0
     if not refused and size < SIGNIFICANT * max(along, across):
-        refused = f"not told from 0: below {size + 2.0 * along:.2g} of the drive's amplitude (95 %)"
+        of = unit or "of the drive's amplitude"
+        refused = f"not told from 0: below {size + 2.0 * along:.2g} {of} (95 %)"
     if refused:
-        sizes, turns = (Quantity(key, unit, None, refused=refused) for key, unit in (("ratio", ""), ("phase", "deg")))
+        sizes, turns = (Quantity(key, of, None, refused=refused) for key, of in (("ratio", unit), (turn, "deg")))
     else:
-        sizes = Quantity("ratio", "", size, along, freedom)
-        turns = Quantity("phase", "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
-    return [Row(name, sizes, ratio), Row(f"phase of {name}", turns, phase)]
+        sizes = Quantity("ratio", unit, size, along, freedom)
+        turns = Quantity(turn, "deg", math.degrees(np.angle(mean)), math.degrees(across / size), freedom)
+    return [Row(name, sizes, ratio), Row(f"{turn} of {name}", turns, phase)]
 
 
 def _highest(rate: float) -> float:

@@ -9,13 +9,14 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel, lean
-from walkergen.simulation.effects import air_drag, noise, rotor, roughness, slope, tether, turning
+from walkergen.simulation.effects import air_drag, noise, rotor, roughness, slope, sway, tether, turning
 from walkergen.simulation.effects.air_drag import Air
-from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, Case
+from walkergen.simulation.effects.effect import ALONG, GRADIENT, GYROSCOPIC, MOTOR, ROCKING, Case
 from walkergen.simulation.effects.noise import Noise
 from walkergen.simulation.effects.rotor import Rotor
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
+from walkergen.simulation.effects.sway import Sway
 from walkergen.simulation.effects.tether import Spring
 
 _drag, _drag_in_space = air_drag.force, air_drag.force_in_space
@@ -38,6 +39,8 @@ class Acting(NamedTuple):
     """Noise of one run, which draws it."""
     roughness: Roughness | None = None
     """Surface of one run, which draws it."""
+    sway: Sway | None = None
+    """Motion of the plate along itself, and what makes its height differ from place to place."""
     tether: Spring | None = None
     motor: Rotor | None = None
 
@@ -52,9 +55,19 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
     return acts._replace(
         noise=noise.OFF,
         roughness=roughness.OFF,
+        sway=_sway(case, on),
         tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
         motor=_rotor(case, on) if on(MOTOR) else rotor.OFF,
     )
+
+
+def _sway(case: Case, on: Callable[[str], bool]) -> Sway:
+    """Sway of a case's plate."""
+    if not (on(ALONG) or on(GRADIENT) or on(ROCKING)):
+        return sway.OFF
+    from walkergen.simulation.effects import swaying_plate
+
+    return swaying_plate.parameters(case, on(ALONG), on(GRADIENT), on(ROCKING))
 
 
 def _rotor(case: Case, on: Callable[[str], bool]) -> Rotor:

@@ -13,6 +13,7 @@ from walkergen.walker.mass import MassProperties
 ModelName = Literal["rigid", "relaxed", "compliant", "space"]
 
 WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
+ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
 """Effects whose modules are imported with the first scene that calls for them."""
 
 METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"}

@@ -16,6 +16,10 @@ OF_NUMBERS: Mapping[str, tuple[str, ...]] = {
     "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
     "plate.noise_ratio": ("plate.noise_low_hz", "plate.noise_high_hz"),
     "plate.roughness_um": ("plate.roughness_length_mm",),
+    "plate.along_ratio": ("plate.along_phase_deg",),
+    "plate.across_ratio": ("plate.across_phase_deg",),
+    "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
+    "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
     "tether.stiffness_n_per_m": (
         *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
         *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),

@@ -1,6 +1,6 @@
 """Rules of effects: those that a scene may call for, and every one.
 
-Walls, lid, noise and motor are imported with the first scene that has them.
+Walls, lid, noise, sway and motor are imported with the first scene that has them.
 """
 
 from walkergen.simulation.effects import (
@@ -18,7 +18,18 @@ from walkergen.simulation.effects import (
     twist,
     unevenness,
 )
-from walkergen.simulation.effects.effect import GYROSCOPIC, LID, MOTOR, NOISE, WALLS, Case, Rule
+from walkergen.simulation.effects.effect import (
+    ALONG,
+    GRADIENT,
+    GYROSCOPIC,
+    LID,
+    MOTOR,
+    NOISE,
+    ROCKING,
+    WALLS,
+    Case,
+    Rule,
+)
 
 COMMON: tuple[Rule, ...] = (
     tensor.RULE,
@@ -40,7 +51,7 @@ COMMON: tuple[Rule, ...] = (
 )
 """Rules that are judged in every scene, in the order in which `explain` shows them."""
 
-RARE = (WALLS, LID, NOISE, MOTOR, GYROSCOPIC)
+RARE = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
 """Names of the effects of all other rules."""
 
 
@@ -59,6 +70,11 @@ def of(case: Case) -> tuple[Rule, ...]:
         from walkergen.simulation.effects import noisy_plate
 
         rules.append(noisy_plate.RULE)
+    effects = scene.effects
+    if scene.plate.sways or effects.plate_along or effects.plate_gradient or effects.plate_rocking:
+        from walkergen.simulation.effects import swaying_plate
+
+        rules += swaying_plate.RULES
     if scene.drive.kind == "motor" or scene.effects.gyroscopic_torque:
         from walkergen.simulation.effects import motor
 
@@ -68,6 +84,6 @@ def of(case: Case) -> tuple[Rule, ...]:
 
 def every() -> tuple[Rule, ...]:
     """All rules, also of effects that a scene has not."""
-    from walkergen.simulation.effects import lid, motor, noisy_plate, walls
+    from walkergen.simulation.effects import lid, motor, noisy_plate, swaying_plate, walls
 
-    return (*COMMON, walls.RULE, lid.RULE, noisy_plate.RULE, motor.RULE, motor.SPIN_RULE)
+    return (*COMMON, walls.RULE, lid.RULE, noisy_plate.RULE, *swaying_plate.RULES, motor.RULE, motor.SPIN_RULE)

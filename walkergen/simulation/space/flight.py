@@ -13,6 +13,7 @@ from walkergen.simulation.drive import derivative_bound, moved_on
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
+from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull, strongest
 from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn
 from walkergen.simulation.space.state import (
@@ -41,6 +42,7 @@ TURN = 0.02
 LEFT_BEHIND = 1.75
 """Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
 
+_sways, _sway_motion, _sway_bounds = sways.moves, sways.motion, sways.bounds
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
 _motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
 _motor_strongest = motors.strongest
@@ -179,6 +181,22 @@ def _pull(world, state, work, t):
 
 
 @lean
+def _swept(world, state, work, k, side, speed):
+    """Upper bounds of what a plate that sways adds to the velocity (mm/s) and to the acceleration (mm/s^2) at which
+    contact k, which moves at `speed`, and the surface on its `side` close, in the longest flight.
+    """
+    R, at, omega, sway = work.R, work.points[k].at, world.drive.omega, world.acting.sway
+    far, slope = _sway_bounds(sway)
+    x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2]
+    z = state[C_Z] + R[2, 0] * at[0] + R[2, 1] * at[1] + R[2, 2] * at[2]
+    _, lifted, _, _, _, _ = _sway_motion(sway, omega, state[PHASE], x, z)
+    along = speed + omega * far
+    reach = math.sqrt(x * x + z * z) + along * world.options.step * 2.0 ** (len(world.walker.flights) - 1)
+    faster = side * lifted + slope * (along + omega * far)
+    return faster, omega * slope * (omega * (reach + far) + 2.0 * along)
+
+
+@lean
 def clear_time(world, state, work, longest):
     """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
     walker, R, points, now = world.walker, work.R, work.points, work.now
@@ -189,6 +207,10 @@ def clear_time(world, state, work, longest):
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
     push = _motor_push(motor, walker.mass)
     force, torque = _strongest_pull(world, state, work, fall + push)
+    swaying, far, fastest = _sways(world.acting.sway), 0.0, 0.0
+    if swaying:
+        far, _ = _sway_bounds(world.acting.sway)
+        fastest = world.drive.omega * far
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
@@ -196,7 +218,7 @@ def clear_time(world, state, work, longest):
             continue
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
-            clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
+            clear = gap / (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300) + fastest)
             if motor_acts:
                 drawn = LEFT_BEHIND * _thrown(walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2])
                 root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
@@ -206,8 +228,11 @@ def clear_time(world, state, work, longest):
             closing = side * (lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z))
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k, side)
             if steep > 0.0:
-                closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
+                closing += steep * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + fastest)
             drawn = fall + _drawn(walker, points, k, force, torque)
+            if swaying:
+                faster, stronger = _swept(world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z))
+                closing, drawn = closing + faster, drawn + stronger
             if motor_acts:
                 thrown = _thrown(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
                 drawn += LEFT_BEHIND * (thrown + steep * push)

@@ -10,13 +10,15 @@ from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import acceleration
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import rotor as motors
+from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
 from walkergen.simulation.space.flight import leave_behind, pass_time, thrown_leg
 from walkergen.simulation.space.forces import resist
-from walkergen.simulation.space.pose import locate, normal_of, place, turn
-from walkergen.simulation.space.state import C_X, LEGS, NOISE, PHASE, V_X, W_X
+from walkergen.simulation.space.pose import locate, normal_of, place, swayed, turn
+from walkergen.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 
 _noise_acceleration = noises.acceleration
+_sways, _sway_motion = sways.moves, sways.motion
 _motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torque
 
 
@@ -153,12 +155,13 @@ def _directions(world, state, work, near, lifted, h, t, m):
     spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
     shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
     roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
+    sway, tilted = _sways(world.acting.sway), swayed(world, state)
     b_x, b_y, b_z = _thrown_about(work.now, work.thrown)
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
         k = near[i].number
-        n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
+        n_x, n_y, n_z = normal_of(roughness, tilted, place[k], state, R, points, k)
         a_x, a_y, a_z = _bend(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         if moved:
             a_x, a_y, a_z = a_x + b_x, a_y + b_y, a_z + b_z
@@ -186,11 +189,40 @@ def _directions(world, state, work, near, lifted, h, t, m):
             bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
             near[i].speed[p] = -upright * lifted - 0.5 * t * bent
             near[i].drift[p] = bent - upright * lifting
+            if sway:
+                _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z)
         near[i].friction = friction[k]
         near[i].k_n, near[i].k_t = spring[k, 0], spring[k, 1]
         near[i].c_n = damper[k]
         resist(near, i, h, near[i].k_n)
     _move_by(J, work.MJ, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
+
+
+@lean
+def _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
+    """Take off, along direction d (world) of near contact i, what the place under it moves beside the plate's middle
+    in a frame of t seconds.
+    """
+    near, R, at = work.near, work.R, work.points[work.near[i].number].at
+    x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2] - tilted[0]
+    z = state[C_Z] + R[2, 0] * at[0] + R[2, 1] * at[1] + R[2, 2] * at[2] - tilted[1]
+    v_x, v_y, v_z, a_x, a_y, a_z = _sway_motion(world.acting.sway, world.drive.omega, state[PHASE], x, z)
+    sweeping = d_x * a_x + d_y * a_y + d_z * a_z
+    swept = d_x * v_x + d_y * v_y + d_z * v_z - 0.5 * t * sweeping
+    near[i].swept[p], near[i].sweeping[p] = swept, sweeping
+    near[i].speed[p] -= swept
+    near[i].drift[p] -= sweeping
+
+
+@lean
+def sway_work(near, m, t):
+    """Work (g mm^2/s^2) of a plate on m contacts in a frame of t seconds, by what it moves beside its middle."""
+    total = 0.0
+    for i in range(m):
+        for p in range(3):
+            impulse, carried = near[i].impulse[p], near[i].carried[p]
+            total += near[i].swept[p] * impulse + near[i].sweeping[p] * (t * impulse - carried)
+    return total
 
 
 @lean

@@ -7,6 +7,7 @@ from walkergen.simulation.drive import TWO_PI, height, velocity
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
+from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.space.state import (
     C_X,
     C_Y,
@@ -30,21 +31,30 @@ from walkergen.simulation.space.state import (
 
 _noise_height, _noise_velocity = noises.height, noises.velocity
 _bumps = rough.surface
+_sways, _swayed = sways.moves, sways.at
 _motor_acts, _swing_of_motor = motors.acts, motors.swing
 
 
 @lean
 def plate_height(world, state):
-    """Height of the plate, mm, without its roughness."""
+    """Height of the plate's middle, mm, without its roughness."""
     shaken = height(world.drive, state[PHASE])
     return shaken + _noise_height(world.acting.noise, state[NOISE])
 
 
 @lean
 def plate_velocity(world, state):
-    """Vertical velocity of the plate, mm/s."""
+    """Vertical velocity of the plate's middle, mm/s."""
     shaken = velocity(world.drive, state[PHASE])
     return shaken + _noise_velocity(world.acting.noise, state[NOISE])
+
+
+@lean
+def swayed(world, state):
+    """Displacements of the plate along x and z, mm, and its slopes along both, as it sways."""
+    if not _sways(world.acting.sway):
+        return 0.0, 0.0, 0.0, 0.0
+    return _swayed(world.acting.sway, state[PHASE])
 
 
 @lean
@@ -120,6 +130,7 @@ def locate(world, state, work):
     if _motor_acts(world.acting.motor):
         o_x, o_y, o_z = o_x - work.thrown[0, 0], o_y - work.thrown[0, 1], o_z - work.thrown[0, 2]
     plate = plate_height(world, state)
+    s_x, s_z, t_x, t_z = swayed(world, state)
     for k in range(len(walker.leg)):
         leg, side, point = walker.leg[k], walker.side[k], work.points[k]
         p_x, p_y, p_z = walker.root[k, 0] + o_x, walker.root[k, 1] + o_y, walker.root[k, 2] + o_z
@@ -138,34 +149,36 @@ def locate(world, state, work):
             bend[0], bend[1] = -(r_y + s * n_y), r_x + s * n_x
             twisted[0], twisted[1], twisted[2] = c * n_x, c * n_y, -s
         point.at[0], point.at[1], point.at[2] = p_x, p_y, p_z
-        x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z
-        z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
+        x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z - s_x
+        z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z - s_z
         if walker.place[k] > 0.0:
             point.gap = walker.place[k] - abs(z)
         else:
             y = state[C_Y] + R[1, 0] * p_x + R[1, 1] * p_y + R[1, 2] * p_z
+            under = plate + (t_x * x + t_z * z)
             if walker.place[k] < 0.0:
-                point.gap = plate - walker.place[k] - y
+                point.gap = under - walker.place[k] - y
             else:
                 bump, _, _ = _bumps(world.acting.roughness, x, z)
-                point.gap = y - plate - bump
+                point.gap = y - under - bump
 
 
 @lean
-def normal_of(roughness, place, state, R, points, k):
-    """Normal of the surface at contact k, in the world; vertical part 1 on a rough plate.
+def normal_of(roughness, swayed, place, state, R, points, k):
+    """Normal of the surface at contact k, in the world; vertical part 1 on a plate that is rough or tilts.
 
-    `place` is that of its walls (0: none), as in `Walker`.
+    `place` is that of its walls (0: none), as in `Walker`; `swayed` what the function of this name gives.
     """
+    s_x, s_z, t_x, t_z = swayed
     if place < 0.0:
-        return 0.0, -1.0, 0.0
+        return t_x, -1.0, t_z
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
-    z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
+    z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z - s_z
     if place > 0.0:
         return 0.0, 0.0, -1.0 if z > 0.0 else 1.0
-    x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z
+    x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z - s_x
     _, slope_x, slope_z = _bumps(roughness, x, z)
-    return -slope_x, 1.0, -slope_z
+    return -slope_x - t_x, 1.0, -slope_z - t_z
 
 
 @lean
@@ -204,4 +217,6 @@ def lowest_corner(world, state, work):
     if _motor_acts(world.acting.motor):
         thrown = work.thrown
         lowest -= R[1, 0] * thrown[0, 0] + R[1, 1] * thrown[0, 1] + R[1, 2] * thrown[0, 2]
-    return state[C_Y] + lowest - plate_height(world, state)
+    s_x, s_z, t_x, t_z = swayed(world, state)
+    under = plate_height(world, state) + (t_x * (state[C_X] - s_x) + t_z * (state[C_Z] - s_z))
+    return state[C_Y] + lowest - under

@@ -153,6 +153,9 @@ NEAR = np.dtype(
             ("middle", np.float64, 3),  # the same with them
             ("force", np.float64, 3),  # g mm/s^2
             ("drift", np.float64, 3),  # accelerations by all but contacts and legs
+            # of the place under it beside the plate's middle: velocity as a frame begins, acceleration in it
+            ("swept", np.float64, 3),
+            ("sweeping", np.float64, 3),
             ("impulse", np.float64, 3),  # since the frame began, g mm/s
             ("carried", np.float64, 3),  # integrals of the impulses, g mm
         ],

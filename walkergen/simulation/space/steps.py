@@ -12,11 +12,20 @@ from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.effects import rotor as motors
+from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.effects.acting import across, placed
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
-from walkergen.simulation.space.frame import accelerate, halfway, load, motor_work, plate_acceleration, stiffen
+from walkergen.simulation.space.frame import (
+    accelerate,
+    halfway,
+    load,
+    motor_work,
+    plate_acceleration,
+    stiffen,
+    sway_work,
+)
 from walkergen.simulation.space.landings import leave, settle
 from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_height, plate_velocity, turn
 from walkergen.simulation.space.state import (
@@ -50,7 +59,7 @@ DOZE = 2.7
 """Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
 slope the plate's motion changes what friction has to hold."""
 
-_motor_acts = motors.acts
+_motor_acts, _sways = motors.acts, sways.moves
 
 TURN_OF_MOTOR = 0.5
 """Largest turn of a motor in a flight, rad."""
@@ -249,6 +258,8 @@ def _frame(world, state, work, begin, h, count, tally):
     load(world, work, lifted, h, t, m)
     lifting = plate_acceleration(world, work.midway)
     _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    if _sways(world.acting.sway):
+        tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
     _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)
     pass_time(world, state, t)
 
@@ -322,6 +333,7 @@ def advance_in(world, state, work, duration, tally):
     begin, t = sums[record.ELAPSED], 0.0
     gentle = strongest_throw(world) < across(world.acting)
     gentle = gentle and not placed(world.acting) and not _motor_acts(world.acting.motor)
+    gentle = gentle and not _sways(world.acting.sway)
     period = TWO_PI / world.drive.omega
     instant, patience = INSTANT * period, DOZE * period
     if begin == 0.0:  # landings under way count from the record's beginning
