@@ -1,12 +1,15 @@
 """The one reader of people's files: what it forgives, what it refuses, what it leaves alone."""
 
+import csv
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import walkergen as wg
 from walkergen.errors import InputError
-from walkergen.files import columns, config, reading
+from walkergen.files import columns, config, reading, tables
 from walkergen.walker.design import Design
 
 
@@ -51,6 +54,12 @@ def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
     path.write_text("a\n1\n")
     with pytest.raises(ValueError, match="mine"):
         [int(f"mine {line}") for line in reading.lines(path, "a CSV file")]
+
+
+@given(st.text(alphabet="ab,'\"=- .\t\v\f\x1c\u2028é", max_size=12), st.sampled_from(["", "\n"]))
+def test_cells_are_those_of_the_csv_module_and_apostrophes_before_formulas_go(text, end):
+    by_module = [tables.unquoted(cell) for cell in next(csv.reader([text + end]), [])]
+    assert columns.cells(text + end, "some.csv", 1) == by_module
 
 
 def test_records_are_cells_by_column_and_line():

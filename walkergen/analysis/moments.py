@@ -185,8 +185,8 @@ def kept(values: npt.NDArray[Any], free: npt.NDArray[np.bool_] | None) -> npt.ND
 
 def planar(track: Track) -> Complex:
     """Position x + i y, mm, shape (times,); NaN where the walker was not seen; y = 0 in a lane."""
-    result: Complex = track.position @ np.array([1.0, 1.0j])[: track.position.shape[1]]
-    return result
+    x = track.position[:, 0]
+    return x + 1.0j * track.position[:, 1] if track.position.shape[1] == 2 else x.astype(complex)
 
 
 def direction(track: Track, step: int) -> Complex:

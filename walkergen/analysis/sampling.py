@@ -187,7 +187,7 @@ def _assemble(path: Path, table: Columns, steps: Array, tick: float) -> Tracks:
             f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
         )
     tracks = tuple(
-        _track(path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate)._replace(
+        _track(path, int(name), group, (steps[group] - steps[group[0]]) // stride, position, heading, plate)._replace(
             start=int(steps[group[0]] // stride)
         )
         for name, group in zip(names, groups, strict=True)
@@ -204,7 +204,7 @@ def _track(
     heading: Array | None,
     plate: Array,
 ) -> Track:
-    at = places[rows].astype(np.int64)
+    at = places.astype(np.int64)
     grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)
     grid[at] = position[rows]
     angles = None

@@ -31,6 +31,10 @@ LARGEST, SMALLEST = 1e12, 1e-12
 """Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
 CHUNK = 100_000
 """Lines that are parsed at once."""
+
+PLAIN = re.compile(r"""[^"'\r\n]{1,99999}\n?""").fullmatch
+"""Lines whose cells are what stands between commas; a line may be longer than what the csv module reads of a cell."""
+
 SEPARATE = "separate cells by commas and write numbers with a decimal point"
 """What to do with tables of programs that speak other languages."""
 NAMED = 5
@@ -212,6 +216,8 @@ def _crowded(chunk: Sequence[str], first: int, source: str, count: int) -> dict[
 
 def cells(line: str, source: str, at: int) -> list[str]:
     """Cells of a line, of which there are none in an empty one; raises InputError."""
+    if PLAIN(line):  # as below, in a third of the time
+        return line.removesuffix("\n").split(",")
     try:
         return [unquoted(cell) for cell in next(csv.reader([line]), [])]
     except csv.Error as error:
