@@ -62,8 +62,8 @@ THROUGH = trimesh.creation.box((4.0, 4.0, 40.0))
     ("kind", "expected", "note"),
     [
         ("NegativeVolume", VOLUME - 48.0, "cut 1 negative volumes away"),
-        ("ParameterModifier", VOLUME, "left out 1 modifier or support"),
-        ("SupportEnforcer", VOLUME, "left out 1 modifier or support"),
+        ("ParameterModifier", VOLUME, "left out 1 part that does not print"),
+        ("SupportEnforcer", VOLUME, "left out 1 part that does not print"),
     ],
 )
 def test_volumes_that_slicers_note_are_not_printed(tmp_path, kind, expected, note):
@@ -91,7 +91,16 @@ def test_supports_are_not_weighed(tmp_path):
     )
     weighed = weigh(archive(tmp_path, shapes, '<item objectid="1"/><item objectid="2"/>'), 1.24, 1.0)
     assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
-    assert weighed.notes == ("left out 1 modifier or support",)
+    assert weighed.notes == ("left out 1 part that does not print",)
+
+
+@pytest.mark.parametrize("word", ["0", "false"])
+def test_items_that_are_switched_off_are_not_weighed(tmp_path, word):
+    shapes = "".join(f'<object id="{at}">{mesh_xml(solid)}</object>' for at, solid in ((1, BOX), (2, POST)))
+    items = f'<item objectid="1" printable="1"/><item objectid="2" printable="{word}"/>'
+    weighed = weigh(archive(tmp_path, shapes, items), 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert weighed.notes == ("left out 1 part that does not print",)
 
 
 @pytest.mark.parametrize("written", ["{}", "0{}", "+{}", " {}"])

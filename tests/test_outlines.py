@@ -341,6 +341,12 @@ def frame(space, _):
     space.add_lwpolyline([(-20, -20), (277, -20), (277, 190), (-20, 190)], close=True)
 
 
+def dots(space, _):
+    space.add_circle((5, 5), 5)
+    space.add_line((1, 1), (1, 1))
+    space.add_line((1, 1), (1, 1 + 1e-9))
+
+
 def unplotted(space, document):
     document.layers.add("frame").dxf.plot = 0
     space.add_circle((0, 0), 5)
@@ -356,6 +362,7 @@ def unplotted(space, document):
         (fitted_spline, 56.0 * math.pi, None),
         (lambda space, _: space.add_ellipse((0, 0), (14, 0), 4 / 14, 0.0, 0.0), 56.0 * math.pi, None),
         (unplotted, 25.0 * math.pi, None),
+        (dots, 25.0 * math.pi, None),
         (twice, 100.0 - 4.0 * math.pi, "left out 2 lines that are drawn twice"),
         (gap, 224.0, "closed a gap of 0.002 at (28, 0) of the drawing"),
         (frame, 224.0, "left out a frame of 297 x 210 mm, a sheet of paper"),
@@ -365,6 +372,14 @@ def test_dxf_as_programs_write_it(tmp_path, draw, expected, note):
     outline = outlines.from_file(dxf(tmp_path, draw))
     assert total(outline.polygons) == pytest.approx(expected, rel=3e-4)  # the fitted spline's own error: 2e-4
     assert note in (outline.notes or (None,))
+
+
+def test_a_byte_order_mark_begins_no_other_dxf(tmp_path):
+    path = dxf(tmp_path, lambda space, _: space.add_circle((0, 0), 5))
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert total(from_file(path)) == pytest.approx(25.0 * math.pi, rel=1e-3)
+    path.write_text("no drawing")
+    assert str(tmp_path.parent) not in refused(InputError, "its first lines", of=lambda: from_file(path))
 
 
 @pytest.mark.parametrize(("units", "mm"), [(8, 25.4e-6), (9, 0.0254), (21, 1200e3 / 3937), (22, 1e5 / 3937)])

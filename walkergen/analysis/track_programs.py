@@ -58,6 +58,9 @@ def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
         if "," in line:
             raise InputError(f"{path}:{at}: a comma seen in {plain.line(line.strip())[:40]!r}: {columns.SEPARATE}")
         cells = line.split() if mark == " " else line.rstrip("\n").split(mark)
+        if mark == " " and 0 < len(cells) < len(header.split()):
+            words = f"{len(cells)} words, the header has {len(header.split())}"
+            raise InputError(f"{path}:{at}: {words}: separate cells by commas where names hold spaces or cells nothing")
         yield ",".join(cells) + "\n"
 
 

@@ -4,6 +4,7 @@ Curves are flattened from their own equations: ezdxf's general path of an entity
 by cubic curves, 3e-4 of the radius beside them.
 """
 
+import codecs
 import io
 import itertools
 import math
@@ -102,8 +103,8 @@ def _without_dates() -> Iterator[None]:
 def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
-    Lines and curves that meet within GAP are joined; layers that are hidden or do not plot, and
-    ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a sheet. `scale_mm`
+    Lines and curves that meet within GAP are joined, shorter ones draw nothing; layers that are hidden
+    or do not plot, and ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a sheet. `scale_mm`
     (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
     InputError, which begins with `source`, for a file that is no DXF, states no unit while `scale_mm`
     is None, or holds open or branching lines, or anything else than plane curves.
@@ -121,7 +122,9 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     if not entities:
         return Drawing([])
     size = _size(entities, source)
-    curves, doubles = _once([_points(entity, FLATNESS * size, source) for entity in entities], GAP * size)
+    drawn = (_points(entity, FLATNESS * size, source) for entity in entities)
+    visible = [curve for curve in drawn if not np.ptp(curve, axis=0).max() <= GAP * size]  # NaN is told of below
+    curves, doubles = _once(visible, GAP * size)
     contours, notes = _joined(curves, size, source)
     contours, frames = _without_frame([scale * contour for contour in contours])
     if doubles:
@@ -164,11 +167,13 @@ def _document(data: bytes) -> "documents.Drawing":
 
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "drawing.dxf"
-        copy.write_bytes(data)
+        copy.write_bytes(data.removeprefix(codecs.BOM_UTF8))
         try:
             return ezdxf.readfile(copy)
         except StopIteration:
             raise ValueError("it breaks off") from None
+        except OSError:  # names the copy
+            raise ValueError("its first lines are not those of one") from None
 
 
 def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:

@@ -167,7 +167,7 @@ def _left_out(parts: list[Part]) -> list[str]:
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
     if roles["other"]:
-        notes.append(f"left out {words.count(roles['other'], 'modifier or support', 'modifiers or supports')}")
+        notes.append(f"left out {words.count(roles['other'], 'part that does not', 'parts that do not')} print")
     return notes
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import tinycss2.color4
 
 from walkergen.errors import InputError
 from walkergen.shapes import svg_styles
@@ -136,7 +137,7 @@ class Tree:
         if name not in (*SHAPES, *GROUPS, *UNREADABLE):
             return
         inner = self._inside(element, place)
-        if element.attrib.get("display") == "none" or element.attrib.get("opacity") in ("0", "0.0", "0%"):
+        if element.attrib.get("display") == "none" or _zero(element.attrib.get("opacity")):
             self.unseen += name in SHAPES
             return
         if name in UNREADABLE:
@@ -153,15 +154,15 @@ class Tree:
         else:
             children = [child for child in element if isinstance(child.tag, str)]
             if name == "switch":  # the first that asks for nothing special
-                children = [child for child in children if "requiredExtensions" not in child.attrib][:1]
+                children = [child for child in children if _suits(child)][:1]
             for child in children:
                 yield from self._walk(child, inner)
 
     def _shape(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
         """Shape of an element, if anybody sees it."""
         style = place.style
-        filled = _coloured(style.get("fill", BLACK), style.get("fill-opacity"))
-        lined = _coloured(style.get("stroke", "none"), style.get("stroke-opacity")) and not _zero(
+        filled = self._coloured(style.get("fill", BLACK), style.get("fill-opacity"))
+        lined = self._coloured(style.get("stroke", "none"), style.get("stroke-opacity")) and not _zero(
             style.get("stroke-width")
         )
         if style.get("visibility", "visible") != "visible" or not (filled or lined):
@@ -172,6 +173,17 @@ class Tree:
         path = self._path(element, place)
         white = filled and not lined and bool(WHITE.fullmatch(style.get("fill", BLACK).strip()))
         yield Drawn(path, place.matrix, style.get("fill-rule", "nonzero") != "evenodd", white, place.clips)
+
+    def _coloured(self, paint: str, opacity: str | None) -> bool:
+        """Whether a paint shows; one that the file does not hold gives way to the colour after it, or to none."""
+        link = re.match(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*", paint.strip())
+        if link is not None:
+            if link[1] in self.targets:
+                return not _zero(opacity)
+            paint = paint.strip()[link.end() :] or "none"
+        colour = tinycss2.color4.parse_color(paint)
+        clear = paint.strip().lower() == "none" or colour not in (None, "currentcolor") and colour.alpha == 0.0
+        return not clear and not _zero(opacity)
 
     def _path(self, element: ET.Element, place: Place) -> "svgelements.Path":
         """Geometry of a shape in its own units."""
@@ -368,15 +380,16 @@ def fitted(box: Sequence[float], width: float, height: float, fit: str) -> Array
     return np.column_stack([np.diag(scale), shift])
 
 
-def _coloured(colour: str, opacity: str | None) -> bool:
-    """Whether a colour shows."""
-    clear = re.fullmatch(r"none|transparent|rgba\(.*,\s*0(\.0*)?%?\s*\)", colour.strip(), re.IGNORECASE)
-    return not clear and not _zero(opacity)
+def _suits(element: ET.Element) -> bool:
+    """Whether a <switch> may show an element: it asks for no program, and for no language but English."""
+    languages = element.attrib.get("systemLanguage", "en").lower().split(",")
+    return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", each.strip()) for each in languages)
 
 
 def _zero(text: str | None) -> bool:
+    """True for a number that hides: 0, or below it, which browsers take for 0."""
     match = LENGTH.fullmatch(text or "")
-    return match is not None and float(match[1]) == 0.0
+    return match is not None and float(match[1]) <= 0.0
 
 
 def refuse_active(root: ET.Element, source: str) -> None:

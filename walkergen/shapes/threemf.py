@@ -134,6 +134,8 @@ class _Placed(NamedTuple):
     name: str
     transform: Array
     """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
+    printed: bool
+    """False for an item that somebody has switched off."""
 
 
 class _Object(NamedTuple):
@@ -285,8 +287,9 @@ class _Package:
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
             for whole, volumes in self._meshes(item.object, [item.transform]):
-                placed = whole._replace(name=name, item=number, vertices=MM[self.unit] * whole.vertices)
-                yield from _by_role(placed, volumes) if whole.role == "model" else [placed]
+                role = whole.role if item.printed else "other"
+                placed = whole._replace(name=name, role=role, item=number, vertices=MM[self.unit] * whole.vertices)
+                yield from _by_role(placed, volumes) if role == "model" else [placed]
 
     def _meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
         """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
@@ -314,7 +317,8 @@ def _placed(attributes: Attributes, path: str) -> _Placed:
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
     place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
     numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
-    return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3))
+    printed = attributes.get("printable", "1").strip() not in ("0", "false")
+    return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
 
 
 def _by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
