@@ -85,6 +85,17 @@ class Page:
         self.address = re.search(r"http://\S+", line)[0]
         self.open(card)
 
+    def beside(self, browser):
+        """The same page in another browser, which its `close` ends."""
+        other = object.__new__(Page)
+        other.browser, other.folder, other.downloads = browser, self.folder, self.folder / "others"
+        other.server, other.address, other.close = self.server, self.address, browser.quit
+        other.downloads.mkdir()
+        behaviour = {"behavior": "allow", "downloadPath": str(other.downloads)}
+        browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
+        other.open()
+        return other
+
     def open(self, card="paper"):
         """Open the page afresh, as a new tab does, and choose a card of the first visit."""
         self.browser.get(self.address)

@@ -1,5 +1,6 @@
 """Journeys through `walkergen app` in a browser; each ends in files that a command makes too."""
 
+import contextlib
 import importlib.util
 import itertools
 import json
@@ -412,6 +413,38 @@ def test_all_files_come_as_one_archive(page):
         assert "settings/walker.toml" in names
     assert [line.split()[1] for line in lines] == ["export", "export", "plate", "family"]
     checked(page)
+
+
+@pytest.mark.nightly
+def test_two_browsers_on_one_page_have_a_walker_each(page, tmp_path, tmp_path_factory):
+    with contextlib.closing(page.beside(chromium(tmp_path_factory.mktemp("profile")))) as other:
+        for tilts in ((5, 12), (7, 15)):
+            for each, tilt in zip((page, other), tilts, strict=True):
+                each.type("legs.tilt_deg", tilt)
+        taken = [each.take("stl")[0].name for each in (page, other)]
+        assert taken == ["walker_t07.0_flexible_s0.40.stl", "walker_t15.0_flexible_s0.40.stl"]
+        assert page.speed() != other.speed()
+        assert other.problems() == []
+    kept = json.loads((tmp_path / "out" / "app" / "kept.json").read_text())["document"]
+    assert kept["values"]["legs.tilt_deg"] in (7, 15)
+
+
+@pytest.mark.nightly
+def test_names_with_markup_are_text(browser, tmp_path):
+    name = "<img src=x onerror=document.title='owned'>"
+    trimesh.creation.box((28.0, 8.0, 3.0)).export(tmp_path / f"{name}.stl")
+    text = f'name = "ok"\ndescription = "{name}"\n[body]\nmesh = "{name}.stl"\n'
+    (tmp_path / f"{name}.toml").write_text(text)
+    walkergen(tmp_path, "family", f"{name}.toml", "--tilt", "10", "--legs", "braced", "--page", "--out", "out/family")
+    browser.get((tmp_path / "out" / "family" / "report.html").as_uri())
+    assert browser.title == "ok · walkergen"
+    assert name in browser.page_source.replace("&lt;", "<").replace("&gt;", ">")
+    page = Page(browser, tmp_path, f"{name}.toml", card=None)
+    page.settle()
+    assert browser.title == "walkergen"
+    assert page.problems() == []
+    browser.get("about:blank")
+    page.stop()
 
 
 def test_the_page_of_the_report_is_the_commands(page):

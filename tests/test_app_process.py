@@ -1,16 +1,21 @@
 """The process of `walkergen app`: its address, what runs for its pages, and the end of both."""
 
 import contextlib
+import http.client
+import itertools
 import json
+import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 
+import numpy as np
 import pytest
-from app_doors import LINUX, PAPER, Process, document, files, lives, until
+from app_doors import LINUX, PAPER, Doors, Process, document, files, lives, until
 
 LONG = document(scene__run__seconds=1e4, scene__run__runs=100)
 """A run that nobody waits for."""
@@ -55,6 +60,22 @@ def test_a_killed_server_leaves_no_process_and_no_half_file(process, tmp_path, d
         process.process.kill()
         assert until(lambda: not any(map(lives, pids)), 30.0)  # 1 s on an idle machine
     assert not [name for name in files(tmp_path) if ".walkergen-" in name]
+
+
+@needs_proc
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL, signal.SIGINT])
+def test_a_server_that_ends_while_it_saves_keeps_a_whole_document(tmp_path, number):
+    tilts = itertools.cycle((5.0, 17.0))
+    for moment in np.random.default_rng(number).uniform(0.0, 0.3, int(os.environ.get("WALKERGEN_FAULTS", "2"))):
+        with Process(tmp_path) as process, contextlib.suppress(OSError, http.client.HTTPException):
+            process.ask("keep", {"document": document(legs__tilt_deg=next(tilts))})
+            threading.Timer(moment, process.process.send_signal, [number]).start()
+            while True:
+                process.ask("keep", {"document": document(legs__tilt_deg=next(tilts))})
+        kept = json.loads((tmp_path / "out" / "app" / "kept.json").read_bytes())["document"]
+        assert kept in [document(legs__tilt_deg=tilt) for tilt in (5.0, 17.0)]
+        assert Doors(tmp_path).ask("start", {}).json["document"] == kept
 
 
 @needs_proc

@@ -253,6 +253,15 @@ def _loaded():
         assert CliRunner().invoke(command_line, words).exit_code == 0
 
 
+def test_a_place_where_nothing_can_be_written_is_told_before_the_work(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
+    for name in ("", "out", "a/b/out"):
+        code, _, told = forked(command("crowd", "--count", "900", "--out", tmp_path / name))
+        assert (code, is_one_line(told)) == (1, True)
+        assert f"'{tmp_path / name}': cannot be written: Permission denied; try another --out" in told
+    assert not tree(tmp_path)
+
+
 EXPORT = ("export", "--tilt", "10", "--legs", "braced", "--format", "stl,svg", "--quiet", "--out")
 
 

@@ -117,6 +117,12 @@ def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
 
 
+def test_half_a_letter_is_no_text_of_a_body():
+    result = CliRunner().invoke(command_line, ["export", "--text", "\udcff"])
+    assert isinstance(result.exception, InputError), result.exception
+    assert "\n" not in str(result.exception)
+
+
 def test_hidden_letters_are_written_as_json_writes_them():
     import json
 

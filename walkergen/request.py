@@ -4,6 +4,7 @@ A field has a type, a default, limits and a `Flag`, which has the help. Its vali
 and what Python gives; a value that means nothing is told by its flag. Options that several requests share are here.
 """
 
+import errno
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -340,11 +341,22 @@ def parse_paths(value: Any) -> list[Path]:
 
 
 def _writable(value: Any) -> Path | None:
-    """Path to write to. Raises ValueError for a name that could not be read again."""
+    """Path to write to. Raises ValueError for a name that could not be read again, OutputError for a place of others."""
     path = _path(value)
-    if isinstance(path, Path) and not reading.named_soundly(path):
-        raise ValueError("holds control characters; give another name")
+    if isinstance(path, Path):
+        if not reading.named_soundly(path):
+            raise ValueError("holds control characters; give another name")
+        _check_place(path)
     return path
+
+
+def _check_place(path: Path) -> None:
+    """Raise OutputError where no file can be made: it is told before the work, and not after it."""
+    from walkergen.files import output
+
+    place = next((each for each in (path, *path.parents) if os.path.lexists(each)), path)
+    if place.is_dir() and not os.access(place, os.W_OK | os.X_OK):
+        raise output.refused(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
 File = BeforeValidator(_path)

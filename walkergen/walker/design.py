@@ -519,7 +519,7 @@ def named(text: str) -> str:
     """Name that file names may hold, of a text in any script."""
     plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
-    return name or f"walker-{hashlib.sha256(text.encode()).hexdigest()[:6]}"
+    return name or f"walker-{hashlib.sha256(text.encode(errors='surrogatepass')).hexdigest()[:6]}"
 
 
 def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
