@@ -1,122 +1,18 @@
-"""Commands of the evidence, run from a checkout: `python -m evidence NAME`; `make evidence` runs them all."""
+"""The evidence, run from a checkout: `python -m evidence NAME`; `make evidence` runs all of it."""
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
-
-import typer
-from pydantic import Field
-
-from walkergen import cli, request
-from walkergen.cli import build
-from walkergen.cli.layout import HELP_OPTIONS, Command
-from walkergen.files.progress import Expected, Progress
-from walkergen.request import Flag
-
-if TYPE_CHECKING:
-    from evidence.crowds_published.cases import Size
-    from walkergen.files.report import Report
-
-Quick = Annotated[bool, Flag("Simulate less: wider error bars.")]
+import os
 
 
-class ValidateRequest(request.Request):
-    """Put every prediction beside what is known outside: number, error, source, verdict."""
+def main() -> None:
+    """Run a command; Ctrl-C while it is loaded ends it as it does `walkergen`."""
+    try:
+        from evidence.commands import commands
+        from walkergen import cli
 
-    only: Annotated[
-        str | None, Flag("Comma-separated groups: paper, closed, bouncing, rivals, programs.", "GROUPS")
-    ] = None
-    quick: Quick = False
-    out: request.Out = None
-
-    def run(self, progress: Progress) -> "Report":
-        """Measure the claims."""
-        from evidence.validate import make
-        from evidence.validate.claim import Effort
-
-        groups = make.choose(self.only)
-        choice = (f" --only {','.join(groups)}" if self.only else "") + (" --quick" if self.quick else "")
-        folder = self.out or Path("out") / "validation"
-        return make.make(groups, Effort(self.quick), f"python -m evidence validate{choice}", folder, progress)
-
-
-class CrowdChecksRequest(request.Request):
-    """Compare walkers in a plane with walkers in space."""
-
-    quick: Quick = False
-    out: request.Out = None
-
-    def run(self, progress: Progress) -> "Report":
-        """Compare. Raises InputError without LAMMPS."""
-        from evidence.crowd_checks import make
-        from evidence.crowd_checks.setting import QUICK, WHOLE
-
-        command = "python -m evidence crowd-checks" + (" --quick" if self.quick else "")
-        setting = QUICK if self.quick else WHOLE
-        return make.make(setting, command, self.out or Path("out") / "crowd-checks", progress)
-
-
-class CrowdsPublishedRequest(request.Request):
-    """Compare our crowds with published ones."""
-
-    quick: Quick = False
-    seconds: request.Seconds = None
-    runs: request.Runs = None
-    seed: request.Seed = None
-    out: request.Out = None
-
-    def run(self, progress: Progress) -> "Report":
-        """Compare."""
-        from evidence.crowds_published import make
-
-        size = self._size()
-        self._expect(lambda: Expected(make.expected_s(size)))
-        return make.make(size, self.out or Path("out") / "crowds-published", progress)
-
-    def _size(self) -> "Size":
-        """Runs that are asked for. Raises InputError."""
-        from evidence.crowds_published import make
-        from evidence.crowds_published.cases import QUICK, WHOLE
-
-        size = QUICK if self.quick else WHOLE
-        size = size._replace(
-            runs=size.runs if self.runs is None else self.runs,
-            seconds=size.seconds if self.seconds is None else self.seconds,
-            seed=size.seed if self.seed is None else self.seed,
-        )
-        make.check(size)
-        return size
-
-
-class ShapesRequest(request.Request):
-    """Build, check and run sixty shapes that people might bring: drawings, meshes, names."""
-
-    only: Annotated[
-        list[Literal["drawings", "meshes", "names"]],
-        request.Words,
-        Flag("Kinds: drawings,meshes,names.", "KINDS", takes="str | Iterable[str]"),
-    ] = Field(["drawings", "meshes", "names"])
-    out: request.Out = None
-
-    def run(self, progress: Progress) -> "Report":
-        """Try them."""
-        from evidence.shapes import make
-
-        return make.make(self.only, self.out or Path("out") / "shapes", progress)
-
-
-REQUESTS: dict[str, type[request.Request]] = {
-    "validate": ValidateRequest,
-    "crowd-checks": CrowdChecksRequest,
-    "crowds-published": CrowdsPublishedRequest,
-    "shapes": ShapesRequest,
-}
-
-commands = typer.Typer(
-    no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False, context_settings=HELP_OPTIONS
-)
-for _name, _request in REQUESTS.items():
-    commands.command(_name, cls=Command)(build.function(_name, _request))
+        cli.main(commands)
+    except KeyboardInterrupt:
+        os._exit(130)
 
 
 if __name__ == "__main__":
-    cli.main(commands)
+    main()

@@ -245,6 +245,12 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
     assert abs(card.propulsion_mm_s - one.speed) < 3.5 * raised * speed.se + 0.01 * one.speed
 
 
+def test_a_walker_that_turns_too_fast_to_be_averaged_is_refused():
+    update = {"turning_rad_s": cards.measured("turning_rad_s", 1e9)}
+    with pytest.raises(WalkergenError, match="that cannot be averaged; see turning_rad_s"):
+        CARD.model_copy(update=update).propulsion_mm_s  # noqa: B018
+
+
 def judged(speed, turning, relaxed, relaxed_se=1e-4):
     known = relaxation.velocity(tracks(1, Inertial(), walkers=8, seconds=2.0), True)[0]
     time = known.time._replace(value=relaxed, se=relaxed_se)

@@ -8,7 +8,7 @@ import pytest
 from flat_cards import BOX, silent, with_lammps
 from typer.testing import CliRunner
 
-from evidence.__main__ import commands
+from evidence.commands import commands
 from evidence.crowd_checks import checks, crowds, make, meetings, reasons, report, setting
 from evidence.crowd_checks.meetings import MEETINGS
 from evidence.crowd_checks.parts import Parts

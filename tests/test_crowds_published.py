@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from evidence.__main__ import commands
+from evidence.commands import commands
 from evidence.crowds_published import cases, compared, make, numbers, report
 from evidence.crowds_published.published import FINDINGS
 from walkergen.crowd.statistics.film import NO_OUTLINES, of_places

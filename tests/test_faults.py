@@ -393,6 +393,17 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it():
     assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
 
 
+@pytest.mark.parametrize("program", ["walkergen", "evidence"])
+def test_ctrl_c_while_a_program_is_loaded_leaves_no_trace(program):
+    code = (
+        "import runpy, sys\nclass Stop:\n    def find_spec(name, *_):\n"
+        "        if name == 'walkergen.cli': raise KeyboardInterrupt\n"
+        f"sys.meta_path.insert(0, Stop)\nrunpy.run_module('{program}', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env=environment(), capture_output=True)
+    assert (done.returncode, done.stderr) == (130, b"")
+
+
 def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():
     """Python alone prints such a one, with a trace, and goes on."""
     from walkergen import cli
@@ -434,6 +445,9 @@ LONG = {
     "calibrate": ("calibrate", "FORM"),
     "bench": ("calibrate", "slide", "--measured", "14", "--measured-sd", "1"),
     "accuracy": ("accuracy", "--only", "models", "--budget", "1s"),
+    "crowd": ("crowd", "rotator", "--count", "3", "--seconds", "0.5", "--runs", "2", "--no-pictures"),
+    "card": ("crowd", "rotator", "--card", "--seconds", "2", "--runs", "4"),
+    "validate": ("validate", "--only", "closed", "--quick"),
     "reproduce": ("reproduce", "--tilt", "5,10,20", "--gamma", "1.8,2.4", "--seconds", "0.2", "--runs", "8"),
 }
 """Commands that write, with what is asked of them."""
@@ -453,7 +467,7 @@ def started(name, folder):
     where = f"{folder.name}/{ends.get(name, '')}"
     if name != "copy":
         words.append("--trajectory" if name == "trajectory" else "--out")
-    words = [sys.executable, "-m", "walkergen", *words, where]
+    words = [sys.executable, "-m", "evidence" if name == "validate" else "walkergen", *words, where]
     return subprocess.Popen(
         words,
         cwd=folder.parent,
@@ -486,7 +500,7 @@ def inputs(tmp_path_factory):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("ended_by", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("ended_by", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("name", LONG)
 def test_ended_at_random_moments_a_rerun_gives_the_same_bytes(tmp_path, inputs, name, ended_by):
     began = time.monotonic()
@@ -506,7 +520,7 @@ def test_ended_at_random_moments_a_rerun_gives_the_same_bytes(tmp_path, inputs, 
         except subprocess.TimeoutExpired:
             process.send_signal(ended_by)
         _, told = process.communicate(timeout=60)
-        assert process.returncode in (0, 130 if ended_by == signal.SIGINT else -9), told
+        assert process.returncode in (0, 130 if ended_by == signal.SIGINT else -ended_by), told
         assert b"Traceback" not in told
         half = {path for path in tree(out) if not path.rpartition("/")[2].startswith(".")}
         assert half <= {*reference}

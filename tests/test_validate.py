@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from evidence.__main__ import commands
+from evidence.commands import commands
 from evidence.validate import (
     bodies,
     claims_bounce,

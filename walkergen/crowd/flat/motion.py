@@ -14,6 +14,9 @@ from scipy.integrate import quad
 from walkergen.crowd.cards.card import Card
 from walkergen.errors import InputError
 
+MOST_TURNED = 50.0
+"""Angle by which a walker turns while it keeps its velocity, rad: beyond it an average has no digit left."""
+
 
 class Motion(NamedTuple):
     """Forces on a walker alone: mm, g, s."""
@@ -81,7 +84,13 @@ def remembered(tau: float, tau_r: float, spread: float, turning: float) -> float
         return math.exp(-ages - loss) * math.cos(turning * age)
 
     # Beyond 40 tau less than 1e-17 is remembered
-    return float(quad(kept, 0.0, 40.0, limit=500)[0])
+    value, error, *_ = quad(kept, 0.0, 40.0, limit=500, full_output=1)
+    if abs(turning) * tau > MOST_TURNED or not error < 1e-6:
+        raise InputError(
+            f"a card's walker turns {turning:g} rad/s and loses its heading at {spread:g} rad²/s while it keeps its "
+            f"velocity for {tau:g} s: that cannot be averaged; see turning_rad_s, rotational_diffusion_rad2_s"
+        )
+    return float(value)
 
 
 def _time(card: Card, key: str, value: float) -> float:
