@@ -18,6 +18,7 @@ from walkergen.crowd.cards import card as cards
 from walkergen.crowd.cards import inputs, make, overdamped, relaxation, walled
 from walkergen.crowd.cards import walker_motion as measured
 from walkergen.crowd.cards.card import Card
+from walkergen.crowd.flat import motion as flat_motion
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent
@@ -248,7 +249,7 @@ def test_propulsion_is_that_which_gives_the_mean_speed(turn):
 def test_a_walker_that_turns_too_fast_to_be_averaged_is_refused():
     update = {"turning_rad_s": cards.measured("turning_rad_s", 1e9)}
     with pytest.raises(WalkergenError, match="that cannot be averaged; see turning_rad_s"):
-        CARD.model_copy(update=update).propulsion_mm_s  # noqa: B018
+        flat_motion.of(CARD.model_copy(update=update))
 
 
 def judged(speed, turning, relaxed, relaxed_se=1e-4):

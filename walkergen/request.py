@@ -341,7 +341,7 @@ def parse_paths(value: Any) -> list[Path]:
 
 
 def _writable(value: Any) -> Path | None:
-    """Path to write to. Raises ValueError for a name that could not be read again, OutputError for a place of others."""
+    """Path to write to. Raises ValueError for a name that could not be read again, OutputError where others are."""
     path = _path(value)
     if isinstance(path, Path):
         if not reading.named_soundly(path):

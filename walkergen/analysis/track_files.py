@@ -64,7 +64,11 @@ def read(path: Path, units: Units) -> Tracks:
     source = track_programs.read(path, units.lane)
     if source.program == OURS:
         return _own(path, source, units, given)
-    for what, unit, known in (("x", given.length, LENGTHS), ("time", given.time, TIMES), ("theta", given.angle, ANGLES)):
+    for what, unit, known in (
+        ("x", given.length, LENGTHS),
+        ("time", given.time, TIMES),
+        ("theta", given.angle, ANGLES),
+    ):
         named = source.named.get(what)
         if named and unit in known and named.unit in known and unit != named.unit:
             raise InputError(f"--unit {unit}: {path} has its own {named.name} in {named.unit}; leave it out")

@@ -104,8 +104,8 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
     """Closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
     Lines and curves that meet within GAP are joined, shorter ones draw nothing; layers that are hidden
-    or do not plot, and ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a sheet. `scale_mm`
-    (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
+    or do not plot, and ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a
+    sheet. `scale_mm` (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
     InputError, which begins with `source`, for a file that is no DXF, states no unit while `scale_mm`
     is None, or holds open or branching lines, or anything else than plane curves.
     """

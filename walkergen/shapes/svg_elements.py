@@ -182,7 +182,7 @@ class Tree:
                 return not _zero(opacity)
             paint = paint.strip()[link.end() :] or "none"
         colour = tinycss2.color4.parse_color(paint)
-        clear = paint.strip().lower() == "none" or colour not in (None, "currentcolor") and colour.alpha == 0.0
+        clear = paint.strip().lower() == "none" or (colour not in (None, "currentcolor") and colour.alpha == 0.0)
         return not clear and not _zero(opacity)
 
     def _path(self, element: ET.Element, place: Place) -> "svgelements.Path":
