@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from walkergen.crowd import in_space
+from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.export import mjcf
 from walkergen.scene import Scene
@@ -86,6 +88,11 @@ def test_a_lid_that_nothing_reaches_changes_no_bit():
 
     assert speed(1000.0, 1.8) == speed(None, 1.8)
     assert speed(10.7, 3.0) != speed(None, 3.0)
+
+
+def test_a_crowd_has_no_lid():
+    with pytest.raises(InputError, match=r"arena.lid_mm = 12: crowds run in the open"):
+        in_space.asked(PLANE.variant(**{"arena.lid_mm": 12.0}), [PAPER], [2], 25.0)
 
 
 def turned(design):

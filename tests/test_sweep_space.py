@@ -132,6 +132,12 @@ def walkers(draw, plates):
         tables["weighed"] = {"body_mass_g": body, "leg_mass_g": body * draw(decades(-4, 1))}
     if draw(plates):
         tables["plate"] |= {"noise_ratio": draw(st.floats(0.0, 1.0)), "roughness_um": draw(st.floats(0.0, 20.0))}
+    if draw(plates):
+        tables["plate"] |= {f"{key}_ratio": draw(st.floats(0.0, 2.0)) for key in ("along", "across")}
+        tables["plate"] |= {f"{key}_phase_deg": draw(st.floats(-180.0, 180.0)) for key in ("along", "across")}
+        linear = ("gradient", "rocking")
+        tables["plate"] |= {f"{key}_percent_per_mm": draw(st.floats(-5.0, 5.0)) for key in linear}
+        tables["plate"] |= {f"{key}_toward_deg": draw(st.floats(-180.0, 180.0)) for key in linear}
     return tables
 
 
@@ -190,8 +196,10 @@ def check_motion(plan, result):
     drive = plan.scene.drive
     world = drawn(plan).world
     walker, noise = world.walker, world.acting.noise
-    shaken = drive.peak_speed * drive.omega + (0.0 if noise is None else noise.strongest)
-    fast = liveliest(plan, rows) + drive.peak_speed + (0.0 if noise is None else noise.fastest)
+    plate = plan.scene.plate  # along itself, and by slopes as much again where a walker may get
+    swayed = 1.0 + (plate.along_ratio + plate.across_ratio + 2.0 if plate.sways else 0.0)
+    shaken = swayed * drive.peak_speed * drive.omega + (0.0 if noise is None else noise.strongest)
+    fast = liveliest(plan, rows) + swayed * drive.peak_speed + (0.0 if noise is None else noise.fastest)
     drive_force = walker.mass * (GRAVITY + shaken)
     for k in range(len(walker.leg)):
         sag = drive_force / walker.spring[k, 0]
