@@ -260,6 +260,11 @@ def test_a_place_where_nothing_can_be_written_is_told_before_the_work(tmp_path, 
         assert (code, is_one_line(told)) == (1, True)
         assert f"'{tmp_path / name}': cannot be written: Permission denied; try another --out" in told
     assert not tree(tmp_path)
+    monkeypatch.undo()
+    (tmp_path / "file").touch()
+    code, _, told = forked(command("crowd", "--count", "900", "--out", tmp_path / "file" / "out"))
+    assert (code, is_one_line(told)) == (1, True)
+    assert "cannot be written: Not a directory" in told
 
 
 EXPORT = ("export", "--tilt", "10", "--legs", "braced", "--format", "stl,svg", "--quiet", "--out")

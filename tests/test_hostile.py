@@ -117,9 +117,20 @@ def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
 
 
-def test_half_a_letter_is_no_text_of_a_body():
-    result = CliRunner().invoke(command_line, ["export", "--text", "\udcff"])
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("export", "--text", "\udcff"), "text"),
+        (("predict", "--set", "body.outline=[[{}]]"), "outline"),
+        (("predict", "u.toml"), "byte 0x00; save it as UTF-8"),
+    ],
+)
+def test_shapes_and_files_of_other_kinds_are_refused(tmp_path, monkeypatch, words, told):
+    monkeypatch.chdir(tmp_path)
+    Path("u.toml").write_bytes("name = 'a'\n".encode("utf-16-be"))
+    result = CliRunner().invoke(command_line, words)
     assert isinstance(result.exception, InputError), result.exception
+    assert told in str(result.exception)
     assert "\n" not in str(result.exception)
 
 

@@ -355,8 +355,11 @@ def _check_place(path: Path) -> None:
     from walkergen.files import output
 
     place = next((each for each in (path, *path.parents) if os.path.lexists(each)), path)
+    reason = 0 if place.is_dir() or place == path else errno.ENOTDIR
     if place.is_dir() and not os.access(place, os.W_OK | os.X_OK):
-        raise output.refused(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+        reason = errno.EACCES
+    if reason:
+        raise output.refused(path, OSError(reason, os.strerror(reason)))
 
 
 File = BeforeValidator(_path)

@@ -109,7 +109,7 @@ class Body(Section):
             "profile_mm": {"length_mm", "thickness_mm"},
             "text": set(),
             "mesh": {"depth_mm", "thickness_mm"},
-            "outline": flat.get(self.outline or "", {"depth_mm"}),
+            "outline": flat.get(str(self.outline or ""), {"depth_mm"}),  # of any type before it is checked
         }[source]
 
     @classmethod
