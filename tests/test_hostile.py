@@ -120,7 +120,7 @@ def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("export", "--text", "\udcff"), "text"),
+        (("export", "--text", "\udcff"), "text holds bytes that are not UTF-8"),
         (("predict", "--set", "body.outline=[[{}]]"), "outline"),
         (("predict", "u.toml"), "byte 0x00; save it as UTF-8"),
     ],

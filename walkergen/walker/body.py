@@ -85,6 +85,8 @@ class Body(Section):
             raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
         if self.rails_mm is not None and self.text is None:
             raise ValueError("rails_mm joins the letters of text")
+        if self.text is not None and any("\ud800" <= letter <= "\udfff" for letter in self.text):
+            raise ValueError("text holds bytes that are not UTF-8: write it anew")
         if self.font is not None and self.text is None:
             raise ValueError("font is of the letters of text")
         if not self.sourced and (self.base or self.mirror):
