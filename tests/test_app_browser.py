@@ -270,8 +270,14 @@ def test_a_walker_with_a_motor_runs_on_a_table(page):
 @pytest.mark.nightly
 def test_the_marker_on_the_curve_drags_the_tilt(page):
     page.until(lambda: page.find("#marker").is_displayed())
-    marker = page.find("#marker .touch")
-    drag = ActionChains(page.browser, duration=30).move_to_element(marker).click_and_hold()
+    # Where it is, for the element is another one once the curve has all of its points
+    x, y = page.browser.execute_script(
+        "const { x, y, width, height } = document.querySelector('#marker .touch').getBoundingClientRect();"
+        "return [x + width / 2, y + height / 2];"
+    )
+    drag = ActionChains(page.browser, duration=30)
+    drag.w3c_actions.pointer_action.move_to_location(round(x), round(y))
+    drag.click_and_hold()
     for _ in range(6):
         drag.move_by_offset(8, 0)
     drag.release().perform()
