@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line
+from walkergen.files.output import Folder
 from walkergen.jobs.trust.accuracy import make as accuracy
 
 SCENE = """
@@ -44,7 +45,7 @@ def test_a_study_of_models_and_steps(run, tmp_path):
     found = json.loads(result.stdout)
     assert set(found["ladders"]) == {"models", "steps-short", "steps-long", "observables", "frames"}
     folder = tmp_path / found["folder"]
-    assert {path.name for path in folder.iterdir()} - {".walkergen"} == {"accuracy.csv", "accuracy.md", "accuracy.png"}
+    assert {path.name for path in folder.iterdir()} == {"accuracy.csv", "accuracy.md", "accuracy.png", "manifest.json"}
     with (folder / "accuracy.csv").open() as file:
         rows = list(csv.DictReader(file))
     for name, rungs in found["ladders"].items():
@@ -67,7 +68,17 @@ def test_without_a_budget_the_answer_is_what_is_shipped(run, tmp_path, monkeypat
     assert times == sorted(times)
     assert facts["ladders"] == {}
     folder = tmp_path / facts["folder"]
-    assert {path.name for path in folder.iterdir()} - {".walkergen"} == {"accuracy.csv", "accuracy.md", "accuracy.png"}
+    assert {path.name for path in folder.iterdir()} == {"accuracy.csv", "accuracy.md", "accuracy.png", "manifest.json"}
+
+
+def test_a_folder_in_which_another_study_writes_is_left_alone(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("walkergen.jobs.trust.accuracy.pace.pace", lambda: 0.05)
+    with Folder(tmp_path / "here") as folder:
+        folder.claim()
+        result = run("accuracy", "--tilt", "5", "--out", "here")
+        assert "another walkergen writes there" in str(result.exception)
+        assert {path.name for path in folder.path.iterdir()} == {".manifest.json.walkergen"}
+    assert run("accuracy", "--tilt", "5", "--out", "here").exit_code == 0
 
 
 @pytest.mark.slow
@@ -92,7 +103,7 @@ def test_shape_alone_needs_no_simulation(run, tmp_path):
     result = run("accuracy", "--legs", "braced", "--only", "shape", "--out", "here")
     assert result.exit_code == 0, result.exception
     assert "number of edges, claimed 2" in result.stdout
-    assert {path.name for path in (tmp_path / "here").iterdir()} - {".walkergen"} == {"accuracy.csv", "accuracy.md"}
+    assert {path.name for path in (tmp_path / "here").iterdir()} == {"accuracy.csv", "accuracy.md", "manifest.json"}
 
 
 @pytest.mark.slow

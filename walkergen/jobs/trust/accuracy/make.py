@@ -3,10 +3,10 @@
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.files import words
-from walkergen.files.output import Folder
+from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
 from walkergen.jobs.trust.accuracy import biases, choose, models, report, shape, shipped, short_scenes, statistics
@@ -82,7 +82,8 @@ def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], Non
         made.write(target, pictures=False)
         return made
 
-    with Folder(folder, "") as target:
+    with Folder(folder) as target:
+        target.claim()
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
                 if measure is not models.frames or survey.complete == "space":
@@ -93,7 +94,13 @@ def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], Non
 
             made = written(_answers(survey, title, progress))
             target.write("accuracy.png", figures.png(made.plot()))
+        target.finish(_facts(job.design, job.scene))
     return made
+
+
+def _facts(design: Design, scene: Scene) -> dict[str, Any]:
+    """What the manifest says of the inputs."""
+    return {"design": design.model_dump(mode="json"), "scene": scene.model_dump(mode="json"), "versions": versions()}
 
 
 def _measured(measure: Callable[[Survey, Progress], Ladder], survey: Survey, progress: Progress) -> Ladder:
@@ -146,12 +153,13 @@ def at_once(design: Design, scene: Scene, folder: Path) -> Report:
     answers = shipped.answers(shipped.place_of(design, scene), title)
     rows, unmet = report.marked(answers.rows, scene.run.accepted_error)
     answers = answers._replace(rows=rows, lines=[*answers.lines, *unmet])
-    with Folder(folder, "") as target:
+    with Folder(folder) as target:
         made = report.of([], answers, 0.0, None, title, folder)
         made.write(target, pictures=False)
         from walkergen.files import figures
 
         target.write("accuracy.png", figures.png(made.plot()))
+        target.finish(_facts(design, scene))
     return made
 
 

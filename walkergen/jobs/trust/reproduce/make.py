@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.files.output import Folder
+from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.jobs.trust.published import FACTS
@@ -82,8 +82,9 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     def points(name: str) -> list[Point]:
         return list(runs.simulated(parts.cases[name], shares[name]))
 
-    found = Findings(parts.assumptions, theories, peaks, points("figure2"))
-    with Folder(folder, "") as target:
+    with Folder(folder) as target:
+        target.claim()
+        found = Findings(parts.assumptions, theories, peaks, points("figure2"))
         _write(found, target, "figure2")
         found = found._replace(labels=curves.labels_of([*found.tilts, *points("figure2-labels")]))
         _write(found, target, "figure2-labels")
@@ -96,6 +97,9 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
         result = report.of(found, compare.rows(found), folder)
         target.write("reproduce.csv", result["reproduce"].csv().encode())
         target.write("reproduce.md", page.to_markdown(result, found).encode())
+        scenes = {"measured": job.measured, "fitted": job.fitted}
+        facts = {name: each.model_dump(mode="json") for name, each in {"design": job.design, **scenes}.items()}
+        target.finish({**facts, "tilts_deg": job.tilts_deg, "gammas": job.gammas, "versions": versions()})
     return result
 
 
