@@ -1,5 +1,6 @@
 """Pages in a real browser, and the page of `walkergen app` by what a person does with it."""
 
+import copy
 import json
 import os
 import re
@@ -66,12 +67,15 @@ class Page:
 
     def __init__(self, browser, folder: Path, *words, card="paper") -> None:
         self.browser, self.folder, self.words = browser, folder, words
-        self.downloads = folder / "downloads"
-        self.downloads.mkdir(exist_ok=True)
-        browser.execute_cdp_cmd(
-            "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(self.downloads)}
-        )
+        self.download_to("downloads")
         self.start(card)
+
+    def download_to(self, name):
+        """Let the browser put files into a folder of this name."""
+        self.downloads = self.folder / name
+        self.downloads.mkdir(exist_ok=True)
+        behaviour = {"behavior": "allow", "downloadPath": str(self.downloads)}
+        self.browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
 
     def start(self, card="paper"):
         """Start the server and open its page."""
@@ -87,12 +91,9 @@ class Page:
 
     def beside(self, browser):
         """The same page in another browser, which its `close` ends."""
-        other = object.__new__(Page)
-        other.browser, other.folder, other.downloads = browser, self.folder, self.folder / "others"
-        other.server, other.address, other.close = self.server, self.address, browser.quit
-        other.downloads.mkdir()
-        behaviour = {"behavior": "allow", "downloadPath": str(other.downloads)}
-        browser.execute_cdp_cmd("Browser.setDownloadBehavior", behaviour)
+        other = copy.copy(self)
+        other.browser, other.close = browser, browser.quit
+        other.download_to("others")
         other.open()
         return other
 

@@ -64,14 +64,7 @@ def read(path: Path, units: Units) -> Tracks:
     source = track_programs.read(path, units.lane)
     if source.program == OURS:
         return _own(path, source, units, given)
-    for what, unit, known in (
-        ("x", given.length, LENGTHS),
-        ("time", given.time, TIMES),
-        ("theta", given.angle, ANGLES),
-    ):
-        named = source.named.get(what)
-        if named and unit in known and named.unit in known and unit != named.unit:
-            raise InputError(f"--unit {unit}: {path} has its own {named.name} in {named.unit}; leave it out")
+    _refuse_other_units(path, source, given)
     clock, timed, said = _clock(path, source, units, given)
     length, lengths = _length(path, source, units, given)
     values = dict(source.table.values)
@@ -135,6 +128,18 @@ def _refuse_own_units(path: Path, source: Source, units: Units, given: _Given, o
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
             raise InputError(f"{flag} {shown}: {path} has its own {own}; leave it out")
+
+
+def _refuse_other_units(path: Path, source: Source, given: _Given) -> None:
+    """Raise InputError for units that are given beside other ones in the names of columns."""
+    for what, unit, known in (
+        ("x", given.length, LENGTHS),
+        ("time", given.time, TIMES),
+        ("theta", given.angle, ANGLES),
+    ):
+        named = source.named.get(what)
+        if named and unit in known and named.unit in known and unit != named.unit:
+            raise InputError(f"--unit {unit}: {path} has its own {named.name} in {named.unit}; leave it out")
 
 
 def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:

@@ -109,7 +109,7 @@ def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | 
         read = 0
         while line := text.readline(MOST_LETTERS + 1):
             if not read and "\0" in line:  # UTF-16 without its mark
-                raise InputError(f"{path}: not {format} in UTF-8: byte 0x00; save it as UTF-8")
+                raise UnicodeDecodeError("utf-8", b"\0", 0, 1, "no letter of a text")
             read += len(line)  # letters, of one byte at least each
             if len(line) > MOST_LETTERS:
                 raise InputError(f"{path}: a line of more than {MOST_LETTERS} letters; is it the right file?")
