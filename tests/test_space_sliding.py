@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.space.forces import guess, resist, solve
+from walkergen.simulation.space.forces import guess, solve
 from walkergen.simulation.space.landings import settle
 from walkergen.simulation.space.slider import dragged
 from walkergen.simulation.space.state import NEAR, ROW
@@ -48,7 +48,6 @@ def impulse(velocity, damper, h, part):
     contact.friction, contact.k_n, contact.k_t, contact.c_n = MU, NORMAL, TANGENTIAL, damper
     contact.speed[:] = contact.free[:] = contact.middle[:] = velocity
     contact.gap[0] = -velocity[0] * h * part
-    resist(near, 0, h, NORMAL)
     assert _land(np.zeros(ROW), near, MOBILITY, np.zeros((3, 4)), h, sums)
     np.testing.assert_allclose(contact.speed - velocity, MOBILITY @ contact.impulse, atol=1e-9)
     inverse = np.linalg.inv(MOBILITY)

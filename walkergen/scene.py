@@ -309,6 +309,22 @@ class Prediction(Section):
     order"); 0.45 gives the paper's 60 mm/s at 10 degrees with the restitution that it measured."""
 
 
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
+    "plate.noise_ratio": ("plate.noise_low_hz", "plate.noise_high_hz"),
+    "plate.roughness_um": ("plate.roughness_length_mm",),
+    "plate.along_ratio": ("plate.along_phase_deg",),
+    "plate.across_ratio": ("plate.across_phase_deg",),
+    "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
+    "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
+    "tether.stiffness_n_per_m": (
+        *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
+        *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
+    ),
+}
+"""Numbers of a scene, and the keys that only shape what they give: without the number they say nothing."""
+
+
 class Scene(Section):
     """Everything outside the walker: drive, contact, plate and the settings of simulations."""
 
@@ -340,6 +356,11 @@ class Scene(Section):
         `model_copy`. Raises InputError, a line for every mistake.
         """
         return changed(self, keys, self.name)
+
+    def value(self, key: str) -> Any:
+        """Value of a dotted key of its file."""
+        table, _, own = key.partition(".")
+        return getattr(getattr(self, table), own)
 
     @property
     def impact_speed(self) -> float:

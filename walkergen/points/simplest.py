@@ -12,7 +12,7 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.points.variants import Change, Pairs, Variant
 from walkergen.scene import Scene
 from walkergen.simulation.effects import rules
-from walkergen.simulation.effects.effect import ModelName, value_of
+from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import changed
 from walkergen.simulation.experiments import Walker
 
@@ -137,12 +137,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
             found = tried(variants.planar(whole, model))
     for rule in rules.every():
         effect = rule.judge(found.walker.plan().case)
-        if (
-            effect.on
-            and "legs.model" not in rule.off
-            and effect.switch
-            and value_of(whole.scene, rule.switch) is not True
-        ):
+        if effect.on and "legs.model" not in rule.off and effect.switch and whole.scene.value(rule.switch) is not True:
             variant = variants.off(found.walker, rule)
             found = tried(None if variant is None else variant._replace(effect=effect.name))
     return found
@@ -151,7 +146,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
 def _models(walker: Walker) -> tuple[ModelName, ...]:
     """Planar models that may stand for a scene, the fastest first."""
     scene = walker.scene
-    forced = [rule for rule in rules.every() if not rule.planar and rule.switch and value_of(scene, rule.switch)]
+    forced = [rule for rule in rules.every() if not rule.planar and rule.switch and scene.value(rule.switch)]
     if scene.legs.model != "auto" or scene.arena.kind == "plane" or scene.drive.kind == "motor" or forced:
         return ()
     return ("rigid",) if walker.design.rigid else ("relaxed", "compliant")

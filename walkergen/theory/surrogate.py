@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import WalkergenError
-from walkergen.scene import Scene
+from walkergen.scene import SHAPES, Scene
 from walkergen.theory import networks, places
 from walkergen.theory.networks import LINEAR_BELOW, Speeds
 from walkergen.theory.places import Place
@@ -131,22 +131,14 @@ READ = {
 """Keys of other tables that the surrogate reads, or that it draws."""
 
 
-SHAPED_BY = {
-    "roughness_length_mm": "roughness_um",
-    "noise_low_hz": "noise_ratio",
-    "noise_high_hz": "noise_ratio",
-    "along_phase_deg": "along_ratio",
-    "across_phase_deg": "across_ratio",
-    "gradient_toward_deg": "gradient_percent_per_mm",
-    "rocking_toward_deg": "rocking_percent_per_mm",
-}
-"""Keys of the plate that say nothing without a number."""
+NUMBER_OF = {key: number for number, keys in SHAPES.items() for key in (number, *keys)}
+"""Numbers without which keys say nothing."""
 
 
 def beyond(scene: Scene) -> list[str]:
     """Keys and values of a scene, as people write them, that the surrogate has never met.
 
-    What shapes a number of the plate counts only where there is some.
+    What shapes a number counts only where there is some.
     """
     reasons = []
     for name in type(scene).model_fields:
@@ -154,8 +146,8 @@ def beyond(scene: Scene) -> list[str]:
             continue
         table = getattr(scene, name)
         for key, field in type(table).model_fields.items():
-            idle = name == "plate" and getattr(table, SHAPED_BY.get(key, key)) == 0.0
-            idle |= name == "tether" and scene.tether.stiffness_n_per_m == 0.0
+            number = NUMBER_OF.get(f"{name}.{key}")
+            idle = number is not None and not scene.value(number)
             value = getattr(table, key)
             if key not in READ.get(name, ()) and not idle and value != field.default:
                 reasons.append(f"{name}.{key} = {value} is simulated")

@@ -22,7 +22,7 @@ from walkergen.lab.calibrate import accelerometer
 from walkergen.lab.calibrate.accelerometer import Recording
 from walkergen.lab.report import LabReport, named
 from walkergen.numerics.quantity import Quantity
-from walkergen.scene import GRAVITY, Scene
+from walkergen.scene import GRAVITY, SHAPES, Scene
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -48,13 +48,13 @@ USED = 0.8
 """Share of half the rate up to which a spectrum counts: phones damp what is close to it."""
 
 LEAST = {
-    "plate.noise_ratio": (0.01, ""),
-    "plate.along_ratio": (0.005, "plate.along_phase_deg"),
-    "plate.across_ratio": (0.005, "plate.across_phase_deg"),
-    "plate.gradient_percent_per_mm": (0.005, "plate.gradient_toward_deg"),
-    "plate.rocking_percent_per_mm": (0.005, "plate.rocking_toward_deg"),
+    "plate.noise_ratio": 0.01,
+    "plate.along_ratio": 0.005,
+    "plate.across_ratio": 0.005,
+    "plate.gradient_percent_per_mm": 0.005,
+    "plate.rocking_percent_per_mm": 0.005,
 }
-"""Least numbers that a scene has, with what shapes them: phones alone make as much noise, and less moves no walker."""
+"""Least numbers that a scene has: phones alone make as much noise, and less moves no walker."""
 
 UPRIGHT = 0.8
 """Upward part of the phone's x axis beyond which its y axis stands for it: the phone lies on its side."""
@@ -93,9 +93,9 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
     recording = accelerometer.read(path)
     rows, notes = measure(recording, scene, str(path))
     settings = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
-    for key, (least, shaped) in LEAST.items():
+    for key, least in LEAST.items():
         if settings.get(key, least) < least:
-            settings = {name: value for name, value in settings.items() if name not in (key, shaped)}
+            settings = {name: value for name, value in settings.items() if name not in (key, *SHAPES[key])}
             notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
     if "plate.noise_ratio" in settings:
         settings |= {"plate.noise_high_hz": min(scene.plate.noise_high_hz, math.floor(_highest(recording.rate)))}

@@ -73,27 +73,21 @@ class Rule(NamedTuple):
         return self.without or ({self.switch: False} if self.switch else {})
 
 
-def value_of(scene: Scene, key: str) -> Any:
-    """Value of a key of a table of the scene."""
-    table, _, own = key.partition(".")
-    return getattr(getattr(scene, table), own)
-
-
 def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
     """Decision and reason of an effect that a number of the scene calls for: that of a key.
 
     Raises InputError where its switch forces an effect on that has no number.
     """
-    number = value_of(case.scene, key)
+    number = case.scene.value(key)
     reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
     if not number:
         absent(case, switch, f"{reason}, so that nothing would act: set it")
-    return forced(value_of(case.scene, switch), bool(number), reason)
+    return forced(case.scene.value(switch), bool(number), reason)
 
 
 def absent(case: Case, switch: str, why: str) -> str:
     """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
-    if value_of(case.scene, switch):
+    if case.scene.value(switch):
         raise InputError(f"{switch} = true: {why}, or leave the switch out")
     return why
 

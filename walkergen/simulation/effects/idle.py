@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Iterator, Mapping
 
-from walkergen.simulation.effects.effect import LID, WALLS, Case, value_of
+from walkergen.scene import SHAPES
+from walkergen.simulation.effects.effect import LID, WALLS, Case
 
 OF_MODELS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("feet.damping", "feet.stiffness_ratio", "feet.tangential_ratio"), ("space",)),
@@ -11,21 +12,6 @@ OF_MODELS: Mapping[str, tuple[str, ...]] = {
     "material.youngs_modulus_gpa": ("compliant", "space"),
 }
 """Models that read a key which others do not: of the scene, and of the design's material."""
-
-OF_NUMBERS: Mapping[str, tuple[str, ...]] = {
-    "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
-    "plate.noise_ratio": ("plate.noise_low_hz", "plate.noise_high_hz"),
-    "plate.roughness_um": ("plate.roughness_length_mm",),
-    "plate.along_ratio": ("plate.along_phase_deg",),
-    "plate.across_ratio": ("plate.across_phase_deg",),
-    "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
-    "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
-    "tether.stiffness_n_per_m": (
-        *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
-        *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
-    ),
-}
-"""Keys that say nothing without a number."""
 
 OF_WALLS = ("arena.wall_friction", "arena.wall_restitution")
 OF_SWINGING = ("legs.damping_ratio", "legs.spring")
@@ -56,8 +42,8 @@ def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
             yield key, "no leg swings"
         elif case.model not in models:
             yield key, f"not in the {case.model} model"
-    for number, keys in OF_NUMBERS.items():
-        if not value_of(scene, number):
+    for number, keys in SHAPES.items():
+        if not scene.value(number):
             yield from ((key, f"{number} = 0") for key in keys)
     if not on(WALLS) and scene.effects.lane_walls is not False:
         yield "arena.gap_mm", "no walls"

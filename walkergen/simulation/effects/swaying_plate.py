@@ -11,17 +11,7 @@ import math
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects.effect import (
-    ALONG,
-    GRADIENT,
-    ROCKING,
-    Case,
-    Effect,
-    Rule,
-    called_for,
-    only_in_space,
-    value_of,
-)
+from walkergen.simulation.effects.effect import ALONG, GRADIENT, ROCKING, Case, Effect, Rule, called_for, only_in_space
 from walkergen.simulation.effects.sway import Sway
 
 ALONG_X, TO_THE_LEFT = "plate.along_ratio", "plate.across_ratio"
@@ -57,7 +47,7 @@ def judge_rocking(case: Case) -> Effect:
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
     on, reason = _called_for(case, key, switch)
-    percent = float(value_of(case.scene, key))
+    percent = float(case.scene.value(key))
     per_mm, way = 0.01 * abs(percent), _farthest(case)
     if on and per_mm * way > MOST:
         raise InputError(
@@ -80,10 +70,10 @@ def _called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
     """As `called_for`. Raises InputError for planar models and still plates, which do not know it."""
     on, reason = called_for(case, key, switch)
     if on:
-        only_in_space(case, key, value_of(case.scene, key), "plates that sway", switch)
+        only_in_space(case, key, case.scene.value(key), "plates that sway", switch)
         if case.scene.drive.kind == "motor":
             raise InputError(
-                f"{key} = {value_of(case.scene, key):g}: the plate under a motor is still; leave the key out, or take "
+                f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
                 "a shaken plate (drive.kind = 'plate')"
             )
     return on, reason
@@ -99,8 +89,8 @@ RULES = (
 def refuse(scene: Scene, whom: str) -> None:
     """Raise InputError where a scene's plate sways, which `whom` does not know."""
     for key in KEYS:
-        if value_of(scene, key):
-            raise InputError(f"{key} = {value_of(scene, key):g}: {whom}; leave the key out, or simulate one walker")
+        if scene.value(key):
+            raise InputError(f"{key} = {scene.value(key):g}: {whom}; leave the key out, or simulate one walker")
 
 
 def parameters(case: Case, along: bool, gradient: bool, rocking: bool) -> Sway:

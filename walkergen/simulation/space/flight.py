@@ -15,7 +15,7 @@ from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull, strongest
-from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn
+from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn, turned_by
 from walkergen.simulation.space.state import (
     C_X,
     C_Y,
@@ -283,11 +283,7 @@ def _times(M, x, y, z):
 @lean
 def _turned_back(x, y, z, t_x, t_y, t_z):
     """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
-    angle = math.sqrt(t_x * t_x + t_y * t_y + t_z * t_z)
-    if angle < 1e-12:
-        s, c = 1.0, 0.5
-    else:
-        s, c = math.sin(angle) / angle, 2.0 * (math.sin(0.5 * angle) / angle) ** 2
+    s, c = turned_by(t_x * t_x + t_y * t_y + t_z * t_z)
     a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
     b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
     return x - s * a_x + c * b_x, y - s * a_y + c * b_y, z - s * a_z + c * b_z

@@ -3,7 +3,7 @@
 Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
 a Coulomb slider cuts at friction times the normal force (slider.py). In the middle of the
 step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
-f / b + h H f / 2 = -k x / b - u_free, b = c + h k / 2: one linear system for given modes and
+f + b h H f / 2 = -k x - b u_free, b = c + h k / 2: one linear system for given modes and
 directions of sliding, which are corrected until each contact's force agrees with its mode and
 slip. No order of contacts, no iteration between them, no limit on the step from any spring.
 
@@ -27,16 +27,16 @@ where they end."""
 LOCATED, SHORTEST = 0.01, 1e-6
 """Share of a step to which a touch is located, and the share below which it is left out."""
 
-TURNED = 0.02
+TURNED = 0.06
 """Change of a sliding direction, rad, below which a step is not solved anew."""
 
 JAMMED = 0.25
-"""Part of its own compliance 1 / b to which sliding may reduce the equation of a contact: below it
-friction presses a foot on faster than the step, and the foot is taken to stick."""
+"""Part of its own force to which sliding may reduce the equation of a contact: below it friction presses a foot on
+faster than the step, and the foot is taken to stick."""
 
 
 @lean
-def resist(near, i, h, k_n):
+def _resist(near, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
     near[i].stiff, near[i].offset, near[i].share = k_n, 0.0, 1.0
     near[i].b_n = near[i].c_n + 0.5 * h * k_n
@@ -98,15 +98,12 @@ def _guess_of(state, near, H, i, h, unloading, at):
         middle = gap + 0.5 * h * near[i].speed[0]
         if middle >= 0.0:
             return OPEN
-        if near[i].share != 1.0:
-            resist(near, i, h, near[i].k_n)
+        _resist(near, i, h, near[i].k_n)
         if unloading > 1.0:
             stiff, offset = unloading * near[i].k_n, state[at + SET]
             if stiff * (-middle - offset) < -near[i].k_n * middle:
-                resist(near, i, h, stiff)
+                _resist(near, i, h, stiff)
                 near[i].offset = offset
-            else:
-                resist(near, i, h, near[i].k_n)
     press = -near[i].stiff * (gap + near[i].offset)
     press = max(press - near[i].b_n * near[i].middle[0], 0.0)
     mode = int(state[at + MODE])
@@ -144,14 +141,13 @@ def _jams(near, H, i, h):
     """True when sliding in the contact's direction would press it on faster than the step."""
     b = 3 * i
     turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
-    own = 1.0 / near[i].b_n
-    return own + 0.5 * h * (H[b, b] - near[i].friction * turned) < JAMMED * own
+    return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAMMED
 
 
 @lean
 def _assemble(near, H, A, m, h):
     """Fill the equations of the forces for the modes tried; returns their number."""
-    half, count = 0.5 * h, 0
+    count = 0
     for i in range(m):
         near[i].unknown = count
         if near[i].tried != OPEN:
@@ -161,6 +157,11 @@ def _assemble(near, H, A, m, h):
             continue
         for p in range(3 if near[i].tried == STICK else 1):
             r, a = 3 * i + p, near[i].unknown + p
+            if p == 0:
+                b, pull = near[i].b_n, near[i].stiff * (near[i].gap[0] + near[i].offset)
+            else:
+                b, pull = near[i].b_t, near[i].k_t * near[i].gap[p]
+            half = 0.5 * h * b
             for j in range(m):
                 c, column = 3 * j, near[j].unknown
                 if near[j].tried == STICK:
@@ -170,12 +171,8 @@ def _assemble(near, H, A, m, h):
                 elif near[j].tried == SLIDE:
                     turned = near[j].toward[0] * H[r, c + 1] + near[j].toward[1] * H[r, c + 2]
                     A[a, column] = half * (H[r, c] - near[j].friction * turned)
-            if p == 0:
-                own, pull = (1.0 / near[i].b_n, near[i].stiff * (near[i].gap[0] + near[i].offset))
-            else:
-                own, pull = 1.0 / near[i].b_t, near[i].k_t * near[i].gap[p]
-            A[a, a] += own
-            A[a, count] = -pull * own - near[i].free[p]
+            A[a, a] += 1.0
+            A[a, count] = -pull - b * near[i].free[p]
     return count
 
 
@@ -183,7 +180,7 @@ def _assemble(near, H, A, m, h):
 def _eliminate(A, count):
     """Solve the equations in place by Gauss' elimination; the last column holds the unknowns."""
     for i in range(count):
-        inverse = 1.0 / A[i, i]
+        inverse = A[i, i] = 1.0 / A[i, i]
         for j in range(i + 1, count):
             factor = A[j, i] * inverse
             if factor != 0.0:
@@ -193,7 +190,7 @@ def _eliminate(A, count):
         total = A[i, count]
         for c in range(i + 1, count):
             total -= A[i, c] * A[c, count]
-        A[i, count] = total / A[i, i]
+        A[i, count] = total * A[i, i]
 
 
 @lean

@@ -13,7 +13,6 @@ from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import sway as sways
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
 from walkergen.simulation.space.flight import leave_behind, pass_time, thrown_leg
-from walkergen.simulation.space.forces import resist
 from walkergen.simulation.space.pose import locate, normal_of, place, swayed, turn
 from walkergen.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 
@@ -23,12 +22,12 @@ _motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torqu
 
 
 @lean
-def stiffen(walker, work, h):
-    """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
-    n, swing, A = len(walker.stiffness), work.swing, work.A
-    if work.swung[0] == h:
+def stiffen(walker, work, h, kind):
+    """Fill the legs' inverse inertia for steps (kind 0) or leaps (1) of h seconds, by Gauss and Jordan."""
+    n, swing, A = len(walker.stiffness), work.swing[kind], work.A
+    if work.swung[kind] == h:
         return
-    work.swung[0] = h
+    work.swung[kind] = h
     for i in range(n):
         for j in range(n):
             A[i, j] = walker.hinge_inertia[i, j]
@@ -99,19 +98,20 @@ def _bend(state, now, points, side, leg, f, n, k):
 
 
 @lean
-def _move_by(J, MJ, swing, mass, inverse, rows):
-    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
+def _move_by(J, MJ, ML, swing, mass, inverse, rows, kinds):
+    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block for as many kinds of steps."""
     n = J.shape[1] - 6
     for r in range(rows):
         t_x, t_y, t_z = J[r, 3], J[r, 4], J[r, 5]
         for i in range(3):
             MJ[r, i] = mass[i] * J[r, i]
             MJ[r, 3 + i] = inverse[i, 0] * t_x + inverse[i, 1] * t_y + inverse[i, 2] * t_z
-        for i in range(n):
-            total = 0.0
-            for j in range(n):
-                total += swing[i, j] * J[r, 6 + j]
-            MJ[r, 6 + i] = total
+        for kind in range(kinds):
+            for i in range(n):
+                total = 0.0
+                for j in range(n):
+                    total += swing[kind, i, j] * J[r, 6 + j]
+                ML[kind, r, i] = total
 
 
 @lean
@@ -146,7 +146,7 @@ def _thrown_about(now, thrown):
 
 
 @lean
-def _directions(world, state, work, near, lifted, h, t, m):
+def _directions(world, state, work, near, lifted, t, m, kinds):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
     """
@@ -194,8 +194,7 @@ def _directions(world, state, work, near, lifted, h, t, m):
         near[i].friction = friction[k]
         near[i].k_n, near[i].k_t = spring[k, 0], spring[k, 1]
         near[i].c_n = damper[k]
-        resist(near, i, h, near[i].k_n)
-    _move_by(J, work.MJ, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
+    _move_by(J, work.MJ, work.ML, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m, kinds)
 
 
 @lean
@@ -226,15 +225,15 @@ def sway_work(near, m, t):
 
 
 @lean
-def load(world, work, lifted, h, t, m):
+def load(world, work, lifted, t, m, kinds):
     """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
 
-    It lasts t seconds in steps of h, and starts with the plate at the velocity `lifted` (mm/s).
+    It lasts t seconds, in steps (2 kinds: and leaps), and starts with the plate at the velocity `lifted` (mm/s).
     """
     state = work.midway
-    near, J, MJ, H = work.near, work.J, work.MJ, work.H
+    near, J = work.near, work.J
     n = J.shape[1] - 6
-    _directions(world, state, work, near, lifted, h, t, m)
+    _directions(world, state, work, near, lifted, t, m, kinds)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
@@ -250,12 +249,23 @@ def load(world, work, lifted, h, t, m):
             near[i].speed[p], near[i].drift[p] = u, drift
             near[i].impulse[p] = near[i].carried[p] = 0.0
             near[i].free[p] = near[i].middle[p] = 0.0
-    for r in range(3 * m):
+    _join(J, work.MJ, work.ML, work.H, 3 * m, kinds)
+
+
+@lean
+def _join(J, MJ, ML, H, rows, kinds):
+    """Fill J M^-1 J^T for as many kinds of steps."""
+    n = J.shape[1] - 6
+    for r in range(rows):
         for c in range(r + 1):
-            total = 0.0
-            for j in range(6 + n):
-                total += J[r, j] * MJ[c, j]
-            H[r, c] = H[c, r] = total
+            whole = 0.0
+            for j in range(6):
+                whole += J[r, j] * MJ[c, j]
+            for kind in range(kinds):
+                total = whole
+                for j in range(n):
+                    total += J[r, 6 + j] * ML[kind, c, j]
+                H[kind, r, c] = H[kind, c, r] = total
 
 
 @lean

@@ -9,6 +9,9 @@ import math
 
 from walkergen.numerics.kernels import lean
 
+FAR = 20.0
+"""Way, in radii of the circle, after which a stretch points along the slip: to 1e-8, across the circle first."""
+
 
 @lean
 def dragged(e_1, e_2, u_1, u_2, t, radius):
@@ -17,8 +20,12 @@ def dragged(e_1, e_2, u_1, u_2, t, radius):
     A stretch inside the circle of `radius` (mm) first moves freely. Exact for constant slip and
     radius; (0, 0) where neither slip nor stretch has a direction.
     """
-    speed, size = math.sqrt(u_1 * u_1 + u_2 * u_2), math.sqrt(e_1 * e_1 + e_2 * e_2)
+    speed = math.sqrt(u_1 * u_1 + u_2 * u_2)
     way = t * speed
+    if way > FAR * radius:
+        inverse = 1.0 / speed
+        return u_1 * inverse, u_2 * inverse, u_1 * inverse, u_2 * inverse
+    size = math.sqrt(e_1 * e_1 + e_2 * e_2)
     if not way > 0.0:
         inverse = 1.0 / size if size > 0.0 else 0.0
         return e_1 * inverse, e_2 * inverse, e_1 * inverse, e_2 * inverse

@@ -114,6 +114,8 @@ class Options(NamedTuple):
     """Longest step while a foot may touch, s."""
     frame: int
     """Steps for which pose and contact directions are frozen."""
+    leap: int
+    """Steps that are taken as one while contacts stay as they are."""
 
 
 # A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
@@ -185,9 +187,11 @@ class Work(NamedTuple):
     J: Array
     """Jacobian, three rows a near contact (normal, along, across), shape (3 k, 6 + n)."""
     MJ: Array
-    """Inverse mass times its transpose, by rows as well, shape (3 k, 6 + n)."""
+    """Inverse mass of the whole times its transpose, by rows as well, shape (3 k, 6)."""
+    ML: Array
+    """Inverse inertia of the legs in steps and leaps times the transpose of their columns, shape (2, 3 k, n)."""
     H: Array
-    """Inverse mass at the contacts, J M^-1 J^T, shape (3 k, 3 k), 1/g."""
+    """Inverse mass at the contacts in steps and leaps, J M^-1 J^T, shape (2, 3 k, 3 k), 1/g."""
     A: Array
     """Equations of the forces, shape (3 k, 3 k + 1)."""
     pull: Array
@@ -199,9 +203,9 @@ class Work(NamedTuple):
     left: Array
     """Torques by which effects that turn the body leave legs behind, shape (n,)."""
     swing: Array
-    """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
+    """Inverse inertia of the coordinates in a step and in a leap, their springs included, shape (2, n, n)."""
     swung: Array
-    """Step for which `swing` is, shape (1,), s."""
+    """Lengths for which `swing` is, shape (2,), s."""
     thrown: Array
     """By how much a motor's unbalanced mass leads C away, its rate and its second derivative, body
     axes, shape (3, 3)."""
@@ -224,15 +228,16 @@ def work_for(walker, state):
         np.zeros(k, POINT),
         np.zeros(k, NEAR),
         np.zeros((m, 6 + n)),
-        np.zeros((m, 6 + n)),
-        np.zeros((m, m)),
+        np.zeros((m, 6)),
+        np.zeros((2, m, n)),
+        np.zeros((2, m, m)),
         np.zeros((m, m + 1)),
         np.zeros(n),
         np.zeros(2 * n),
         np.zeros(2 * n),
         np.zeros(n),
-        np.zeros((n, n)),
-        np.zeros(1),
+        np.zeros((2, n, n)),
+        np.zeros(2),
         np.zeros((3, 3)),
         np.zeros_like(state),
     )

@@ -27,6 +27,7 @@ from walkergen.simulation.space.frame import (
     sway_work,
 )
 from walkergen.simulation.space.landings import leave, settle
+from walkergen.simulation.space.leaps import STIRRED, changes, is_calm
 from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_height, plate_velocity, turn
 from walkergen.simulation.space.state import (
     ACROSS,
@@ -95,12 +96,12 @@ def _gather(walker, state, work, t):
 
 
 @lean
-def _swing_freely(state, near, J, work, springs, dampers, m, h):
-    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact.
+def _swing_freely(state, near, J, work, swing, springs, dampers, m, h, before):
+    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact, for a step of h seconds.
 
-    Those with contact become the ones expected by the forces of the last step.
+    Those with contact become the ones expected by the forces of the step `before`, so many seconds long.
     """
-    n, pull, left, swing = len(springs), work.pull, work.left, work.swing
+    n, pull, left, longer = len(springs), work.pull, work.left, h / before
     for i in range(n):
         pull[i] = 0.0
     for j in range(n):
@@ -114,19 +115,19 @@ def _swing_freely(state, near, J, work, springs, dampers, m, h):
             for j in range(n):
                 total += J[3 * i + p, 6 + j] * pull[j]
             free = near[i].speed[p] + 0.5 * h * total
-            near[i].middle[p] += free - near[i].free[p]
+            near[i].middle[p] = free + longer * (near[i].middle[p] - near[i].free[p])
             near[i].free[p] = free
 
 
 @lean
-def _move_legs(state, near, MJ, pull, dampers, m, h):
+def _move_legs(state, near, ML, pull, dampers, m, h):
     """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
     n, damped = len(dampers), 0.0
     for i in range(m):
         if near[i].tried != OPEN:
             for p in range(3):
                 for j in range(n):
-                    pull[j] += MJ[3 * i + p, 6 + j] * near[i].force[p]
+                    pull[j] += ML[3 * i + p, j] * near[i].force[p]
     for j in range(n):
         change = h * pull[j]
         rate = state[LEGS + n + j] + 0.5 * change
@@ -156,7 +157,7 @@ def _move_contacts(state, near, m, first, unloading, upward, t, h, lifted, tally
 
 
 @lean
-def _touched_late(state, near, H, MJ, n, m, h):
+def _touched_late(state, near, H, ML, n, m, h):
     """Take back what a force from the step's start on would have moved, of contacts that touched
     within it: their force began later, and moved contacts and legs for a shorter time.
     """
@@ -172,7 +173,7 @@ def _touched_late(state, near, H, MJ, n, m, h):
                     near[j].gap[1] -= short * H[3 * j + 1, c]
                     near[j].gap[2] -= short * H[3 * j + 2, c]
             for j in range(n):
-                state[LEGS + j] -= short * MJ[c, 6 + j]
+                state[LEGS + j] -= short * ML[c, j]
 
 
 @lean
@@ -196,27 +197,45 @@ def _closed_time(state, near, m, first, h):
 
 
 @lean
-def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
-    """Take `count` steps of h seconds from `begin` on.
+def _steps(walker, state, work, m, h, count, leap, stir, begin, lifted, lifting, tally):
+    """Take `count` steps of h seconds from `begin` on, `leap` of them as one while contacts are calm (leaps.py).
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
-    near, J, MJ, H, A = work.near, work.J, work.MJ, work.H, work.A
-    springs, dampers, unloading = walker.stiffness, walker.damping, walker.unloading
-    upward, sums, first = walker.upward, tally.sums, first_row(walker)
-    for step in range(count):
-        _swing_freely(state, near, J, work, springs, dampers, m, h)
-        if guess(state, near, H, m, h, unloading, first) > 0:
-            solve(near, H, A, m, h)
+    near, J, A, springs, dampers = work.near, work.J, work.A, walker.stiffness, walker.damping
+    unloading, upward, sums, first = walker.unloading, walker.upward, tally.sums, first_row(walker)
+    done, single, last = 0, 0, h
+    while done < count:
+        size = leap if single == 0 and count - done >= leap else 1
+        kind = 1 if size > 1 else 0
+        H, ML, span = work.H[kind], work.ML[kind], size * h
+        _swing_freely(state, near, J, work, work.swing[kind], springs, dampers, m, span, last)
+        last = span
+        closed = guess(state, near, H, m, span, unloading, first)
+        if size > 1 and changes(state, near, m, first):
+            single = leap
+            continue
+        if closed > 0:
+            solve(near, H, A, m, span)
         else:
             for i in range(m):
                 for p in range(3):
                     near[i].force[p], near[i].middle[p] = 0.0, near[i].free[p]
-        sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
-        sums[record.DAMPING_LOSS] += _move_legs(state, near, MJ, work.pull, dampers, m, h)
-        t, speed = begin + (step + 1) * h, lifted + (step + 0.5) * h * lifting
-        _move_contacts(state, near, m, first, unloading, upward, t, h, speed, tally)
-        _touched_late(state, near, H, MJ, len(springs), m, h)
+        calm = leap > 1 and is_calm(state, near, m, first, span, size / leap, stir)
+        if size > 1 and not calm:
+            single = leap
+            continue
+        if size == 1:
+            sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, span)
+        elif closed > 0:
+            sums[record.CONTACT_TIME] += span
+        sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, span)
+        t, speed = begin + (done + size) * h, lifted + (done + 0.5 * size) * h * lifting
+        _move_contacts(state, near, m, first, unloading, upward, t, span, speed, tally)
+        if size == 1:
+            _touched_late(state, near, H, ML, len(springs), m, span)
+        done += size
+        single = max(single - 1, 0 if calm else 1)
 
 
 @lean
@@ -247,17 +266,20 @@ def _move_body(walker, motor, state, work, m, t, sums):
 @lean
 def _frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
-    walker, t = world.walker, count * h
-    m = _gather(walker, state, work, t)
+    walker, t, leap = world.walker, count * h, world.options.leap
+    m, kinds = _gather(walker, state, work, t), 2 if leap > 1 else 1
     for j in range(len(walker.stiffness)):
         work.before[j] = state[LEGS + j]
     lifted = plate_velocity(world, state)
     halfway(world, state, work, t)
-    stiffen(walker, work, h)
+    stiffen(walker, work, h, 0)
+    if kinds > 1:
+        stiffen(walker, work, leap * h, 1)
     accelerate(world, work.midway, work)
-    load(world, work, lifted, h, t, m)
+    load(world, work, lifted, t, m, kinds)
     lifting = plate_acceleration(world, work.midway)
-    _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    stir = STIRRED * across(world.acting) * TWO_PI / world.drive.omega
+    _steps(walker, state, work, m, h, count, leap, stir, begin, lifted, lifting, tally)
     if _sways(world.acting.sway):
         tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
     _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)

@@ -39,6 +39,9 @@ LONGEST, FINEST = 9e-4, 1 / 64
 """Longest step of soft feet, of the plate's period (10 us at 90 Hz): drive and legs are held for a frame of steps; and
 the least part of what resolves the feet that a step is, however fast the plate."""
 
+LONGEST_LEAP = 1.5e-3
+"""Longest time that is taken as one step while contacts stay as they are, of the plate's period (17 us at 90 Hz)."""
+
 STEPS_OF_FRAME, LONGEST_FRAME = 24, 5.85e-3
 """Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (65 us at 90
 Hz): where feet are stiff, what the plate's height errs by in twice that is as much as they give at rest.
@@ -204,7 +207,7 @@ def _with_feet(walker: Walker, case: Case, feet_of_points: Array, local: bool) -
     )
     return walker._replace(
         spring=spring, damper=damper, unloading=of_legs[0].unloading, flights=_flights(walker, step, n, period)
-    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1)))
+    ), _options(step, own_step, period, of_legs[0].unloading)
 
 
 def _own_step(
@@ -249,6 +252,16 @@ def _step(given_us: float | None, own: float, longest: float, fastest: float) ->
             f"the key out ({1e6 * own:.3g})"
         )
     return 1e-6 * given_us
+
+
+def _options(step: float, own_step: float, period: float, unloading: float) -> Options:
+    """Lengths of frames and leaps in steps.
+
+    Feet that unload along another line than they are loaded take every step by itself.
+    """
+    frame = min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1))
+    leap = min(int(LONGEST_LEAP * period / max(step, own_step)), frame) if unloading == 1.0 else 1
+    return Options(step, frame, max(leap, 1))
 
 
 def coarser(world: World, factor: float) -> World:
