@@ -18,12 +18,15 @@ nightly:
 	$(PYTHON) -m pytest -m nightly
 
 bench:
-	$(PYTHON) benchmarks/starts.py
+	$(PYTHON) benchmarks/starts.py --long
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
 	$(PYTHON) benchmarks/space.py --cold
+	$(PYTHON) benchmarks/space_crowds.py
 	$(PYTHON) benchmarks/rivals.py --seconds 1
+	$(PYTHON) benchmarks/page.py
+	$(PYTHON) benchmarks/app.py
 
 # How often the bounds of `analyse` hold: an hour and a half, at night; ARGS="--films 10": shorter
 coverage:

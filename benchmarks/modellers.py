@@ -7,7 +7,7 @@ more: they build the body and a leg as well and weigh these two, because the mec
 M, J, m and j apart.
 
     python benchmarks/modellers.py WAY FOLDER REPEATS COUNT    prints JSON
-    python benchmarks/modellers.py --all FOLDER                the bare script, all 160 parts
+    python benchmarks/modellers.py --all WAY FOLDER            all 160 parts, no more
 """
 
 import json
@@ -225,8 +225,8 @@ def _version(way: str) -> str:
     return version({"bare": "manifold3d"}.get(way, way))
 
 
-def all_bare(folder: Path) -> None:
-    make = with_bare()
+def make_all(way: str, folder: Path) -> None:
+    make = WAYS[way][0]()
     folder.mkdir(exist_ok=True)
     for tilt in COLD_TILTS:
         for kind in LEG_THICKNESS:
@@ -235,7 +235,7 @@ def all_bare(folder: Path) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1] == "--all":
-        all_bare(Path(sys.argv[2]))
+        make_all(sys.argv[2], Path(sys.argv[3]))
     else:
         way, folder, repeats, count = sys.argv[1:]
         print(json.dumps(worker(way, int(repeats), int(count), Path(folder))))

@@ -123,7 +123,7 @@ def compare(ways: list[str], pythons: dict[str, str], options: argparse.Namespac
 def compare_cold(repeats: int) -> None:
     """Print the wall times of whole processes: all 160 parts, imports included."""
     commands = {
-        "bare script": [sys.executable, MODELLERS, "--all"],
+        "bare script": [sys.executable, MODELLERS, "--all", "bare"],
         "walkergen export": [sys.executable, "-m", "walkergen", *EXPORT],
         "walkergen family": [sys.executable, "-m", "walkergen", *FAMILY],
     }

@@ -5,9 +5,9 @@ Each is a process of its own; of several rounds, in which all commands take turn
 untimed round goes first. Below each group stand its rivals: the libraries that it rests on, imported
 and no more, and a bare script of manifold3d that writes the same parts.
 
-    python benchmarks/starts.py [--repeats 3] [--only plate,family]
+    python benchmarks/starts.py [--repeats 3] [--only plate,family] [--long]
 
-Ends with 1 where a command is over its goal.
+With --long also commands of a minute, once each. Ends with 1 where a command is over its goal.
 """
 
 import argparse
@@ -19,6 +19,8 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 SWEEP = """design = "koumakis2016"
 [grid]
 "legs.tilt_deg" = [0.0, 5.0, 10.0, 15.0, 20.0]
@@ -27,6 +29,8 @@ SWEEP = """design = "koumakis2016"
 "body.length_mm" = [14.0, 15.0, 16.0, 17.0, 18.0]
 """
 """Sweep of 500 walkers."""
+
+MODELLERS = str(Path(__file__).with_name("modellers.py").resolve())
 
 BOTH = ("--legs", "flexible,braced", "--quiet")
 GOALS_S: dict[tuple[str, ...], float | None] = {
@@ -40,15 +44,48 @@ GOALS_S: dict[tuple[str, ...], float | None] = {
     ("family", "--tilt", "0:39.5:0.5", *BOTH): 2.5,
     ("family", "--tilt", "0:39.5:0.125", *BOTH, "--no-pictures"): None,
     ("export", "--sweep", "sweep.toml", "--quiet"): None,
+    ("analyse", "few.csv", "--fps", "25"): 0.6,
+    ("movie", "--tilt", "10", "--quiet"): 3.0,
 }
 """CPU times (s) that commands may take; None where a row is there to compare with."""
+
+LONG_S: dict[tuple[str, ...], float | None] = {
+    ("analyse", "many.csv", "--fps", "25"): 8.0,
+    ("crowd", "--count", "30", "--packing", "0.3", "--seconds", "20", "--runs", "1", "--no-pictures", "--quiet"): 25.0,
+    (
+        "simulate",
+        "--scene",
+        "plane-90hz",
+        "--seconds",
+        "20",
+        "--discard",
+        "0.5",
+        "--runs",
+        "30",
+        "--threads",
+        "1",
+    ): None,
+}
+"""The same of long ones: a million rows of 100 particles; 30 walkers in a dish, and as many that are alone."""
+
+TRACKS = {"few.csv": (10, 200), "many.csv": (100, 10_000)}
+"""Files of tracks: particles and frames."""
+
+MEAN_SQUARE = """import sys, pandas, trackpy
+rows = pandas.read_csv(sys.argv[1]).rename(columns={"track": "particle", "x_mm": "x", "y_mm": "y"})
+trackpy.emsd(rows, 1, 25, max_lagtime=100)
+"""
+"""Script that reads tracks and takes their mean squared displacement with trackpy, and no more."""
 
 RIVALS = {
     "import typer, pydantic, numpy": ("-c", "import typer, pydantic, numpy"),
     "import numba, scipy.linalg": ("-c", "import numba, numba.np.arraymath, scipy.linalg"),
     "import matplotlib.figure": ("-c", "import matplotlib.figure, matplotlib.backends.backend_agg"),
-    "bare manifold3d, 160 parts": (str(Path(__file__).with_name("modellers.py").resolve()), "--all", "parts"),
+    "bare manifold3d, 160 parts": (MODELLERS, "--all", "bare", "parts"),
+    "manifold3d and trimesh, 160 parts": (MODELLERS, "--all", "trimesh", "parts"),
+    "trackpy, few.csv": ("-c", MEAN_SQUARE, "few.csv"),
 }
+LONG_RIVALS = {"trackpy, many.csv": ("-c", MEAN_SQUARE, "many.csv")}
 
 SMALL, LARGE = 160, 634
 PARTS = {
@@ -72,6 +109,8 @@ def cost(words: tuple[str, ...]) -> Cost:
     surroundings = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "sweep.toml").write_text(SWEEP)
+        for name in TRACKS.keys() & set(words):
+            _write_tracks(Path(folder, name), *TRACKS[name])
         started = time.perf_counter()
         process = subprocess.Popen([sys.executable, *words], cwd=folder, env=surroundings, stdout=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)
@@ -80,17 +119,33 @@ def cost(words: tuple[str, ...]) -> Cost:
         return Cost(usage.ru_utime, time.perf_counter() - started, usage.ru_maxrss / 1024.0)
 
 
+def _write_tracks(path: Path, particles: int, frames: int) -> None:
+    """Write tracks of particles that run at 60 mm/s and turn by chance within 2 s, at 25 frames a second."""
+    rng = np.random.default_rng(1)
+    headings = np.cumsum(rng.normal(0.0, 0.2, (frames, particles)), axis=0) + rng.uniform(0.0, 6.3, particles)
+    x, y = (np.cumsum(2.4 * turn(headings), axis=0) for turn in (np.cos, np.sin))
+    frame, track = np.divmod(np.arange(frames * particles), particles)
+    rows = np.column_stack([frame, track, x.ravel(), y.ravel(), headings.ravel()])
+    np.savetxt(path, rows, "%d,%d,%.4f,%.4f,%.5f", header="frame,track,x_mm,y_mm,theta_rad", comments="")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--only", default="", help="commands, comma-separated; rivals are always there")
+    parser.add_argument("--long", action="store_true", help="also commands of a minute, once each")
     options = parser.parse_args()
     only = {word for word in options.only.split(",") if word}
-    commands = {words: goal for words, goal in GOALS_S.items() if not only or words[0] in only}
+    every = GOALS_S | (LONG_S if options.long else {})
+    commands = {words: goal for words, goal in every.items() if not only or words[0] in only}
     rows = {" ".join(words): ("-m", "walkergen", *words) for words in commands} | RIVALS
+    rows |= LONG_RIVALS if options.long else {}
+    once_only = {" ".join(words) for words in LONG_S} | set(LONG_RIVALS)
     taken: dict[str, list[Cost]] = {name: [] for name in rows}
     for number in range(options.repeats + 1):
         for name, words in rows.items():
+            if name in once_only and number != options.repeats:
+                continue
             once = cost(words)
             taken[name] += [once] if number else []
     goals = {" ".join(words): goal for words, goal in commands.items()}

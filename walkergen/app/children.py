@@ -16,6 +16,7 @@ from collections.abc import AsyncIterator, Coroutine, Sequence
 from typing import Any, TypeVar
 
 from walkergen.app import sentences
+from walkergen.app.served import Running
 
 COMMANDS = "walkergen.cli.child"
 """Module that runs command lines as a child."""
@@ -34,9 +35,6 @@ LARGEST_LINE = 2**26
 """Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
 
 Event = dict[str, Any]
-Running = set[asyncio.Future[Any]]
-"""Tasks that have a child, of one server."""
-
 Result = TypeVar("Result")
 
 

@@ -11,6 +11,9 @@ from walkergen.app.workers import Workers
 START = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
 """Values of a new document: a run that is done within seconds."""
 
+Running = set[asyncio.Future[Any]]
+"""Tasks that have a child, of one server."""
+
 
 class Server(NamedTuple):
     """What a server knows from its start."""
@@ -24,8 +27,7 @@ class Server(NamedTuple):
     place: Place
     first: Document
     """Document of the command line, with which a page begins."""
-    running: set[asyncio.Future[Any]]
-    """Tasks that have a child."""
+    running: Running
     steps: Workers
     """Processes of walkers alone, so that a slider's step waits for nothing else."""
     workers: Workers
