@@ -266,7 +266,7 @@ def _move_body(walker, motor, state, work, m, t, sums):
 @lean
 def _frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
-    walker, t, leap = world.walker, count * h, world.options.leap
+    walker, t, leap = world.walker, count * h, min(world.options.leap, count)
     m, kinds = _gather(walker, state, work, t), 2 if leap > 1 else 1
     for j in range(len(walker.stiffness)):
         work.before[j] = state[LEGS + j]
