@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 from space_rival import UP, Walker, land, plan_of, weightless
 from worlds import hinged_state
 
@@ -31,7 +32,7 @@ from walkergen.simulation.space.state import (
     W_X,
     work_for,
 )
-from walkergen.simulation.space.walker import mobility
+from walkergen.simulation.space.walker import exponential, mobility
 from walkergen.simulation.world import OK
 
 SLIP_FREE = {"damping_ratio": 0.0}
@@ -46,6 +47,15 @@ def rebound(slopes, force, start):
     pulls.terminal, pulls.direction = True, -1.0
     found = solve_ivp(slopes, (0.0, 1e3), start, "DOP853", rtol=1e-11, atol=1e-13, events=pulls)
     return -found.y[1, -1]
+
+
+@pytest.mark.parametrize("size", [1e-4, 0.3, 4.0, 30.0])
+def test_exponential_is_that_of_scipy(size):
+    matrix = size * np.random.default_rng(1).normal(size=(8, 8))
+    expected = expm(matrix)
+    # rounding, doubled at every square
+    atol = 1e-15 * max(size, 1.0) * 8.0 * abs(expected).max()
+    np.testing.assert_allclose(exponential(matrix), expected, rtol=0, atol=atol)
 
 
 @pytest.mark.parametrize("label", [0.02, 0.1, 0.3, 0.5, 0.8, 0.99, 1.0])

@@ -54,6 +54,22 @@ from numba.extending import intrinsic, typeof_impl  # noqa: E402
 if _sums:
     shipped.serve(_sums)
 
+
+def _register_without_blas() -> None:
+    """Let numba load its mathematics as where there is no SciPy: no kernel of ours multiplies matrices by a library,
+    and to look for one takes a fifth of a simulation's start.
+    """
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
+    try:
+        import numba.np.arraymath  # noqa: F401
+    finally:
+        del sys.modules["scipy.linalg"]
+
+
+# In a process of a command; elsewhere kernels of others may need one
+if "walkergen.cli.build" in sys.modules and not {"scipy.linalg", "numba.np.arraymath"} & set(sys.modules):
+    _register_without_blas()
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 

@@ -175,10 +175,12 @@ def _shades(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
 
 
 def _reduced(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Mean over the samples of each pixel, colours weighed by their opacity."""
-    height, width, _ = picture.shape
-    parts = picture.reshape(height // FINE, FINE, width // FINE, FINE, 4).astype(np.float32)
-    alpha = parts[..., 3:]
-    weight = alpha.sum(axis=(1, 3))
-    colour = (parts[..., :3] * alpha).sum(axis=(1, 3)) / np.maximum(weight, 1.0)
-    return np.concatenate([colour, weight / FINE**2], axis=-1).round().astype(np.uint8)
+    """Mean over the samples of each pixel, of its colours over those that are not clear (and black)."""
+    first, *others = (picture[row::FINE, column::FINE] for row in range(FINE) for column in range(FINE))
+    total = first.astype(np.uint16)
+    for sample in others:
+        total += sample
+    pixels, seen = np.empty(total.shape, np.uint8), np.maximum(total[..., 3:] // 255, 1)
+    pixels[..., :3] = (total[..., :3] + seen // 2) // seen
+    pixels[..., 3] = (total[..., 3] + FINE**2 // 2) // FINE**2
+    return pixels
