@@ -1,5 +1,6 @@
 """Crowds as files of other programs, read back: CSV, GSD, extended XYZ, movies, stills."""
 
+import errno
 import io
 import json
 import re
@@ -18,7 +19,7 @@ from walkergen.crowd import movie as crowd_movie
 from walkergen.crowd import statistics as crowds
 from walkergen.crowd import tables as crowd_tables
 from walkergen.crowd.statistics import film as films
-from walkergen.errors import InputError
+from walkergen.errors import InputError, OutputError
 from walkergen.files import animation, extended_xyz
 from walkergen.files.progress import silent
 
@@ -84,6 +85,17 @@ def test_extended_xyz_has_a_frame_for_each_time_and_who_was_seen():
         assert values[:, 8:] == pytest.approx(np.tile([1.5, 0.5, 0.25], (count, 1)))
         at += 2 + count
     assert at == len(lines)
+
+
+def test_without_room_for_temporary_files_the_file_that_was_asked_for_is_named(tmp_path, monkeypatch):
+    def full(name, mode):
+        raise OSError(errno.ENOSPC, "No space left on device", name)
+
+    monkeypatch.setattr(gsd.hoomd, "open", full)
+    path = tmp_path / "run.gsd"
+    with pytest.raises(OutputError, match=rf"^'{path}': .*No space left on device; .*TMPDIR$"):
+        crowd_files.write(path, running())
+    assert not path.exists()
 
 
 def test_a_file_of_no_known_kind_is_refused(tmp_path):

@@ -1,11 +1,15 @@
 """Films as folders of pictures, and films whose pixels are not square."""
 
+import json
+
 import numpy as np
 import pytest
 import rendered_films as films
 from PIL import Image
 from rendered_films import Filmed
+from typer.testing import CliRunner
 
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.track.film import make
@@ -93,3 +97,20 @@ def test_pixels_that_are_not_square_are_made_so(tmp_path, aspect):
     assert f"Pixels of {aspect[0]}:{aspect[1]} were made square: frames of 400 x 304" in made.lines[0]
     for walker in made.tracked.walkers:
         assert walker.net_mm == pytest.approx(23.0, rel=0.01)  # 2 pixels of 0.5 mm a frame
+
+
+@pytest.mark.slow
+def test_a_film_of_4_to_3_gives_the_right_speed_by_the_commands(tmp_path):
+    """Two walkers at 30 mm/s, one along the squeezed side: 24 mm/s where their pixels are taken for square."""
+    step = 30.0 / 0.5 / FPS  # pixels a frame
+    ways = [[(60 + step * n, 80, 0.0), (380, 40 + step * n, np.pi / 2)] for n in range(75)]
+    whole = [films.picture(walkers, Filmed(wide=480, high=304), seed=n) for n, walkers in enumerate(ways)]
+    squeezed = [np.asarray(Image.fromarray(picture).resize((360, 304))) for picture in whole]
+    film = films.write(tmp_path / "film.mp4", squeezed, aspect=(4, 3))
+    run, out = CliRunner().invoke, ["--out", str(tmp_path)]
+    tracked = run(command_line, ["track", str(film), "--mm-per-px", "0.5", *out])
+    assert (tracked.exit_code, "Pixels of 4:3 were made square" in tracked.output) == (0, True)
+    analysed = run(command_line, ["analyse", str(tmp_path / "track" / "tracks.csv"), "--json", *out])
+    told = json.loads(analysed.output)
+    assert told["speed_low_95_mm_s"] <= 30.0 <= told["speed_high_95_mm_s"]
+    assert told["speed_mm_s"] == pytest.approx(30.0, rel=0.003)

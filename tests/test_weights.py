@@ -2,10 +2,14 @@
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
+from walkergen.points import kinds
 from walkergen.points import members as predictions
+from walkergen.points.point import Point
 from walkergen.scene import Scene
 from walkergen.walker import mass, names, solids, weights
 from walkergen.walker.design import Design
@@ -230,3 +234,23 @@ def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
     assert path.read_bytes() == mine
     path.write_text(weights.template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
     assert weights.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "drawn"),
+    [("body_mass_g", 1e-13, "0.8333"), ("body_mass_g", 833.0, "0.8333"), ("leg_mass_g", 29.8, "0.02976")],
+)
+def test_masses_in_a_design_are_of_the_walker_that_it_draws(key, value, drawn):
+    """A thousandth or a thousand times as much: a unit, or another part."""
+    with pytest.raises(InputError, match=rf"weighed\.{key} = .*: {drawn} g as it is drawn, more than 10 times"):
+        weights.check(PAPER.variant(**{f"weighed.{key}": value}))
+    refused = CliRunner().invoke(command_line, ["predict", "--set", f"weighed.{key}={value}"])
+    assert isinstance(refused.exception, InputError)
+    assert f"weighed.{key} = " in str(refused.exception)
+    point = Point(PAPER.variant(**{f"weighed.{key}": value}), SCENE)
+    assert kinds.evaluate(point)["status"].startswith(f"refused: koumakis2016: weighed.{key} = ")
+
+
+def test_masses_that_a_walker_may_have_pass():
+    weights.check(PAPER)
+    weights.check(PAPER.variant(**{"weighed.body_mass_g": 0.87, "weighed.leg_mass_g": 0.04}))

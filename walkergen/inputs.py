@@ -55,6 +55,10 @@ class Inputs(NamedTuple):
             design = assignments.changed(Design.of_text(source), own, "command line")
         else:
             design = self._read(source, "walkers", Design, "design")
+        if design.weighed.states:
+            from walkergen.walker import weights
+
+            weights.check(design)
         self.notes.extend(note for note in design.notes if note not in self.notes)
         return design
 

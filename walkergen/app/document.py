@@ -101,7 +101,12 @@ class Document(NamedTuple):
 
     def design(self) -> Design:
         """Walker of the page. Raises InputError, a line for every mistake."""
-        return self._read(self.walker, "walkers", Design, "")
+        design = self._read(self.walker, "walkers", Design, "")
+        if design.weighed.states:
+            from walkergen.walker import weights
+
+            weights.check(design)
+        return design
 
     def ground(self) -> Scene:
         """Scene of the page. Raises InputError, a line for every mistake."""

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from walkergen import extras
 from walkergen.crowd.statistics import ground
 from walkergen.crowd.statistics.film import CrowdFilm
-from walkergen.errors import InputError
+from walkergen.errors import InputError, OutputError
 from walkergen.files import extended_xyz, output, tables
 from walkergen.files.extended_xyz import Bodies
 
@@ -120,9 +120,24 @@ def writable() -> tuple[str, ...]:
     return tuple(suffix for suffix in FORMATS if not (suffix == ".gsd" and missing))
 
 
+def packed(film: CrowdFilm, path: Path) -> bytes:
+    """Run in the format that a file's suffix names, for that file.
+
+    Raises OutputError where the library that packs it finds no room for its own file.
+    """
+    try:
+        return FORMATS[path.suffix.lower()](film)
+    except OSError as error:
+        folder = tempfile.gettempdir()
+        raise OutputError(
+            f"{str(path)!r}: cannot be made in {folder!r}, where temporary files lie: {error.strerror or error}; "
+            "make room there, or name another folder by TMPDIR"
+        ) from None
+
+
 def write(path: Path, film: CrowdFilm) -> None:
     """Write a run in the format that the file's suffix names."""
-    output.write(path, FORMATS[path.suffix.lower()](film))
+    output.write(path, packed(film, path))
 
 
 def _half_axes(film: CrowdFilm, kind: str) -> Array:

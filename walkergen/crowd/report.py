@@ -155,7 +155,8 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
                 continue
             for suffix in tracks.writable():
                 progress("writing tracks", 99, 100)
-                target.write(f"tracks/run-{number}{suffix}", tracks.FORMATS[suffix](film))
+                name = f"tracks/run-{number}{suffix}"
+                target.write(name, tracks.packed(film, target.path / name))
         target.finish(inputs_of(report.simulated.job))
     return report
 

@@ -17,7 +17,7 @@ from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.run import ENDED_WELL, Outcome
-from walkergen.walker import solids
+from walkergen.walker import solids, weights
 from walkergen.walker.mass import MassProperties
 
 GROUPS = ("speed", "spread", "persistence", "alignment", "impacts", "masses", "printability")
@@ -102,6 +102,8 @@ def cost(point: Point) -> float:
 def evaluate(point: Point) -> Record:
     """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
+    if design.weighed.states:
+        weights.check(design)
     mass = solids.mass_of(design)
     record = _simulated(point, mass) if point.simulated else went(Went.OK)
     if point.predicted:

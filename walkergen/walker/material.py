@@ -35,3 +35,8 @@ class Weighed(Section):
     body_mass_g: MassGram | None = None
     leg_mass_g: MassGram | None = None
     mass_sd_percent: Annotated[float, Field(ge=0, le=50)] = 2.0
+
+    @property
+    def states(self) -> bool:
+        """Whether it has masses that come before those that are drawn."""
+        return self.body_mass_g is not None or self.leg_mass_g is not None

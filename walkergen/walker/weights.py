@@ -21,7 +21,7 @@ import numpy as np
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
-from walkergen.walker import mass, names
+from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.material import Weighed
 from walkergen.walker.solids import Solids
@@ -151,12 +151,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
 
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
-    density = 1e-3 * design.material.density_g_cm3
-    count, body = len(parts.legs), mass.weigh(parts.body, density).mass
-    if parts.cap is not None and design.cap is not None:
-        of_cap = design.cap.density(design.material.density_g_cm3)
-        body += mass.weigh(parts.cap, 1e-3 * of_cap).mass
-    leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count
+    count, (body, leg) = len(parts.legs), _drawn(design, parts)
     grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
@@ -169,7 +164,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
             scale = grams / (body + count * leg)
             body_g, leg_g = scale * body, scale * leg
     for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
-        if value is not None and not meshed / FACTOR <= value <= meshed * FACTOR:
+        if value is not None and _far(value, meshed):
             raise InputError(
                 f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
                 f"more than {FACTOR:g} times apart; are these grams, and of this part?"
@@ -177,6 +172,35 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
     own = {key: value for key, value in masses.items() if value is not None}
     return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
+
+
+def check(design: Design) -> None:
+    """Raise InputError for masses that a design states of itself and that are far from what it draws."""
+    if not design.weighed.states:
+        return
+    stated = {"body_mass_g": design.weighed.body_mass_g, "leg_mass_g": design.weighed.leg_mass_g}
+    meshed = _drawn(design, solids.build(design, united=False))
+    for (key, value), drawn in zip(stated.items(), meshed, strict=True):
+        if value is not None and _far(value, drawn):
+            raise InputError(
+                f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than {FACTOR:g} times "
+                "apart; are these grams, and of this part? Of another plastic set material.density_g_cm3",
+                f"weighed.{key}",
+            )
+
+
+def _drawn(design: Design, parts: Solids) -> tuple[float, float]:
+    """Masses of the body with its cap, and of a leg (of unlike legs their mean), g, as they are drawn."""
+    density = 1e-3 * design.material.density_g_cm3
+    body = mass.weigh(parts.body, density).mass
+    if parts.cap is not None and design.cap is not None:
+        body += mass.weigh(parts.cap, 1e-3 * design.cap.density(design.material.density_g_cm3)).mass
+    return body, sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / len(parts.legs)
+
+
+def _far(weighed: float, drawn: float) -> bool:
+    """True for masses that are FACTOR times apart, either way."""
+    return not drawn / FACTOR <= weighed <= drawn * FACTOR
 
 
 def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
@@ -190,7 +214,7 @@ def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
             continue
         if part := design.parts.get(name):
             stated = part.cylinder.mass
-            if not stated / FACTOR <= grams.mean <= stated * FACTOR:
+            if _far(grams.mean, stated):
                 raise InputError(
                     f"{name}: {grams.mean:.4g} g by the balance, {stated:.4g} g by the design: "
                     f"more than {FACTOR:g} times apart; are these grams, and of this part?"
