@@ -60,6 +60,61 @@ def test_outlines_are_what_resvg_draws(name, tmp_path):
     assert (rim * apart).max() <= 0.01 * max(theirs.shape) + 1.5  # a pixel and a half of either rim
 
 
+BROWSERS = {
+    '<style>:root{--c:none}.a{fill:var(--c)}</style><path class="a" d="M0 0h40v20H0z"/>BAR': 224.0,
+    '<path fill="var(--fill-0, none)" d="M0 0h40v20H0z"/>BAR': 224.0,
+    '<path fill="var(--fill-0, #123)" d="M6 6h28v8H6z"/>': 224.0,
+    '<style>g{--a:var(--b);--b:none}</style><g fill="var(--a)"><path d="M0 0h40v20H0z"/></g>BAR': 224.0,
+    '<g fill="none"><path style="fill:unset" d="M0 0h40v20H0z"/></g>BAR': 224.0,
+    '<g fill="none"><path style="fill:initial" d="M6 6h28v8H6z"/></g>': 224.0,
+    "<style>@namespace s url(http://www.w3.org/2000/svg);s|rect{display:none}</style><rect width='9' height='9'/>"
+    "BAR": 224.0,
+    '<g style="font:italic 4px/2 sans-serif"><rect width="7em" height="2em"/></g>': 224.0,
+    '<g style="rotate:none;zoom:1">BAR</g>': 224.0,
+    '<path style="filter:opacity(0)" d="M0 0h40v20H0z"/>BAR': 224.0,
+    '<g font-size="small"><rect width="1em" height="1em"/></g>': 169.0,
+}
+"""Drawings whose area resvg gives otherwise than browsers do, and that in browsers."""
+
+
+@pytest.mark.parametrize("body", BROWSERS)
+def test_areas_as_browsers_have_them(body, tmp_path):
+    path = tmp_path / "drawing.svg"
+    path.write_text(f"<svg {NAMES} {PAGE}>{body.replace('BAR', BAR)}</svg>")
+    assert sum(map(area, from_file(path).polygons)) == pytest.approx(BROWSERS[body], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("page", "expected"),
+    [
+        ('width="40mm" viewBox="0 0 40 20"', 224.0),
+        ('height="20mm" viewBox="0 0 40 20"', 224.0),
+        ('style="width:40mm;height:20mm" viewBox="0 0 40 20"', 224.0),
+        ('width="40mm" height="20mm" style="width:100%;height:auto" viewBox="0 0 40 20"', 224.0),
+        ('width="80mm" height="20mm" viewBox="0 0 40 20" preserveAspectRatio="none"', 448.0),
+        ('font-size="4" width="40mm" height="20mm" viewBox="0 0 40 20"', 224.0),
+    ],
+)
+def test_sizes_of_the_page(page, expected, tmp_path):
+    path = tmp_path / "drawing.svg"
+    bar = '<rect width="7rem" height="2rem"/>' if "font" in page else BAR
+    path.write_text(f"<svg {NAMES} {page}>{bar}</svg>")
+    assert sum(map(area, from_file(path).polygons)) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "transform", ["rotateX(45deg)", "matrix3d(1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1)", "translate(10%, 0)", "foo(1)"]
+)
+def test_transforms_that_leave_the_plane_are_named(transform, tmp_path):
+    path = tmp_path / "drawing.svg"
+    path.write_text(f'<svg {NAMES} {PAGE}><g style="transform:{transform}">{BAR}</g></svg>')
+    with pytest.raises(InputError, match=re.escape(f"<g> has transform = '{transform[:38]}")):
+        from_file(path)
+    path.write_text(f'<svg {NAMES} {PAGE} transform="scale(2)">{BAR}</svg>')
+    with pytest.raises(InputError, match="the page itself has a transform"):
+        from_file(path)
+
+
 @pytest.mark.parametrize(
     ("name", "expected"), [("origin by words", 0.25 * 116.0), ("origin of itself", 116.0), ("nested visible", 224.0)]
 )
@@ -77,6 +132,14 @@ def test_style_sheets_that_are_not_read_are_refused(sheet, tmp_path):
         from_file(path)
 
 
+def test_a_page_of_colour_is_a_body_and_said(tmp_path):
+    path = tmp_path / "drawing.svg"
+    path.write_text(f'<svg {NAMES} {PAGE}><rect width="40" height="20" fill="#eee"/>{BAR}</svg>')
+    outline = from_file(path)
+    assert sum(map(area, outline.polygons)) == pytest.approx(576.0)
+    assert outline.notes == ("took a rectangle as large as the page for a body, and what lies in it for holes",)
+
+
 @pytest.mark.parametrize(
     ("body", "before", "size", "note"),
     [
@@ -86,6 +149,22 @@ def test_style_sheets_that_are_not_read_are_refused(sheet, tmp_path):
         (f"<style media='print'>path{{display:none}}</style>{BAR}", "", (28, 8), None),
         (BAR, ILLUSTRATOR, (28, 8), None),
         ('<rect width="40" height="20" fill="white"/>', "", (40, 20), None),  # all there is
+        *[
+            (f'<rect width="40" height="20" {white}/>{BAR}', "", (28, 8), "white rectangle")
+            for white in (
+                'fill="rgb(100%,100%,100%)"',
+                'fill="hsl(0 0% 100%)"',
+                'fill="#ffffffff"',
+                'fill="#fefefe"',
+                'fill="#fff" stroke="#fff"',
+                'fill="currentColor" color="#fff"',
+                'fill="#fff" rx="2"',
+            )
+        ],
+        (f'<filter id="f"><feGaussianBlur/></filter><g filter="url(#f)">{BAR}</g>', "", (28, 8), "left out 1 filter"),
+        ('<rect x="20" y="6" width="40" height="8"/>', "", (40, 8), "took 1 shape whole that the page's edge cuts"),
+        ('<path stroke="red" stroke-width="2" d="M6 6h28v8H6z"/>', "", (28, 8), "without their width, up to 2 mm"),
+        ('<path stroke="red" stroke-width=".1" d="M6 6h28v8H6z"/>', "", (28, 8), None),
     ],
 )
 def test_what_is_left_out_is_said(tmp_path, body, before, size, note):

@@ -23,7 +23,7 @@ from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing,
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
 
-    from walkergen.shapes.svg_elements import Clip, Drawn
+    from walkergen.shapes.svg_elements import Clip, Drawn, Tree
 
 MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
 """Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
@@ -33,6 +33,15 @@ LONGEST_ENTITY = 200
 
 PAGE = 0.99
 """Share of the page, along both sides, from which on a white rectangle is the paper."""
+
+FULL = 0.9
+"""Share of its box from which on a shape is a rectangle: corners may be round."""
+
+BEYOND = 0.01
+"""Share of the page by which a shape may reach beyond it without a word."""
+
+LINE = 0.01
+"""Width of lines over the drawing's longer side from which on it is said that it does not count."""
 
 TOUCHED = 1e-6
 """Share of a shape's area by which a clip path may cut it and leave it as it is: rounding."""
@@ -77,10 +86,12 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
     root = _tree(data, source)
     svg_elements.refuse_active(root, source)
-    scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
+    stated = {key: root.attrib[key] for key in ("width", "height") if _length(root.attrib.get(key, "")) is not None}
     tree = svg_elements.Tree(root, source)
     try:
         svg_styles.as_attributes(root, source)
+        root.attrib.update(stated)  # styles of the page are of a window, as 100 %
+        scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
         page = _page(root, source)
         drawn = tree.drawn(page[2:])
         box = _box(drawn)
@@ -92,13 +103,44 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
         raise InputError(f"{source}: elements are nested too deeply") from None
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
         raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
-    paper = [one.white and _covers(shape, page) for one, shape in zip(drawn, shapes, strict=True)]
-    notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
-    if any(paper) and not all(paper):
-        shapes = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
-        notes.append("left out a white rectangle as large as the page")
+    shapes, notes = _without_page(drawn, shapes, page)
+    notes = [*_notes(tree), *notes]
+    if beyond := sum(_beyond(shape, page) for shape in shapes):
+        notes.append(f"took {words.count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser")
+    if (line := max((one.line for one in drawn), default=0.0)) > LINE * size:
+        notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
     turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
     return Drawing([Shape([own * turned for own in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
+
+
+def _notes(tree: "Tree") -> list[str]:
+    """What is to be said of elements that do not count."""
+    notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
+    if tree.filtered:
+        notes.append(f"left out {words.count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge")
+    return notes
+
+
+def _without_page(
+    drawn: "Sequence[Drawn]", shapes: list[Shape], page: Sequence[float]
+) -> tuple[list[Shape], list[str]]:
+    """Shapes without the paper, and what is to be said of it."""
+    whole = [_covers(shape, page) for shape in shapes]
+    paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
+    if any(paper) and not all(paper):
+        left = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
+        return left, ["left out a white rectangle as large as the page"]
+    if any(whole) and not all(whole):
+        return shapes, ["took a rectangle as large as the page for a body, and what lies in it for holes"]
+    return shapes, []
+
+
+def _beyond(shape: Shape, page: Sequence[float]) -> bool:
+    """Whether a shape reaches beyond the page, where that has a size."""
+    points = np.vstack([np.zeros((0, 2)), *shape.contours])
+    low, size = np.array(page[:2]), np.array(page[2:])
+    over = BEYOND * size if np.isfinite(size).all() else np.full(2, np.inf)
+    return bool(((points < low - over) | (points > low + size + over)).any())
 
 
 def _tree(data: bytes, source: str) -> ET.Element:
@@ -130,7 +172,8 @@ def _tree(data: bytes, source: str) -> ET.Element:
 
 def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
     """Left, top, width and height of the page in the drawing's units; infinite without any."""
-    from walkergen.shapes.svg_elements import PIXELS, view_box
+    from walkergen.shapes.svg_elements import PIXELS
+    from walkergen.shapes.svg_matrices import view_box
 
     if "viewBox" in root.attrib:
         return view_box(root.attrib["viewBox"], source)
@@ -144,9 +187,14 @@ def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
 
 def _scale(root: ET.Element, source: str) -> tuple[float, float]:
     """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
-    from walkergen.shapes.svg_elements import fitted, view_box
+    from walkergen.shapes.svg_matrices import fitted, view_box
 
-    page = _length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))
+    page = [_length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))]
+    for own, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
+        follows = page[1 - own] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
+        if length is not None and follows:  # of a page with one side the other is by its viewBox
+            box = view_box(root.attrib["viewBox"], source)
+            page[1 - own] = length * box[3 - own] / box[2 + own]
     if page[0] is None or page[1] is None:
         seen = " and ".join(
             f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
@@ -219,7 +267,7 @@ def _cut(contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, so
     """What a window leaves of contours, and their fill rule; untouched where it cuts nothing."""
     from shapely import union_all
 
-    window = union_all([_area(_contours(one, size, source), one.nonzero) for one in clip.shapes])
+    window = union_all([_area(*_shape(one, size, source)) for one in clip.shapes])
     area = _area(contours, nonzero)
     left = area.intersection(window)
     if left.area >= (1.0 - TOUCHED) * area.area:
@@ -243,13 +291,14 @@ def _area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
 
 
 def _covers(shape: Shape, page: Sequence[float]) -> bool:
-    """Whether a shape is a rectangle as large as the page, at its place."""
+    """Whether a shape is a rectangle as large as the page, at its place, its corners round or not."""
     if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
         return False
+    x, y = shape.contours[0].T
     low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
-    corners = np.isin(shape.contours[0], [low, high]).all()
+    full = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= FULL * math.prod(high - low)
     inside = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
-    return bool(corners and (inside >= PAGE * np.array(page[2:])).all())
+    return bool(full and (inside >= PAGE * np.array(page[2:])).all())
 
 
 def _points(subpath: Any, tolerance: float) -> Array:

@@ -5,17 +5,19 @@ The tree is walked once, as a browser does: <use> and <symbol> stand for what th
 are read by svgelements.
 """
 
+import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import tinycss2.color4
 
 from walkergen.errors import InputError
-from walkergen.shapes import svg_styles
+from walkergen.shapes import svg_paints, svg_styles
+from walkergen.shapes.svg_matrices import fitted, stretch, times, transform, view_box
+from walkergen.shapes.svg_paints import NUMBER, XLINK
 
 if TYPE_CHECKING:
     import svgelements
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 SVG = "{http://www.w3.org/2000/svg}"
-XLINK = "{http://www.w3.org/1999/xlink}href"
 
 SHAPES = ("circle", "ellipse", "line", "path", "polygon", "polyline", "rect")
 GROUPS = ("a", "g", "switch", "svg", "use")
@@ -43,8 +44,7 @@ ACTIVE = {
 MOST_ELEMENTS, DEEPEST = 20_000, 256
 """Elements of a drawing at most, counted as often as <use> repeats them, and levels of them."""
 
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-LENGTH = re.compile(rf"\s*({NUMBER})\s*([a-zA-Z]{{0,3}}|%)\s*")
+LENGTH = re.compile(rf"\s*({NUMBER})([a-zA-Z]{{0,3}}|%)\s*")
 PATH = re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*")
 POINTS = re.compile(r"[0-9eE.,+\-\s]*")
 
@@ -54,8 +54,16 @@ PIXELS = {"": 1.0, "px": 1.0, "in": 96.0, "cm": 96 / 2.54, "mm": 96 / 25.4, "q":
 FONT = 16.0
 """Size of a font that nobody has set."""
 
-BLACK, WHITE = "black", re.compile(r"white|#fff(f{3})?|rgb\(\s*255\s*,\s*255\s*,\s*255\s*\)", re.IGNORECASE)
-ALIGNED = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
+FONTS = {
+    "xx-small": 9.0,
+    "x-small": 10.0,
+    "small": 13.0,
+    "medium": FONT,
+    "large": 18.0,
+    "x-large": 24.0,
+    "xx-large": 32.0,
+}
+"""Sizes of fonts that browsers have names of."""
 
 
 class Drawn(NamedTuple):
@@ -68,7 +76,9 @@ class Drawn(NamedTuple):
     nonzero: bool
     """Fill rule."""
     white: bool
-    """Whether it is filled white, without a line around it."""
+    """Whether all of it is white."""
+    line: float
+    """Width of the line around it, in the drawing's units; 0 without."""
     clips: "tuple[Clip, ...]"
     """What cuts it, one after the other."""
 
@@ -91,6 +101,8 @@ class Place(NamedTuple):
     depth: int = 0
     inside: tuple[ET.Element, ...] = ()
     """Elements that <use> stands for at present: none may stand for itself."""
+    cutting: bool = False
+    """True in a clip path, whose shapes cut whatever their colour."""
 
 
 class Tree:
@@ -98,13 +110,18 @@ class Tree:
 
     def __init__(self, root: ET.Element, source: str) -> None:
         self.root, self.source = root, source
-        self.targets = {element.attrib["id"]: element for element in root.iter() if "id" in element.attrib}
-        self.count = self.unseen = 0
+        # of two with one id browsers take the first
+        self.targets = {one.attrib["id"]: one for one in reversed([*root.iter()]) if "id" in one.attrib}
+        self.count = self.unseen = self.filtered = 0
+        self.rem = FONT
 
     def drawn(self, view: tuple[float, float]) -> list[Drawn]:
         """Shapes that somebody sees, in their order; `view` is the page in the drawing's units."""
-        place = Place(np.eye(2, 3), {"fill": BLACK}, view)
-        return [shape for child in self.root for shape in self._walk(child, self._inside(self.root, place))]
+        if self.root.attrib.get("transform", "none").strip() not in ("", "none"):
+            raise self._refuse("the page itself has a transform; apply it to the paths")
+        place = self._inside(self.root, Place(np.eye(2, 3), {}, view))
+        self.rem = float(place.style["font-size"])
+        return [shape for child in self.root for shape in self._walk(child, place)]
 
     def _refuse(self, what: str) -> InputError:
         return InputError(f"{self.source}: {what}")
@@ -119,12 +136,15 @@ class Tree:
         return place._replace(style=style, depth=place.depth + 1)
 
     def _font(self, text: str | None, place: Place) -> float:
-        around = float(place.style.get("font-size", FONT))
-        match = LENGTH.fullmatch(text or "")
-        if match is None:
-            return around
-        relative = {"em": around, "%": 0.01 * around, "ex": 0.5 * around, "rem": FONT}
-        return float(match[1]) * {**PIXELS, **relative}.get(match[2].lower(), 1.0)
+        around, word = float(place.style.get("font-size", FONT)), (text or "1em").strip().lower()
+        if size := {**FONTS, "larger": 1.2 * around, "smaller": around / 1.2, "inherit": around}.get(word):
+            return size
+        match, units = LENGTH.fullmatch(word), {**PIXELS, **self._relative(around), "%": 0.01 * around}
+        return float(match[1]) * units.get(match[2], math.nan) if match else math.nan
+
+    def _relative(self, font: float) -> dict[str, float]:
+        """Units of length by the size of the font."""
+        return {"em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": self.rem}
 
     def _walk(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
         """Shapes that an element draws."""
@@ -137,7 +157,7 @@ class Tree:
         if name not in (*SHAPES, *GROUPS, *UNREADABLE):
             return
         inner = self._inside(element, place)
-        if element.attrib.get("display") == "none" or _zero(element.attrib.get("opacity")):
+        if self._hidden(element, inner):
             self.unseen += name in SHAPES
             return
         if name in UNREADABLE:
@@ -158,32 +178,45 @@ class Tree:
             for child in children:
                 yield from self._walk(child, inner)
 
+    def _hidden(self, element: ET.Element, place: Place) -> bool:
+        """Whether an element and all that it holds is hidden, whatever its parts say."""
+        filtered, name = element.attrib.get("filter", "none").strip(), name_of(element)
+        if element.attrib.get("display") == "none":
+            return True
+        if name in UNREADABLE and place.style.get("visibility", "visible") != "visible":
+            return True
+        if name == "text" and not ("".join(element.itertext()).strip() and any(self._paints(place))):
+            return True
+        if place.cutting:
+            return False
+        self.filtered += filtered != "none"
+        return svg_paints.zero(element.attrib.get("opacity")) or svg_paints.hidden_by_filter(filtered, self.targets)
+
+    def _paints(self, place: Place) -> tuple[svg_paints.Paint | None, svg_paints.Paint | None]:
+        """Fill and line of a shape; None for what does not show."""
+        fill, line = (svg_paints.of(place.style, key, self.targets) for key in ("fill", "stroke"))
+        lined = line.shows and not svg_paints.zero(place.style.get("stroke-width"))
+        return fill if fill.shows else None, line if lined else None
+
     def _shape(self, element: ET.Element, place: Place) -> Iterator[Drawn]:
         """Shape of an element, if anybody sees it."""
-        style = place.style
-        filled = self._coloured(style.get("fill", BLACK), style.get("fill-opacity"))
-        lined = self._coloured(style.get("stroke", "none"), style.get("stroke-opacity")) and not _zero(
-            style.get("stroke-width")
-        )
-        if style.get("visibility", "visible") != "visible" or not (filled or lined):
+        style, (filled, lined) = place.style, self._paints(place)
+        if name_of(element) == "line":
+            filled = None
+        if place.cutting:
+            filled, lined = svg_paints.Paint(True, False), None
+        paints = [paint for paint in (filled, lined) if paint]
+        if style.get("visibility", "visible") != "visible" or not paints:
             self.unseen += 1
             return
         if any(element.attrib.get(f"marker-{end}", "none") != "none" for end in ("start", "mid", "end")):
             raise self._refuse("holds a marker on a line; leave it out")
         path = self._path(element, place)
-        white = filled and not lined and bool(WHITE.fullmatch(style.get("fill", BLACK).strip()))
-        yield Drawn(path, place.matrix, style.get("fill-rule", "nonzero") != "evenodd", white, place.clips)
-
-    def _coloured(self, paint: str, opacity: str | None) -> bool:
-        """Whether a paint shows; one that the file does not hold gives way to the colour after it, or to none."""
-        link = re.match(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*", paint.strip())
-        if link is not None:
-            if link[1] in self.targets:
-                return not _zero(opacity)
-            paint = paint.strip()[link.end() :] or "none"
-        colour = tinycss2.color4.parse_color(paint)
-        clear = paint.strip().lower() == "none" or (colour not in (None, "currentcolor") and colour.alpha == 0.0)
-        return not clear and not _zero(opacity)
+        wide = LENGTH.fullmatch(style.get("stroke-width", "1")) if lined else None
+        units = {**PIXELS, **self._relative(float(style.get("font-size", FONT)))}
+        line = float(wide[1]) * units.get(wide[2].lower(), 1.0) * stretch(place.matrix) if wide else 0.0
+        nonzero, white = style.get("fill-rule", "nonzero") != "evenodd", all(paint.white for paint in paints)
+        yield Drawn(path, place.matrix, nonzero, white, line, place.clips)
 
     def _path(self, element: ET.Element, place: Place) -> "svgelements.Path":
         """Geometry of a shape in its own units."""
@@ -191,7 +224,7 @@ class Tree:
 
         name, text = name_of(element), element.attrib.get
         if name == "path":
-            data = re.sub(r"^path\(\s*['\"](.*)['\"]\s*\)$", r"\1", text("d", ""))
+            data = re.sub(r"^none$|^path\(\s*['\"](.*)['\"]\s*\)$", r"\1", text("d", "").strip())
             return svg.Path(self._matching(element, "d", data, PATH))
         if name in ("polygon", "polyline"):
             points = self._matching(element, "points", text("points", ""), POINTS)
@@ -225,21 +258,22 @@ class Tree:
         text = element.attrib.get(key)
         if text is None or text.strip() == "auto":
             return otherwise
-        match, font = LENGTH.fullmatch(text), float(place.style.get("font-size", FONT))
-        units = {**PIXELS, "%": 0.01 * whole, "em": font, "ex": 0.5 * font, "ch": 0.5 * font, "rem": FONT}
-        if match is None or match[2].lower() not in units:
+        match = LENGTH.fullmatch(text)
+        units = {**PIXELS, **self._relative(float(place.style.get("font-size", FONT))), "%": 0.01 * whole}
+        value = float(match[1]) * units.get(match[2].lower(), math.nan) if match else math.nan
+        if math.isnan(value):
             raise self._refuse(f"<{name_of(element)}> has {key} = {text[:40]!r}; give numbers")
-        return float(match[1]) * units[match[2].lower()]
+        return value
 
     def _moved(self, element: ET.Element, place: Place) -> Array:
         """Matrix of an element, its transform about its origin."""
         text = element.attrib.get("transform", "none").strip()
         if text in ("", "none"):
             return place.matrix
-        import svgelements
-
-        read = svgelements.Matrix(text)
-        own = np.array([[read.a, read.c, read.e], [read.b, read.d, read.f]])
+        own = transform(text)
+        if own is None:
+            told = f"<{name_of(element)}> has transform = {text[:40]!r}"
+            raise self._refuse(f"{told}; give numbers to matrix, translate, scale, rotate, skewX, skewY")
         origin = np.array(self._origin(element, place))
         own[:, 2] += origin - own[:, :2] @ origin
         return times(place.matrix, own)
@@ -303,7 +337,7 @@ class Tree:
                 if width > 0 and height > 0
                 else svgelements.Path()
             )
-            clips = (*clips, Clip((Drawn(edge, place.matrix, True, False, ()),)))
+            clips = (*clips, Clip((Drawn(edge, place.matrix, True, False, 0.0, ()),)))
         place = place._replace(matrix=times(place.matrix, inner), view=view, clips=clips)
         for child in element:
             if isinstance(child.tag, str):
@@ -331,14 +365,15 @@ class Tree:
                 raise self._refuse("a group is cut in units of its box; apply it to the paths")
             x0, y0, x1, y1 = self._path(element, place).bbox() or (0.0, 0.0, 0.0, 0.0)
             matrix = times(matrix, np.array([[x1 - x0, 0.0, x0], [0.0, y1 - y0, y0]]))
-        fresh = Place(matrix, {"fill": BLACK}, place.view, (), place.depth + 1, (*place.inside, target))
-        fresh = fresh._replace(matrix=self._moved(target, fresh))
-        inner, unseen = self._inside(target, fresh), self.unseen
-        shapes = tuple(shape for child in target for shape in self._walk(child, inner))
-        self.unseen = unseen
-        if name_of(target) == "mask" and not (shapes and all(shape.white for shape in shapes)):
-            raise self._refuse("holds a mask that is not white; apply it to the paths")
         rule = name_of(target) == "clipPath"
+        fresh = Place(matrix, {}, place.view, (), place.depth + 1, (*place.inside, target), rule)
+        fresh = fresh._replace(matrix=self._moved(target, fresh))
+        inner, counts = self._inside(target, fresh), (self.unseen, self.filtered)
+        inner = inner._replace(clips=tuple(self._cuts(target, inner)))
+        shapes = tuple(shape for child in target for shape in self._walk(child, inner))
+        self.unseen, self.filtered = counts
+        if not rule and not (shapes and all(shape.white for shape in shapes)):
+            raise self._refuse("holds a mask that is not white; apply it to the paths")
         nonzero = [child.attrib.get("clip-rule", inner.style.get("clip-rule")) != "evenodd" for child in target]
         if rule and len(nonzero) == len(shapes):
             shapes = tuple(shape._replace(nonzero=own) for shape, own in zip(shapes, nonzero, strict=True))
@@ -351,45 +386,10 @@ def name_of(element: ET.Element) -> str:
     return tag.removeprefix(SVG) if tag.startswith(SVG) or "}" not in tag else ""
 
 
-def times(first: Array, second: Array) -> Array:
-    """Matrix that moves by the second, then by the first, shape (2, 3)."""
-    return np.column_stack([first[:, :2] @ second[:, :2], first[:, :2] @ second[:, 2] + first[:, 2]])
-
-
-def view_box(text: str, source: str) -> tuple[float, float, float, float]:
-    """Box of a viewBox: left, top, width and height > 0. Raises InputError."""
-    try:
-        x, y, width, height = (float(number) for number in re.split(r"[\s,]+", text.strip()))
-    except ValueError:
-        width = height = 0.0
-    if not (0.0 < width < np.inf and 0.0 < height < np.inf):
-        raise InputError(f"{source}: viewBox = {text[:60]!r}: must be four numbers, of which width and height are > 0")
-    return x, y, width, height
-
-
-def fitted(box: Sequence[float], width: float, height: float, fit: str) -> Array:
-    """Matrix that puts a box into a window of this size, as preserveAspectRatio says, shape (2, 3)."""
-    scale = np.array([width / box[2], height / box[3]])
-    if "none" not in fit:
-        scale[:] = scale.max() if "slice" in fit else scale.min()
-    match = re.search(r"x(Min|Mid|Max)Y(Min|Mid|Max)", fit)
-    share = np.array([ALIGNED[word] for word in match.groups()] if match else (0.5, 0.5))
-    if "none" in fit:
-        share[:] = 0.0
-    shift = share * (np.array([width, height]) - scale * box[2:4]) - scale * box[0:2]
-    return np.column_stack([np.diag(scale), shift])
-
-
 def _suits(element: ET.Element) -> bool:
     """Whether a <switch> may show an element: it asks for no program, and for no language but English."""
     languages = element.attrib.get("systemLanguage", "en").lower().split(",")
     return "requiredExtensions" not in element.attrib and any(re.match("en(-|$)", each.strip()) for each in languages)
-
-
-def _zero(text: str | None) -> bool:
-    """True for a number that hides: 0, or below it, which browsers take for 0."""
-    match = LENGTH.fullmatch(text or "")
-    return match is not None and float(match[1]) <= 0.0
 
 
 def refuse_active(root: ET.Element, source: str) -> None:

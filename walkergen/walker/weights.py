@@ -184,7 +184,7 @@ def check(design: Design) -> None:
         if value is not None and _far(value, drawn):
             raise InputError(
                 f"{design.name}: weighed.{key} = {value:.4g}: {drawn:.4g} g as it is drawn, more than {FACTOR:g} times "
-                "apart; are these grams, and of this part? Of another plastic set material.density_g_cm3",
+                "apart; are these grams? Of another plastic set material.density_g_cm3",
                 f"weighed.{key}",
             )
 

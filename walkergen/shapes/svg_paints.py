@@ -1,0 +1,93 @@
+"""Paints of an SVG drawing: whether colours, gradients, patterns and filters let a shape be seen, and in white."""
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import tinycss2.color4
+
+Targets = Mapping[str, ET.Element]
+"""Elements of the drawing by their id."""
+
+XLINK = "{http://www.w3.org/1999/xlink}href"
+
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+SHARE = re.compile(rf"\s*({NUMBER})\s*%?\s*")
+URL = re.compile(r"url\(\s*['\"]?#([^'\")]*)['\"]?\s*\)\s*")
+
+WHITE = 0.95
+"""Share of full light of each colour from which on a paint is the paper's."""
+
+LINKS = 8
+"""Most gradients that one may have its stops of, one after the other."""
+
+BLACK = "black"
+
+
+class Paint(NamedTuple):
+    """What a fill or a line looks like."""
+
+    shows: bool
+    white: bool
+
+
+CLEAR = Paint(False, False)
+
+
+def of(style: Mapping[str, str], key: str, targets: Targets) -> Paint:
+    """Paint of the property fill or stroke of a shape, by its inherited style."""
+    text = style.get(key, BLACK if key == "fill" else "none").strip()
+    if zero(style.get(f"{key}-opacity")):
+        return CLEAR
+    if link := URL.match(text):
+        if link[1] in targets:
+            return Paint(_server_shows(targets[link[1]], targets), False)
+        text = text[link.end() :] or "none"  # what the file does not hold gives way to the colour after it
+    return _of_colour(text, style.get("color", BLACK))
+
+
+def _of_colour(text: str, current: str) -> Paint:
+    if text.lower() == "none":
+        return CLEAR
+    colour = tinycss2.color4.parse_color(current if text.lower() == "currentcolor" else text)
+    if colour in (None, "currentcolor"):
+        return Paint(True, False)
+    light = colour.to("srgb").coordinates if colour.space in ("srgb", "hsl", "hwb") else (0.0,)
+    return Paint(colour.alpha > 0.0, min(light) >= WHITE)
+
+
+def _server_shows(server: ET.Element, targets: Targets) -> bool:
+    """Whether a gradient has a stop that shows, or a pattern has anything."""
+    for _ in range(LINKS):
+        gradient = local(server).endswith("Gradient")
+        if parts := [part for part in server if not gradient or local(part) == "stop"]:
+            return not gradient or any(map(_stop_shows, parts))
+        link = server.attrib.get("href", server.attrib.get(XLINK, ""))
+        if link[:1] != "#" or link[1:] not in targets:
+            return False
+        server = targets[link[1:]]
+    return False
+
+
+def _stop_shows(stop: ET.Element) -> bool:
+    colour = _of_colour(stop.attrib.get("stop-color", BLACK).strip(), BLACK)
+    return colour.shows and not zero(stop.attrib.get("stop-opacity"))
+
+
+def hidden_by_filter(text: str, targets: Targets) -> bool:
+    """Whether a filter leaves nothing to see: one that is empty, or without opacity."""
+    if link := URL.match(text):
+        return link[1] in targets and local(targets[link[1]]) == "filter" and len(targets[link[1]]) == 0
+    return any(zero(share) for share in re.findall(r"opacity\(([^)]*)\)", text))
+
+
+def zero(text: str | None) -> bool:
+    """True for a number that hides: 0, or below it, which browsers take for 0."""
+    match = SHARE.fullmatch(text or "")
+    return match is not None and float(match[1]) <= 0.0
+
+
+def local(element: ET.Element) -> str:
+    """Name of an element without its namespace."""
+    return str(element.tag).rpartition("}")[2]
