@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import partial
 
 import ezdxf
 import numpy as np
@@ -354,14 +355,77 @@ def unplotted(space, document):
     space.add_circle((0, 0), 50, dxfattribs={"layer": "Defpoints"})
 
 
+def bar(space, *_, x=0.0, y=0.0, long=28.0, wide=8.0, **attributes):
+    space.add_lwpolyline(
+        [(x, y), (x + long, y), (x + long, y + wide), (x, y + wide)], close=True, dxfattribs=attributes
+    )
+
+
+def border(space, _):
+    """Sheet of paper, its border, and the part."""
+    bar(space)
+    bar(space, x=-20, y=-20, long=297, wide=210)
+    bar(space, x=-15, y=-15, long=287, wide=200)
+
+
+def own_frame(space, _):
+    bar(space)
+    bar(space, x=-20, y=-20, long=300, wide=200)
+
+
+def construction(space, _):
+    bar(space)
+    space.add_xline((0, 4), (1, 0))
+    space.add_ray((0, 0), (1, 1))
+
+
+def hidden(space, document):
+    """Layers that are off, frozen, not plotted, in blocks too: of them only what a block has on a layer of its own."""
+    document.layers.add("off").off()
+    document.layers.add("frozen").freeze()
+    document.layers.add("dumb").dxf.plot = 0
+    for layer in ("OFF", "frozen", "dumb"):
+        bar(space, long=90.0, wide=90.0, layer=layer)
+        block = document.blocks.new(layer)
+        bar(block, long=80.0, wide=80.0)  # on layer 0: that of the block's place
+        space.add_blockref(layer, (0, 0), dxfattribs={"layer": layer})
+    bar(document.blocks.get("OFF"), layer="seen")
+    bar(document.blocks.get("frozen"), long=70.0, wide=70.0, layer="seen")
+
+
+def texts(space, document):
+    bar(space)
+    space.add_text("x")
+    space.add_text("y")
+    document.add_xref_def("other.dxf", "XR")
+    space.add_blockref("XR", (0, 0))
+
+
+def one_gap(space, _):
+    """A single polyline whose ends are 0.002 apart."""
+    space.add_lwpolyline([(0, 0), (28, 0), (28, 8), (0, 8), (0, 0.002)])
+
+
 @pytest.mark.parametrize(
     ("draw", "expected", "note"),
     [
+        (border, 224.0, "left out a frame of 287 x 200 mm, in a sheet of paper"),
+        (
+            own_frame,
+            300.0 * 200.0 - 224.0,
+            "took the rectangle of 300 x 200 mm for the body, and what lies in it for holes",
+        ),
+        (construction, 224.0, None),
+        (hidden, 224.0, "left out 6 hidden or not plotted"),
+        (texts, 224.0, "left out 2 TEXT, 1 of another drawing"),
+        (one_gap, 224.0, "closed a gap of 0.002 at (0, 0.002) of the drawing"),
+        (partial(bar, const_width=1.0), 224.0, "took lines without their width, up to 1 mm"),
+        (lambda space, _: space.add_ellipse((0, 0), (14, 0), 4 / 14, -math.pi, math.pi), 56.0 * math.pi, None),
         # a quadratic B-spline cuts 1/24 of its control polygon's corner off: 4 corners of a rectangle
         (closed_spline, 224.0 * (1.0 - 4.0 / 24.0), None),
         (fitted_spline, 56.0 * math.pi, None),
         (lambda space, _: space.add_ellipse((0, 0), (14, 0), 4 / 14, 0.0, 0.0), 56.0 * math.pi, None),
-        (unplotted, 25.0 * math.pi, None),
+        (unplotted, 25.0 * math.pi, "left out 1 hidden or not plotted"),
         (dots, 25.0 * math.pi, None),
         (twice, 100.0 - 4.0 * math.pi, "left out 2 lines that are drawn twice"),
         (gap, 224.0, "closed a gap of 0.002 at (28, 0) of the drawing"),
@@ -371,7 +435,14 @@ def unplotted(space, document):
 def test_dxf_as_programs_write_it(tmp_path, draw, expected, note):
     outline = outlines.from_file(dxf(tmp_path, draw))
     assert total(outline.polygons) == pytest.approx(expected, rel=3e-4)  # the fitted spline's own error: 2e-4
-    assert note in (outline.notes or (None,))
+    assert note in "; ".join(outline.notes) if note else not outline.notes
+
+
+def test_an_ellipse_whose_second_axis_is_the_longer_is_named(tmp_path):
+    path = dxf(tmp_path, lambda space, _: space.add_ellipse((0, 0), (4, 0), 0.5))
+    path.write_text(path.read_text().replace("\n 40\n0.5\n", "\n 40\n3.5\n"))
+    with pytest.raises(InputError, match=r"an ELLIPSE has axes of the ratio 3\.5, at most 1"):
+        outlines.from_file(path)
 
 
 def test_a_byte_order_mark_begins_no_other_dxf(tmp_path):

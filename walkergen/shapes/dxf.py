@@ -9,7 +9,7 @@ import io
 import itertools
 import math
 import tempfile
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -39,11 +39,19 @@ ANNOTATIONS = {
     "MTEXT",
     "MULTILEADER",
     "POINT",
+    "RAY",
     "TEXT",
     "TOLERANCE",
     "VIEWPORT",
+    "XLINE",
 }
 """Entities that explain or colour a drawing and are no outline."""
+
+SAID = {"ATTDEF", "ATTRIB", "HATCH", "MTEXT", "TEXT"}
+"""Those that a person may have meant to be cut all the same."""
+
+BINARY = b"AutoCAD Binary DXF"
+"""Beginning of a file that is no text."""
 
 UNPLOTTED = "defpoints"
 """Layer that no program plots, whatever it says."""
@@ -57,11 +65,26 @@ SHEETS = ((148, 210), (210, 297), (297, 420), (420, 594), (594, 841), (841, 1189
 PAPER_MM = 0.5
 """Sum of the differences up to which a rectangle is such a sheet, mm."""
 
+BORDER = 0.9
+"""Share of a sheet of paper, along both sides, from which on a rectangle within it is its border."""
+
+LONG_MM = 100.0
+"""Side of a rectangle around all else from which on it is said that it was taken for the body, mm."""
+
+WIDE = 0.01
+"""Width of a polyline over the drawing's longer side from which on it is said that it does not count."""
+
 MENDED = 1e-4
 """Gap over the drawing's longer side up to which ends are joined with a note: 3 um on 28 mm."""
 
-COMPOSITE = {"INSERT", "LWPOLYLINE", "POLYLINE"}
-"""Entities that are taken apart into others."""
+COMPOSITE = {"LWPOLYLINE", "POLYLINE"}
+"""Entities that are taken apart into others, beside blocks."""
+
+XREF = 4
+"""Flag of a block that is another drawing."""
+
+WHOLE = 1e-9
+"""Share of a turn by which an ellipse may miss its start and be whole."""
 
 MOST_ENTITIES, DEEPEST = 20_000, 16
 """Entities of a drawing at most, counted as often as blocks repeat them, and blocks in blocks."""
@@ -116,20 +139,39 @@ def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
 
 def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     """Shape in the bytes of a file; its library raises whatever it likes."""
+    _refuse_ratios(data, source)
     document = _document(data)
     scale = _scale(document, data, source) if scale_mm is None else scale_mm
-    entities = list(_entities(document, source))
+    entities, notes = _entities(document, source)
     if not entities:
-        return Drawing([])
+        return Drawing([], tuple(notes))
     size = _size(entities, source)
     drawn = (_points(entity, FLATNESS * size, source) for entity in entities)
     visible = [curve for curve in drawn if not np.ptp(curve, axis=0).max() <= GAP * size]  # NaN is told of below
     curves, doubles = _once(visible, GAP * size)
-    contours, notes = _joined(curves, size, source)
-    contours, frames = _without_frame([scale * contour for contour in contours])
+    contours, closed = _joined(curves, size, source)
+    contours, frames = _without_frames([scale * contour for contour in contours])
     if doubles:
-        notes.insert(0, f"left out {words.count(doubles, 'line that is', 'lines that are')} drawn twice")
-    return Drawing([Shape(contours, nonzero=False)], (*notes, *frames))
+        notes.append(f"left out {words.count(doubles, 'line that is', 'lines that are')} drawn twice")
+    if (wide := max(map(_width, entities))) > WIDE * size:
+        notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
+    return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))
+
+
+def _refuse_ratios(data: bytes, source: str) -> None:
+    """Raise InputError for an ellipse whose second axis is the longer, which ezdxf would make a circle of."""
+    lines = [] if data.startswith(BINARY) else data.splitlines()
+    kind = b""
+    for code, value in zip(lines[::2], lines[1::2], strict=False):
+        if code.strip() == b"0":
+            kind = value.strip()
+        elif kind == b"ELLIPSE" and code.strip() == b"40" and float(value) > 1.0 + 1e-9:
+            raise InputError(f"{source}: an ELLIPSE has axes of the ratio {float(value):.4g}, at most 1: draw it anew")
+
+
+def _width(entity: Any) -> float:
+    """Width of a polyline, in units of the drawing."""
+    return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
 
 
 def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
@@ -144,17 +186,34 @@ def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
     return list(kept.values()), len(curves) - len(kept)
 
 
-def _without_frame(contours: list[Array]) -> tuple[list[Array], list[str]]:
-    """Contours without the frame of a sheet of paper that holds all of them."""
-    for number, contour in enumerate(contours):
-        low, high = contour.min(axis=0), contour.max(axis=0)
-        others = [other for place, other in enumerate(contours) if place != number]
-        sides = sorted((high - low).tolist())
-        corners = len(contour) == 4 and np.isin(contour, [low, high]).all()
-        paper = any(abs(short - sides[0]) + abs(long - sides[1]) < PAPER_MM for short, long in SHEETS)
-        if others and corners and paper and all((low < own).all() and (own < high).all() for own in others):
-            return others, [f"left out a frame of {high[0] - low[0]:.4g} x {high[1] - low[1]:.4g} mm, a sheet of paper"]
-    return contours, []
+def _without_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
+    """Contours without the frame of a sheet of paper that holds all of them, and the border in it."""
+    notes: list[str] = []
+    sheet = np.full(2, np.inf)
+    while (found := _around(contours)) is not None:
+        size = np.ptp(contours[found], axis=0)
+        paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_MM for sides in SHEETS)
+        border = bool((size >= BORDER * sheet).all())
+        if not (paper or border):
+            if size.max() > LONG_MM:
+                notes.append(
+                    f"took the rectangle of {size[0]:.4g} x {size[1]:.4g} mm for the body, and what lies in it for "
+                    "holes; leave it out if it is a frame"
+                )
+            break
+        notes.append(f"left out a frame of {size[0]:.4g} x {size[1]:.4g} mm, {'a' if paper else 'in a'} sheet of paper")
+        contours, sheet = [*contours[:found], *contours[found + 1 :]], size
+    return contours, notes
+
+
+def _around(contours: Sequence[Array]) -> int | None:
+    """Number of the contour that is a rectangle around all others; None where none is."""
+    lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
+    found = int(np.argmax((highs - lows).prod(axis=1)))
+    low, high, others = lows[found], highs[found], np.arange(len(contours)) != found
+    corners = len(contours[found]) == 4 and np.isin(contours[found], [low, high]).all()
+    inside = (low < lows[others]).all() and (highs[others] < high).all()
+    return found if others.any() and corners and inside else None
 
 
 def _document(data: bytes) -> "documents.Drawing":
@@ -193,33 +252,49 @@ def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
     return 25.4 if unit == units.IN else units.METER_FACTOR[units.MM] / factor
 
 
-def _entities(document: "documents.Drawing", source: str) -> Iterator[Any]:
-    """Lines and curves of the model space that are seen, blocks and polylines taken apart."""
-    hidden = {
-        layer.dxf.name.lower()
-        for layer in document.layers
-        if layer.is_off() or layer.is_frozen() or not layer.dxf.get("plot", 1)
-    } | {UNPLOTTED}
-    waiting = deque((entity, 0) for entity in document.modelspace())
+def _entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
+    """Lines and curves of the model space that are seen, blocks and polylines taken apart, and what was left out.
+
+    In a block the layer 0 is that of the block's place; a place on a layer that is off still shows what lies on others.
+    """
+    frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
+    unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {UNPLOTTED}
+    hidden = frozen | unplotted | {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
+    waiting = deque((entity, 0, "0") for entity in document.modelspace())
+    found: list[Any] = []
+    left: Counter[str] = Counter()
     seen = 0
     while waiting:
-        entity, depth = waiting.popleft()
+        entity, depth, around = waiting.popleft()
         kind, seen = entity.dxftype(), seen + 1
         if seen + len(waiting) > MOST_ENTITIES or depth > DEEPEST:
             raise InputError(
                 f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than {DEEPEST} deep; simplify it"
             )
-        if entity.dxf.layer.lower() in hidden or entity.dxf.get("invisible", 0):
-            continue
-        if kind == "INSERT" and entity.mcount > 1:
-            copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1)
-            waiting += [(part, depth + 1) for part in copies]
+        layer = around if entity.dxf.layer == "0" else entity.dxf.layer.lower()
+        if entity.dxf.get("invisible", 0) or layer in (frozen if kind == "INSERT" else hidden):
+            left["hidden or not plotted"] += layer != UNPLOTTED
+        elif kind == "INSERT":
+            block = entity.block()
+            left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF)
+            copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1) if entity.mcount > 1 else [entity]
+            waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
         elif kind in COMPOSITE and not _straight(entity):
-            waiting += [(part, depth + 1) for part in entity.virtual_entities()]
+            waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
-            if kind == "ELLIPSE" and entity.dxf.start_param == entity.dxf.end_param:
-                entity.dxf.end_param = entity.dxf.start_param + 2.0 * np.pi  # whole, as some programs write it
-            yield entity
+            found.append(_whole(entity) if kind == "ELLIPSE" else entity)
+        elif kind in SAID:
+            left[kind] += 1
+    counts = [f"{count} {what}" for what, count in sorted(left.items()) if count]
+    return found, [f"left out {', '.join(counts)}"] if counts else []
+
+
+def _whole(ellipse: Any) -> Any:
+    """Ellipse that begins at 0 where it is whole, which programs write from anywhere to there."""
+    turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
+    if abs(turns - round(turns)) < WHOLE:
+        ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
+    return ellipse
 
 
 def _straight(entity: Any) -> bool:
@@ -299,7 +374,10 @@ def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Arr
     chains, _ = _chains(lines, gap, source)
     if all(meet(chain[0], chain[-1], gap) for chain in chains):
         return [*contours, *(chain[:-1] for chain in chains)], []
-    chains, gaps = _chains(chains, MENDED * size, source)
+    nearly = [chain for chain in chains if meet(chain[0], chain[-1], MENDED * size)]
+    others = [chain for chain in chains if not meet(chain[0], chain[-1], MENDED * size)]
+    others, gaps = _chains(others, MENDED * size, source)
+    chains = [*nearly, *others]
     for chain in chains:
         wide = math.dist(chain[0], chain[-1])
         if wide > MENDED * size:
