@@ -1,5 +1,6 @@
 """Mesh files as people's programs write them: the right volume, what was left out is said, bombs are refused."""
 
+import json
 import time
 import zipfile
 
@@ -83,6 +84,62 @@ def test_parts_of_bambu_are_cut_away(tmp_path):
     config = f'<config><object id="3">{kinds}</object></config>'
     path = archive(tmp_path, "".join(parts) + whole, '<item objectid="3"/>', model_settings=config)
     assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME - 48.0, rel=1e-6)
+
+
+def test_what_bambu_cuts_away_may_be_of_the_type_other(tmp_path):
+    """As BambuStudio and OrcaSlicer write it: the type of all that is no part of the model."""
+    parts = (
+        f'<object id="1" type="model">{mesh_xml(BOX)}</object><object id="2" type="other">{mesh_xml(THROUGH)}</object>'
+    )
+    whole = '<object id="3"><components><component objectid="1"/><component objectid="2"/></components></object>'
+    for kind, expected in (("negative_part", VOLUME - 48.0), ("modifier_part", VOLUME)):
+        config = f'<config><object id="3"><part id="1"/><part id="2" subtype="{kind}"/></object></config>'
+        path = archive(tmp_path, parts + whole, '<item objectid="3"/>', model_settings=config)
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["support_mesh", "infill_mesh", "cutting_mesh", "anti_overhang_mesh"])
+@pytest.mark.parametrize(("word", "printed"), [("True", 1), ("False", 2)])
+def test_settings_of_cura_tell_what_does_not_print(tmp_path, name, word, printed):
+    for note in (
+        f'<metadatagroup><metadata name="cura:{name}" type="xs:boolean">{word}</metadata></metadatagroup>',
+        f'<settings xmlns="cura"><setting key="{name}">{word}</setting></settings>',
+    ):
+        shapes = f'<object id="1">{mesh_xml(BOX)}</object><object id="2">{note}{mesh_xml(BOX)}</object>'
+        weighed = weigh(archive(tmp_path, shapes, '<item objectid="1"/><item objectid="2"/>'), 1.24, 1.0)
+        assert weighed.total.volume_mm3 == pytest.approx(printed * VOLUME, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "told"),
+    [
+        ('xmlns:b="http://x/beamlattice/2017/02" requiredextensions="b"', "requires 'http://x/beamlattice/2017/02'"),
+        ('requiredextensions="q"', "requires 'q'"),
+        ('xmlns:p="http://x/production/2015/06" requiredextensions="p"', None),
+    ],
+)
+def test_extensions_that_change_meshes_are_named(tmp_path, monkeypatch, attributes, told):
+    monkeypatch.setitem(globals(), "MODEL", MODEL.replace("<model ", f"<model {attributes} "))
+    path = archive(tmp_path, f'<object id="1">{mesh_xml(BOX)}</object>', '<item objectid="1"/>')
+    if told:
+        with pytest.raises(InputError, match=told):
+            meshes.load(path, "part")
+    else:
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+
+
+def test_lattices_and_units_that_differ_are_named(tmp_path):
+    beams = mesh_xml(BOX).replace("</mesh>", '<beamlattice><beams><beam v1="0" v2="1"/></beams></beamlattice></mesh>')
+    path = archive(tmp_path, f'<object id="1">{beams}</object>', '<item objectid="1"/>')
+    with pytest.raises(InputError, match="holds a lattice of beams"):
+        meshes.load(path, "part")
+    placed = '<object id="1"><components><component path="/3D/o.model" objectid="7" x:path="/3D/o.model" xmlns:x="x"/>'
+    path = archive(tmp_path, f"{placed}</components></object>", '<item objectid="1"/>')
+    with zipfile.ZipFile(path, "a") as more:
+        inner = MODEL.format(f'<object id="7">{mesh_xml(BOX)}</object>', "")
+        more.writestr("3D/o.model", inner.replace("millimeter", "inch"))
+    with pytest.raises(InputError, match=r"'3d/o\.model' is in inch, the model that places it in millimeter"):
+        meshes.load(path, "part")
 
 
 def test_supports_are_not_weighed(tmp_path):
@@ -246,6 +303,35 @@ def test_glb_is_in_metres(tmp_path):
     scene = trimesh.Scene(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces, process=False))
     path.write_bytes(scene.export(file_type="glb"))
     assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"extensionsUsed": ["KHR_draco_mesh_compression"]}, "is packed by KHR_draco_mesh_compression"),
+        ({"extensionsRequired": ["EXT_mesh_gpu_instancing"]}, "is packed by EXT_mesh_gpu_instancing"),
+        ({"nodes": [{"mesh": 0, "skin": 0}]}, "has a skeleton"),
+        ({"nodes": [{"mesh": 0, "weights": [0.0, 1.0]}]}, "is morphed"),
+    ],
+)
+def test_glb_that_is_more_than_plain_meshes_is_named(tmp_path, more, told):
+    data = trimesh.Scene(BOX).export(file_type="glb")
+    size = int.from_bytes(data[12:16], "little")
+    tree = json.dumps(json.loads(data[20 : 20 + size]) | more).encode()
+    tree += b" " * (-len(tree) % 4)
+    rest = data[20 + size :]
+    whole = [one.to_bytes(4, "little") for one in (20 + len(tree) + len(rest), len(tree))]
+    path = tmp_path / "box.glb"
+    path.write_bytes(data[:8] + whole[0] + whole[1] + b"JSON" + tree + rest)
+    with pytest.raises(InputError, match=told):
+        meshes.load(path, "box")
+
+
+def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
+    path = tmp_path / "box.stl"
+    path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
+    assert weigh(path, 1.24, 1000.0).notes == ()
+    assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? --scale")
 
 
 def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):

@@ -9,7 +9,6 @@ is left out. All of that is noted.
 import codecs
 import hashlib
 import io
-import json
 import re
 import zipfile
 from collections import Counter
@@ -21,7 +20,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import reading, words
-from walkergen.shapes import faults, modeller, obj, repairs, stl, threemf
+from walkergen.shapes import faults, glb, modeller, obj, repairs, stl, threemf
 from walkergen.shapes.mesh import Mesh
 from walkergen.shapes.threemf import MOST_TRIANGLES, Part
 
@@ -32,9 +31,6 @@ MOST_BYTES = 2**30
 
 FARTHEST = 1e12
 """Largest coordinate, in the file's unit."""
-
-GLB_STRIP = 5
-"""Mode of faces of GLB in which every corner after the second makes a triangle."""
 
 ROUNDING = 1e-6
 """Distance over the size of a part up to which corners on open edges are one: some last bits of the
@@ -100,28 +96,8 @@ def _promised(data: bytes, kind: str) -> int:
         words = re.sub(rb"#[^\n]*", b"", data[:100_000]).split(maxsplit=4)[:3]
         return int(words[2]) if len(words) == 3 and words[2].isdigit() and len(words[2]) < 13 else 0
     if kind == "glb":
-        return _promised_by_glb(data)
+        return glb.promised(data)
     return 0
-
-
-def _promised_by_glb(data: bytes) -> int:
-    """Triangles of all nodes of a GLB, by the counts of its arrays; 0 for one that only a reader can tell.
-
-    Arrays that nothing uses count too: one without contents is as many zeros, made by a few bytes.
-    """
-
-    def triangles(face: dict[str, Any]) -> int:
-        count: int = counts[face["indices"] if "indices" in face else face["attributes"]["POSITION"]]
-        return count if face.get("mode") == GLB_STRIP else count // 3
-
-    try:
-        tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
-        counts = [int(accessor["count"]) for accessor in tree["accessors"]]
-        meshes = [sum(map(triangles, mesh["primitives"])) for mesh in tree["meshes"]]
-        placed = sum(meshes[node["mesh"]] for node in tree["nodes"] if "mesh" in node)
-    except (LookupError, TypeError, ValueError, AttributeError, RecursionError):
-        return 0
-    return max(int(placed), max(counts, default=0) // 3)
 
 
 def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
@@ -129,7 +105,9 @@ def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
     if kind == "3mf":
         _refuse_bombs(data, source)
         return threemf.read(data, source), []
-    if kind != "glb":
+    if kind == "glb":
+        glb.check(data, source)
+    else:
         data = data.removeprefix(codecs.BOM_UTF8)
     if kind == "stl" and _is_binary_stl(data):
         corners, note = stl.unpack(data, source)

@@ -56,6 +56,12 @@ ROLES: dict[str, Role] = {
 """Roles of volumes in the words of PrusaSlicer, and of BambuStudio and OrcaSlicer; modifiers and
 supports of all kinds are others, which no printer lays down."""
 
+UNPRINTED = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
+"""Settings of Cura by which an object says where others print otherwise, and is not printed itself."""
+
+EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
+"""Extensions, by parts of their addresses, that a file may require: they change no plain mesh."""
+
 NOTES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
 """Files in which slicers note the roles."""
 
@@ -157,6 +163,7 @@ class _Package:
         self.items: list[_Placed] = []
         self.volumes: Volumes = {}
         self.unit = "millimeter"
+        self._prefixes: dict[str | None, str] = {}
         self._elements = 0
         self._counts: dict[Place, tuple[int, int]] = {}
 
@@ -175,7 +182,7 @@ class _Package:
         for path in targets:  # grows while it is read
             if path not in names:
                 raise InputError(f"refers to {path[:60]!r}, which it does not hold; export it anew")
-            self._parse(archive, names[path], self._model(path, path == root))
+            self._parse(archive, names[path], *self._model(path, path == root))
             own = [place for place, made in self.objects.items() if place[0] == path]
             placed = [part for place in own for part in self.objects[place].components]
             others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
@@ -187,8 +194,17 @@ class _Package:
                 except expat.ExpatError:  # notes that cannot be read say nothing
                     self.volumes.clear()
 
-    def _parse(self, archive: zipfile.ZipFile, name: str, begin: Callable[[str, Attributes], None]) -> None:
-        """Give the elements of a file to a function. Raises ExpatError, and InputError for too many elements."""
+    def _parse(
+        self,
+        archive: zipfile.ZipFile,
+        name: str,
+        begin: Callable[[str, Attributes], None],
+        text: Callable[[str], None] | None = None,
+    ) -> None:
+        """Give the elements of a file to a function, and its text to another.
+
+        Raises ExpatError, and InputError for too many elements.
+        """
         most = ELEMENTS * self.most_triangles + MOST_PARTS
 
         def count(tag: str, attributes: Attributes) -> None:
@@ -203,16 +219,19 @@ class _Package:
         parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler = count
         parser.StartDoctypeDeclHandler = refuse
+        parser.StartNamespaceDeclHandler = self._prefixes.__setitem__
+        parser.CharacterDataHandler = text
         with archive.open(name) as stream:
             parser.ParseFile(stream)
 
-    def _model(self, path: str, root: bool) -> Callable[[str, Attributes], None]:
-        """Function that takes in the elements of a model."""
+    def _model(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
+        """Functions that take in the elements of a model and their text."""
         vertex, triangle = CORE + "vertex", CORE + "triangle"
-        own = _object({})
+        own, setting, place = _object({}), "", (path, 0)
 
         def begin(tag: str, attributes: Attributes) -> None:
-            nonlocal own
+            nonlocal own, setting, place
+            setting = ""
             if tag == triangle:
                 own.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
                 if len(own.triangles) > 3 * self.most_triangles:
@@ -220,8 +239,7 @@ class _Package:
             elif tag == vertex:
                 own.corners.extend([float(attributes[key]) for key in "xyz"])
             elif tag == CORE + "object":
-                own = _object(attributes)
-                place = path, int(attributes["id"])
+                own, place = _object(attributes), (path, int(attributes["id"]))
                 if place in self.objects or len(self.objects) >= MOST_PARTS:
                     raise InputError(
                         f"holds two objects {place[1]}; export it anew"
@@ -233,10 +251,30 @@ class _Package:
                 own.components.append(_placed(attributes, path))
             elif tag == CORE + "item" and root:
                 self.items.append(_placed(attributes, path))
-            elif tag == CORE + "model" and root:
-                self.unit = attributes.get("unit", "millimeter")
+            elif tag == CORE + "model":
+                self._settle(attributes, path, root)
+            elif tag.endswith((" metadata", " setting")):
+                setting = attributes.get("name", attributes.get("key", "")).rpartition(":")[2]
+            elif tag.endswith(" beam"):
+                raise InputError("holds a lattice of beams, which is no mesh; export it as triangles")
 
-        return begin
+        def text(words: str) -> None:
+            if setting in UNPRINTED and words.strip().lower() == "true" and place in self.objects:
+                self.objects[place] = self.objects[place]._replace(printed=False)
+
+        return begin, text
+
+    def _settle(self, attributes: Attributes, path: str, root: bool) -> None:
+        """Take in what a model says of itself. Raises InputError for what would change its meshes."""
+        unit = attributes.get("unit", "millimeter" if root else self.unit)
+        if root:
+            self.unit = unit
+        elif unit != self.unit:
+            raise InputError(f"{path[:60]!r} is in {unit[:20]}, the model that places it in {self.unit[:20]}")
+        for prefix in attributes.get("requiredextensions", "").split():
+            space = self._prefixes.get(prefix, prefix)
+            if not any(known in space for known in EXTENSIONS):
+                raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _notes(self) -> Callable[[str, Attributes], None]:
         """Function that takes in the elements of a slicer's notes."""
@@ -251,6 +289,10 @@ class _Package:
                 volumes.append((int(attributes.get("firstid", 0)), int(attributes.get("lastid", -1)), "model"))
             elif tag == "metadata" and attributes.get("key") == "volume_type" and volumes:
                 volumes[-1] = (*volumes[-1][:2], ROLES.get(attributes.get("value", ""), "other"))
+            elif (
+                tag == "metadata" and attributes.get("key") == "modifier" and attributes.get("value") == "1" and volumes
+            ):
+                volumes[-1] = (*volumes[-1][:2], "other")  # before there were types
             elif tag == "part":
                 role = ROLES.get(attributes.get("subtype", "normal_part"), "other")
                 self.volumes[int(attributes.get("id", 0))] = [(0, -1, role)]
@@ -287,7 +329,9 @@ class _Package:
         for number, item in enumerate(self.items):
             name = item.name or self.objects[item.object].name or f"item {number + 1}"
             for whole, volumes in self._meshes(item.object, [item.transform]):
-                role = whole.role if item.printed else "other"
+                # BambuStudio gives what it cuts away the type of what does not print
+                typed: Role = "model" if any(own == "negative" for *_, own in volumes) else whole.role
+                role = typed if item.printed else "other"
                 placed = whole._replace(name=name, role=role, item=number, vertices=MM[self.unit] * whole.vertices)
                 yield from _by_role(placed, volumes) if role == "model" else [placed]
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.shapes import faults, meshes
+from walkergen.shapes import faults, meshes, units
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass
 from walkergen.walker.mass import Array, SolidMass
@@ -66,7 +66,16 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     parts = tuple(
         _weighed(surface.name, count, solid) for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
-    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256, loaded.notes)
+    side = max(float(np.ptp(surface.vertices, axis=0).max()) for surface in surfaces) * scale_mm
+    notes = (*loaded.notes, *_doubt(side))
+    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256, notes)
+
+
+def _doubt(side_mm: float) -> list[str]:
+    """What is to be said of a size that no walker has."""
+    if units.SMALLEST < side_mm <= units.LARGEST:
+        return []
+    return [f"the longest side is {side_mm:.4g} mm: in another unit? --scale is its length, mm: 25.4 for inches"]
 
 
 def principal(tensor: Array) -> tuple[Array, Array]:
