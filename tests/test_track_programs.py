@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from walkergen.analysis import track_files
+from walkergen.analysis import motion, track_files
 from walkergen.analysis.track_files import Units
 from walkergen.errors import InputError
 
@@ -215,3 +215,52 @@ def test_what_is_no_such_file_is_refused_in_one_line(tmp_path, text, told):
         track_files.read(path, PIXELS)
     assert told in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_headings_of_fasttrack_count_counterclockwise_though_its_y_goes_down(tmp_path):
+    """As its tracking.cpp has them: 2 pi less the angle in the picture, whose rows go down."""
+    ways = [np.arctan2(*reversed(np.gradient(walker, axis=0).T)) for walker in WALKERS]  # in the picture
+    path = tmp_path / "tracking.txt"
+    lines = rows(lambda f, n, x, y: f"{x}\t{y}\t{(2.0 * np.pi - ways[n][f]) % (2.0 * np.pi)}\t{f}\t{n}")
+    path.write_text("xBody\tyBody\ttBody\timageNumber\tid\n" + lines)
+    for track, way in zip(track_files.read(path, PIXELS).tracks, ways, strict=True):
+        np.testing.assert_allclose(np.exp(1j * track.heading), np.exp(-1j * way), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "line", "told"),
+    [
+        ("frame,track_id,x1,y1,x2,y2", "{f},{n},{x},{y},{x},{y}", "x1, y1, x2, y2 are corners of boxes"),
+        ("frame,xmin,ymin,xmax,ymax", "{f},{x},{y},{x},{y}", "xmin, ymin, xmax, ymax are corners of boxes"),
+        ("frame,id,x_mm,y_cm", "{f},{n},{x},{y}", "x_mm and y_cm are of different units"),
+        ("frame,id,x_px,y_mm", "{f},{n},{x},{y}", "x_px and y_mm are of different units"),
+        ("PK\x03\x04", "", "is a spreadsheet"),
+    ],
+)
+def test_what_would_be_taken_for_walkers_is_named(tmp_path, header, line, told):
+    path = tmp_path / "t.csv"
+    path.write_text(header + "\n" + rows(lambda f, n, x, y: line.format(f=f, n=n, x=x, y=y)))
+    with pytest.raises(InputError, match=told):
+        track_files.read(path, PIXELS)
+
+
+def test_frames_come_before_times_where_their_rate_is_given_and_it_is_said(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("frame,t_s,id,x_mm,y_mm\n" + rows(lambda f, n, x, y: f"{f},{f / 50},{n},{x},{y}"))
+    tracks = track_files.read(path, Units(fps=25.0))
+    assert tracks.interval == pytest.approx(0.04)
+    assert "times are those of frames by --fps, not of t_s" in tracks.note
+
+
+def test_walkers_whose_run_sets_in_at_once_are_analysed(tmp_path):
+    """Three on circles, at 60 mm/s and 0.437 rad/s: the fit's second rate went to infinity, of one seed in thirty."""
+    times, rng = np.arange(500) / 50.0, np.random.default_rng(7)
+    angle = 0.3 + np.arange(3)[:, None] + 0.437 * times
+    x, y = np.sin(angle), -np.cos(angle)
+    x, y = (60.0 / 0.437 * (own - own[:, :1]) + rng.normal(0.0, 0.01, (3, 500)) for own in (x, y))
+    rows = [f"{t:.4f},{n},{1e3 * x[n, at]:.4f},{1e3 * y[n, at]:.4f}" for n in range(3) for at, t in enumerate(times)]
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join(["t_s,id,x_um,y_um", *rows]))
+    found = motion.analyse(track_files.read(path, Units())).estimates
+    assert found["speed"].value == pytest.approx(60.0, rel=0.001)
+    assert found["turning_bias"].value == pytest.approx(0.437, abs=0.001)

@@ -65,7 +65,7 @@ def deeplabcut(path: Path) -> Source:
     walkers = [places if heads else places[:2] for places, _ in placed]
     long = track_columns.long(table, "frame", table.values["frame"], walkers, range(len(walkers)))
     said = (placed[0][1], *track_columns.said([person for person in owned if person]))
-    return Source(long, PIXELS, "DeepLabCut", True, said)
+    return Source(long, PIXELS, "DeepLabCut", True, said=said)
 
 
 def sleap(path: Path, names: list[str]) -> Source:
@@ -83,7 +83,7 @@ def sleap(path: Path, names: list[str]) -> Source:
     values |= {"theta": theta[0]} if theta else {}
     seen = np.isfinite(x)
     table = Columns({name: column[seen] for name, column in values.items()}, table.lines[seen], table.bad)
-    return Source(table, PIXELS, "SLEAP", True, (said, *track_columns.said(labels)))
+    return Source(table, PIXELS, "SLEAP", True, said=(said, *track_columns.said(labels)))
 
 
 def _sure(x: Array, y: Array, likelihood: Array | None) -> _Part:

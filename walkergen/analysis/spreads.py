@@ -44,6 +44,9 @@ FEWEST = 3
 
 NONE = Spread(*[math.nan] * 5)
 
+BEYOND = 1e6
+"""Ratio of rates of runs, of each other and of those that the lags show, at which they are at their limit."""
+
 
 class Fitted(NamedTuple):
     """Fit of the mean squared displacement."""
@@ -161,9 +164,11 @@ def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tu
     """The same for a run that sets in smoothly, from the two rates of `start` or from a grid."""
     from scipy.optimize import minimize
 
+    low, high, most = math.log(1.0 / (BEYOND * lag[-1])), math.log(BEYOND / lag[0]), math.log(BEYOND)
+
     def rates(logs: Sequence[float]) -> tuple[float, float]:
-        slow = math.exp(logs[0])
-        return slow, slow * (1.0 + math.exp(logs[1]))
+        slow = math.exp(min(max(logs[0], low), high))
+        return slow, slow * (1.0 + math.exp(min(logs[1], most)))
 
     def misfit(logs: Sequence[float]) -> float:
         return _linear(lag, values, errors, rates(logs), turn)[1]

@@ -92,6 +92,9 @@ BEFORE, BEHIND = r"(?P<axis>[xy])[ _]?(?P<label>\w+)", r"(?P<label>.+)[ _.](?P<a
 """Names of columns of one walker among several: its axis, and its label."""
 
 
+BOXES = ({"1", "2"}, {"min", "max"})
+"""Labels of the corners of boxes around walkers, which have a column of their numbers."""
+
 LABELLED = 6
 """Most labels of walkers that are said beside their numbers."""
 
@@ -122,6 +125,8 @@ class Source(NamedTuple):
     """Program that wrote it; "" where nothing tells."""
     y_down: bool = False
     """True where that program counts y downward, as rows of a picture."""
+    mirrored: bool = False
+    """True where it counts headings counterclockwise, as people see them, though y goes down."""
     said: tuple[str, ...] = ()
     """What was taken from the file in which way, in words."""
 

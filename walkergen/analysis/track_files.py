@@ -77,7 +77,7 @@ def read(path: Path, units: Units) -> Tracks:
         said += (_down(source, units),)
         if "theta" in values:
             angle, angles = _angle(path, source, given)
-            values["theta"] = down * angle * values["theta"]
+            values["theta"] = (1.0 if source.mirrored else down) * angle * values["theta"]
             said += (angles,)
     table = source.table._replace(values=values)
     if timed:
@@ -149,8 +149,11 @@ def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[flo
     unit = given.time or (named.unit if named else "")
     times = source.table.values.get("time")
     counted = times is not None and bool((times == np.rint(times))[np.isfinite(times)].all())
-    if times is None or not np.isfinite(times).any() or unit == "frame" or (frames and units.fps is not None):
+    if times is None or not np.isfinite(times).any() or unit == "frame":
         return _rate(path, source, units), False, ()
+    if frames and units.fps is not None:
+        told = () if named is None else (f"times are those of frames by --fps, not of {named.name}",)
+        return _rate(path, source, units), False, told
     assert named is not None
     if unit:
         return _timed(path, source, units, TIMES[unit], ())
@@ -191,7 +194,9 @@ def _within(flag: str, value: float) -> float:
 
 def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
     """Unit of places, mm, and what is to be said of it."""
-    named = source.named["x"]
+    named, across = source.named["x"], source.named.get("y")
+    if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
+        raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
     unit = given.length or named.unit
     by_frame = "time" not in source.table.values
     if unit in LENGTHS:

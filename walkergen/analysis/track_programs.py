@@ -15,10 +15,18 @@ from walkergen.analysis.track_columns import OURS, SCALE, Named, Source
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
 
+MIRRORED = ("FastTrack",)
+"""Programs whose headings count counterclockwise though their y goes down (FastTrack's tracking.cpp)."""
+
+SPREADSHEET = "PK\x03\x04"
+"""Beginning of an archive, which files of spreadsheets are."""
+
 
 def read(path: Path, lane: bool) -> Source:
     """Rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
     first = next(reading.lines(path, columns.FORMAT), "").lstrip()
+    if first.startswith(SPREADSHEET):
+        raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
     if first.startswith("<"):
         return track_markup.trackmate(path)
     if first.startswith("MTrackJ"):
@@ -72,8 +80,11 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
         raise InputError(f"{path}: {error}") from None
     several = track_columns.pairs(names)
     if several and "x" not in named:
+        if {*several} in track_columns.BOXES[("particle" not in named) :]:
+            corners = ", ".join(name for pair in several.values() for name in pair)
+            raise InputError(f"{path}: {plain.line(corners)[:60]} are corners of boxes; give their middles as x and y")
         return _of_pairs(path, named, several, titled)
-    program, y_down = _program(names, titled)
+    program, y_down = _program(names, named, titled)
     # A walker in a plane that is upright has a pitch, and y is its height
     lane = lane or (program == OURS and "theta_rad" not in names)
     for what in ("x",) if lane else ("x", "y"):
@@ -103,7 +114,7 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
     held = required | optional | dict.fromkeys(("particle",)[: len(words)], label)
     values = {what: table.values[name] for what, name in held.items() if name in table.values}
     said = (*_warnings(program), *track_columns.said(labels))
-    return Source(table._replace(values=values), named, program, y_down, said)
+    return Source(table._replace(values=values), named, program, y_down, program in MIRRORED, said)
 
 
 def _warnings(program: str) -> tuple[str, ...]:
@@ -112,10 +123,10 @@ def _warnings(program: str) -> tuple[str, ...]:
     return ()
 
 
-def _program(names: Sequence[str], titled: bool) -> tuple[str, bool]:
+def _program(names: Sequence[str], named: Mapping[str, Named], titled: bool) -> tuple[str, bool]:
     """Program that writes such columns, and whether its y counts downward."""
     held = set(names)
-    if {"t_s", "x_mm"} <= held and "y_mm" not in held:
+    if {"t_s", "x_mm"} <= held and "y" not in named:
         return OURS, False
     for program, own in (
         (OURS, {"t_s", "x_mm", "theta_rad"}),
@@ -180,4 +191,4 @@ def _of_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tupl
     unit = track_columns.PIXEL if by_program else ""
     own = {"x": Named(wide[0], unit), "y": Named(wide[1], unit)}
     own[clock or "frame"] = named[clock] if clock else Named("row", "")
-    return Source(long, own, "idtracker.ai" if by_program else "", by_program, said)
+    return Source(long, own, "idtracker.ai" if by_program else "", by_program, said=said)
