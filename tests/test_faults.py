@@ -12,6 +12,7 @@ import time
 import hostile
 import numpy as np
 import pytest
+import typer
 from faults import CALLS, broken, command, failing, forked, interrupt, is_one_line, kill, tree
 from typer.testing import CliRunner
 
@@ -407,6 +408,28 @@ def test_ctrl_c_while_a_program_is_loaded_leaves_no_trace(program):
     )
     done = subprocess.run([sys.executable, "-c", code], env=environment(), capture_output=True)
     assert (done.returncode, done.stderr) == (130, b"")
+
+
+def test_ctrl_c_that_a_library_prints_while_it_loads_is_no_failure_of_it():
+    """As numba does where a Ctrl-C comes in the start of its part in C: PyErr_Print, then an ImportError of its own."""
+    from walkergen import cli
+
+    commands = typer.Typer()
+
+    @commands.command()
+    def stopped():
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            sys.excepthook(*sys.exc_info())
+        raise ImportError("numba._devicearray failed to import")
+
+    def work():
+        sys.argv = ["walkergen"]
+        cli.main(commands)
+
+    code, _, told = forked(work)
+    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
 
 
 def test_ctrl_c_while_an_object_is_taken_apart_ends_the_command():

@@ -82,7 +82,7 @@ def test_bad_rows_are_counted_named_and_left_out(tmp_path):
         ("t_s,x_mm\n0,1\n1,2\n", FILM, "--fps 100"),
         ("t_s,x_mm\n0,1\n1,2\n", Units(y_down=True), "--y-down"),
         ("t_s,x_mm\n0,1\n1,2\n2.4,2\n3,3\n4,3\n", Units(), "line 4 lies off the regular times"),
-        ("a,b\n1,2\n", FILM, "columns seen: a, b"),
+        ("a,b\n1,2\n", FILM, "(seen: a, b)"),
         ("frame,particle,x\n0,0,1\n", FILM, "no column 'y'; rename the one that holds it to y_mm"),
         ("when,x,y\n0,0,1\n", FILM, "no column 'time'; rename the one that holds it to t_s, or frame"),
         ("frame,particle,x,y\n0,0,1,1\n", Units(), "give --fps and --mm-per-px"),

@@ -98,6 +98,9 @@ BOXES = ({"1", "2"}, {"min", "max"})
 LABELLED = 6
 """Most labels of walkers that are said beside their numbers."""
 
+SHOWN = 80
+"""Letters of a file's columns that a message shows."""
+
 OURS = "walkergen"
 """Program whose own columns are t_s and x_mm, in its own units."""
 
@@ -191,10 +194,10 @@ def missing(path: object, names: Sequence[str], what: str) -> InputError:
     """Refusal of a file that no column of a kind is found in: which one to rename, and how."""
     rename = {"x": "x_mm, x_cm or x_px", "y": "y_mm, y_cm or y_px", "time": "t_s, or frame where it counts frames"}
     seen = plain.line(", ".join(name for name in names if name))
+    more = "" if len(seen) < SHOWN else " ..."
     return InputError(
-        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (columns seen: {seen}). "
-        "Read as they are: trackpy's frame, particle, x, y; walkergen's t_s, x_mm; files of TrackMate, DeepLabCut, "
-        "SLEAP, idtracker.ai, TRex, FastTrack, MTrackJ and Tracker"
+        f"{path}: no column {what!r}; rename the one that holds it to {rename[what]} (seen: {seen[:SHOWN]}{more}); "
+        "walkergen analyse --help says what is read as it is"
     )
 
 

@@ -4,11 +4,13 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Mapping
+import threading
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Annotated, Any
 
 import typer
+from typer.main import get_command
 
 from walkergen import __version__
 from walkergen.cli import build, streams
@@ -82,14 +84,14 @@ def _show_surroundings() -> None:
         print(f"cache of this process alone: {error}")
 
 
-def main(commands: typer.Typer = command_line) -> None:
+def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
     """Run the command line: every mistake is a line on standard error, and the exit code tells.
 
     0: all is done; 1: a file or a stream could not be written, or a test failed; 2: the input is
     unusable, or has no answer; 130: interrupted.
     """
     heard = streams.prepare()
-    streams.hear_everywhere()
+    lost = streams.hear_everywhere()
     plain.guard()
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"
@@ -97,18 +99,19 @@ def main(commands: typer.Typer = command_line) -> None:
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
     # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    code = _run(commands)
+    code = _run(commands, lost)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
     if code == INTERRUPTED:
         streams.leave(INTERRUPTED)
     sys.exit(code or int(heard.lost))
 
 
-def _run(commands: typer.Typer) -> int:
-    """Run a command and empty standard output; returns the exit code."""
+def _run(commands: typer.Typer | Callable[[], None], lost: threading.Event) -> int:
+    """Run a command and empty standard output; returns the exit code. `lost` knows of a Ctrl-C that was."""
     try:
         try:
-            commands()
+            # A Typer that is called would put its own hook in the place of ours, which hears of a lost Ctrl-C
+            (get_command(commands) if isinstance(commands, typer.Typer) else commands)()
         except SystemExit as done:
             sys.stdout.flush()
             if isinstance(getattr(done.__context__, "__cause__", None), KeyboardInterrupt):
@@ -126,8 +129,9 @@ def _run(commands: typer.Typer) -> int:
     except MemoryError:
         return _failed("the memory is full: ask for less", 1)
     except ImportError as error:  # a Ctrl-C while a library loads may come as its failure
-        if not isinstance(error.__cause__, KeyboardInterrupt):
+        if not (lost.is_set() or isinstance(error.__cause__, KeyboardInterrupt)):
             raise
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is sent again
         return _failed(TOLD_INTERRUPTED, INTERRUPTED)
     except OSError as error:
         what = "" if error.filename is None else f"{str(error.filename)!r}: "

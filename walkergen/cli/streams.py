@@ -68,23 +68,34 @@ def _text(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io
     return io.TextIOWrapper(buffered, encoding, errors, line_buffering=lines or raw.isatty())
 
 
-def hear_everywhere() -> None:
-    """Let Ctrl-C end the command wherever it comes.
+def hear_everywhere() -> threading.Event:
+    """Let Ctrl-C end the command wherever it comes; returns what knows of one that was lost on its way.
 
     Python prints and forgets one that comes while an object is taken apart, or while a library calls back: the
-    command would go on and end well.
+    command would go on and end well. A library in C may print what stops its start, and raise an error of its own.
     """
-    before = sys.unraisablehook
+    before, told, lost = sys.unraisablehook, sys.excepthook, threading.Event()
 
-    def again(lost: Any) -> None:
-        if isinstance(lost.exc_value, KeyboardInterrupt):
-            over = threading.Event()
-            threading.Thread(target=_interrupt_after, args=(over,), daemon=True).start()
-            over.set()
+    def again() -> None:
+        lost.set()
+        over = threading.Event()
+        threading.Thread(target=_interrupt_after, args=(over,), daemon=True).start()
+        over.set()
+
+    def forgotten(what: Any) -> None:
+        if isinstance(what.exc_value, KeyboardInterrupt):
+            again()
         else:
-            before(lost)
+            before(what)
 
-    sys.unraisablehook = again
+    def printed(kind: type[BaseException], error: BaseException, trace: Any) -> None:
+        if issubclass(kind, KeyboardInterrupt):
+            again()
+        else:
+            told(kind, error, trace)
+
+    sys.unraisablehook, sys.excepthook = forgotten, printed
+    return lost
 
 
 LEAVING_S = 0.02

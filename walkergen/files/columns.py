@@ -37,8 +37,8 @@ PLAIN = re.compile(r"""[^"'\r\n]{1,99999}\n?""").fullmatch
 
 SEPARATE = "separate cells by commas and write numbers with a decimal point"
 """What to do with tables of programs that speak other languages."""
-NAMED = 5
-"""Most bad rows that are named; the others are counted."""
+NAMED, FEW = 5, 2
+"""Most bad rows that are named beside good ones, and where all are bad; the others are counted."""
 
 
 class Columns(NamedTuple):
@@ -154,7 +154,7 @@ def read(
         line = min(crowded)
         raise InputError(f"{path}:{line}: {crowded[line]}: {SEPARATE}")
     if not any(map(len, kept)):
-        reason = summary(bad) or "no rows after the header"
+        reason = summary(bad, FEW) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
     joined = map(np.concatenate, zip(*chunks, strict=True))
     return Columns(dict(zip(places, joined, strict=True)), np.concatenate(kept), bad)
@@ -166,12 +166,12 @@ def whole(text: str, most: int) -> int | None:
     return value if 1 <= value <= most else None
 
 
-def summary(bad: dict[int, str]) -> str:
+def summary(bad: dict[int, str], most: int = NAMED) -> str:
     """Number of the rows that were left out and the reasons for the first few; '' without any."""
     if not bad:
         return ""
-    named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:NAMED])
-    more = f"; and {len(bad) - NAMED} more" if len(bad) > NAMED else ""
+    named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:most])
+    more = f"; and {len(bad) - most} more" if len(bad) > most else ""
     return f"{len(bad)} bad row{'s' if len(bad) > 1 else ''} left out: {named}{more}"
 
 

@@ -89,10 +89,16 @@ def by_library(source: str, kind: str) -> Iterator[None]:
     except WalkergenError:
         raise
     except Exception as error:
-        reason = " ".join(str(error).split())[:100] or type(error).__name__
-        raise InputError(f"{source}: is no sound {kind} file: {reason}") from None
+        raise InputError(f"{source}: is no sound {kind} file: {reason(error)}") from None
     finally:
         logging.disable(disabled)
+
+
+def reason(error: Exception) -> str:
+    """What a library says of a file, in a few words; not what Python says of the library's insides."""
+    inside = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
+    text = " ".join(str(error).split())[:100]
+    return "its parts do not fit together, or it breaks off" if inside or not text else text
 
 
 def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None) -> Iterator[str]:

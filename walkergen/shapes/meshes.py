@@ -212,8 +212,7 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
             scene: Any = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
             placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
     except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
-        reason = str(error).splitlines()[:1] or [type(error).__name__]
-        raise InputError(f"{source}: not a readable {kind} mesh: {reason[0][:120]}") from None
+        raise InputError(f"{source}: not a readable {kind} mesh: {reading.reason(error)}") from None
     parts = []
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]

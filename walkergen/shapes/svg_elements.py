@@ -8,7 +8,7 @@ are read by svgelements.
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -225,10 +225,10 @@ class Tree:
         name, text = name_of(element), element.attrib.get
         if name == "path":
             data = re.sub(r"^none$|^path\(\s*['\"](.*)['\"]\s*\)$", r"\1", text("d", "").strip())
-            return svg.Path(self._matching(element, "d", data, PATH))
+            return self._drawn(element, "d", data, PATH, svg.Path)
         if name in ("polygon", "polyline"):
-            points = self._matching(element, "points", text("points", ""), POINTS)
-            return svg.Path((svg.Polygon if name == "polygon" else svg.Polyline)(points))
+            kind = svg.Polygon if name == "polygon" else svg.Polyline
+            return svg.Path(self._drawn(element, "points", text("points", ""), POINTS, kind))
         wide, high = place.view
         across = float(np.hypot(wide, high) / np.sqrt(2.0))
         spans = {"x": wide, "cx": wide, "width": wide, "rx": wide, "x1": wide, "x2": wide, "r": across}
@@ -247,11 +247,21 @@ class Tree:
             rx = ry = length("r")
         return svg.Path(svg.Ellipse(length("cx"), length("cy"), rx, ry) if rx and ry else "")
 
-    def _matching(self, element: ET.Element, key: str, text: str, pattern: re.Pattern[str]) -> str:
-        """Text of an attribute that svgelements reads to its end."""
-        if not pattern.fullmatch(text):
-            raise self._refuse(f"<{name_of(element)}> has {key} = {text[:40]!r}; give numbers")
-        return text
+    def _drawn(
+        self,
+        element: ET.Element,
+        key: str,
+        text: str,
+        pattern: re.Pattern[str],
+        kind: "Callable[[str], svgelements.Path]",
+    ) -> "svgelements.Path":
+        """What svgelements makes of an attribute, which it reads to its end."""
+        try:
+            if pattern.fullmatch(text):
+                return kind(text)
+        except (ValueError, TypeError, IndexError):
+            pass  # as what does not match: numbers that lack others
+        raise self._refuse(f"<{name_of(element)}> has {key} = {text[:40]!r}; give numbers")
 
     def _length(self, element: ET.Element, key: str, place: Place, whole: float, otherwise: float = 0.0) -> float:
         """Length of an attribute in the drawing's units; percents are of `whole`."""
