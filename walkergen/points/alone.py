@@ -102,8 +102,7 @@ def cost(point: Point) -> float:
 def evaluate(point: Point) -> Record:
     """Numbers of a point. Raises WalkergenError for one that cannot be built, or simulated."""
     design, scene, keep = point.design, point.scene, point.keep
-    if design.weighed.states:
-        weights.check(design)
+    weights.check(design)
     mass = solids.mass_of(design)
     record = _simulated(point, mass) if point.simulated else went(Went.OK)
     if point.predicted:
