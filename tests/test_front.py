@@ -87,7 +87,7 @@ def test_walkers_scenes_and_printers_load_by_name():
     assert isinstance(wg.load("ender3"), Printer)
     assert PAPER == templates.load("koumakis2016", "walkers", Design)
     listed = wg.templates()
-    assert len(listed) == sum(len(templates.names(kind)) for kind in templates.KINDS)
+    assert len(listed) == sum(len(templates.known(kind)) for kind in templates.KINDS)
     assert {row["kind"] for row in listed} == set(templates.KINDS)
     with pytest.raises(InputError, match=r"'nope': no such template; known: bristle, .*ender3"):
         wg.load("nope")

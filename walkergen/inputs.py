@@ -49,7 +49,7 @@ class Inputs(NamedTuple):
         from walkergen.walker.design import Design
 
         known = not isinstance(source, str) or templates.written_as_path(source)
-        if not known and source not in templates.names("walkers"):
+        if not known and source not in templates.known("walkers"):
             _confirm(source, self.asks)
             own = {key: self.values[key] for key in self.of("design")}
             design = assignments.changed(Design.of_text(source), own, "command line")
@@ -175,7 +175,7 @@ def _confirm(text: str, asks: bool) -> None:
 
     from walkergen.files import templates
 
-    known = templates.names("walkers")
+    known = templates.known("walkers")
     close = difflib.get_close_matches(text, known, n=1)
     missing = f"{text[:80]!r}: no such template or file" + (f"; did you mean {close[0]}?" if close else "")
     if asks and sys.stdin.isatty() and sys.stderr.isatty():

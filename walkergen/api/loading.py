@@ -45,9 +45,9 @@ def load(name: Name, kind: str | None = None) -> Any:
 
     A walker is also a drawing, a picture or a mesh: `wg.load("heart.svg")`.
 
-    A path has an ending, has a / in it or is a Path. `kind` is "walker", "scene" or "printer", by
-    default what the name or the file's keys tell. Raises InputError that lists the known names or
-    kinds, or every mistake in the file.
+    A path has an ending, has a / in it (but for published/NAME) or is a Path. `kind` is "walker",
+    "scene" or "printer", by default what the name or the file's keys tell. Raises InputError that
+    lists the known names or kinds, or every mistake in the file.
 
     Example: `wg.load("koumakis2016").variant(tilt=12)`
     """
@@ -73,7 +73,7 @@ def _kind_of(name: str | Path) -> str:
     if isinstance(name, Path) or shipped.written_as_path(name):
         kinds = _kinds_by_keys(Path(name))
     else:
-        kinds = [kind for kind, (folder, _) in KINDS.items() if name in shipped.names(folder)]
+        kinds = [kind for kind, (folder, _) in KINDS.items() if name in shipped.known(folder)]
         if not kinds:
             shipped.find(name)  # raises, with every name there is
     if len(kinds) > 1:

@@ -149,7 +149,7 @@ def names_of(kinds: tuple[str, ...]) -> Callable[[str], list[str]]:
     def complete(incomplete: str) -> list[str]:
         from walkergen.files import templates
 
-        names = [name for kind in kinds for name in templates.names(kind)]
+        names = [name for kind in kinds for name in templates.known(kind)]
         return [name for name in names if name.startswith(incomplete)]
 
     return complete

@@ -1,4 +1,4 @@
-"""Templates: the TOML files shipped with walkergen, found by bare name from any folder."""
+"""Templates: the TOML files shipped with walkergen, found by name from any folder."""
 
 import re
 import tomllib
@@ -13,6 +13,9 @@ from walkergen.files.config import Model, Section, read
 from walkergen.files.report import Report
 
 KINDS = ("walkers", "scenes", "printers")
+
+PUBLISHED = "published"
+"""Folder of walkers and scenes after published work, which nobody is asked to print: published/NAME names one."""
 
 NAME_KEY = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 """Line of a template that names it: every shipped one has it, above its tables."""
@@ -34,17 +37,33 @@ def folder() -> Path:
 
 
 def names(kind: str) -> list[str]:
-    """Names of the templates of a kind (one of KINDS), sorted."""
+    """Names of the templates of a kind (one of KINDS) to start a walker of one's own from, sorted."""
     return sorted(path.stem for path in (folder() / kind).glob("*.toml"))
 
 
+def published(kind: str) -> list[str]:
+    """Names of the templates of a kind after published work, sorted: published/NAME."""
+    return sorted(f"{PUBLISHED}/{path.stem}" for path in (folder() / PUBLISHED / kind).glob("*.toml"))
+
+
+def known(kind: str) -> list[str]:
+    """Names of all templates of a kind: those to start from, then those after published work."""
+    return names(kind) + published(kind)
+
+
 def find(name: str) -> Path:
-    """The template of a bare name, whatever its kind."""
+    """The template of a name, whatever its kind."""
     for kind in KINDS:
-        if name in names(kind):
-            return folder() / kind / f"{name}.toml"
-    listed = ", ".join(name for kind in KINDS for name in names(kind))
+        if name in known(kind):
+            return _file(name, kind)
+    listed = ", ".join(name for kind in KINDS for name in known(kind))
     raise InputError(f"{name!r}: no such template; known: {listed}")
+
+
+def _file(name: str, kind: str) -> Path:
+    """File of a template that is there."""
+    room, _, stem = name.rpartition("/")
+    return folder() / room / kind / f"{stem}.toml"
 
 
 def renamed(path: Path, name: str) -> str:
@@ -54,7 +73,7 @@ def renamed(path: Path, name: str) -> str:
 
 
 def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:
-    """Read a template by bare name, or the user's own file, as `path_of` finds it.
+    """Read a template by its name, or the user's own file, as `path_of` finds it.
 
     Raises InputError that lists the known kinds or names, or every mistake in the file.
     """
@@ -62,7 +81,7 @@ def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = P
 
 
 def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
-    """Path of a template by bare name, or of the user's own file: a Path, or text with .toml or /.
+    """Path of a template by its name, or of the user's own file: a Path, or other text with .toml or /.
 
     Paths begin at the folder `near`, by default the one that walkergen runs in.
     Raises InputError that lists the known kinds, or names.
@@ -71,16 +90,18 @@ def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
         raise InputError(f"{kind!r}: no such kind of templates; must be one of {', '.join(KINDS)}")
     if isinstance(name_or_path, Path) or written_as_path(name_or_path):
         return near / name_or_path
-    if name_or_path in names(kind):
-        return folder() / kind / f"{name_or_path}.toml"
+    if name_or_path in known(kind):
+        return _file(name_or_path, kind)
     raise InputError(
-        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
+        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(known(kind))}; "
         "or give the path of a TOML file"
     )
 
 
 def written_as_path(text: str) -> bool:
-    """True for a text that names a file, not a template: one with an ending or /."""
+    """True for a text that names a file, not a template: one with an ending or /, but for published/NAME."""
+    if re.fullmatch(rf"{PUBLISHED}/[\w-]+", text):
+        return False
     return bool(re.search(r"\.[A-Za-z0-9]{2,5}$", text)) or "/" in text or "\\" in text
 
 
@@ -98,8 +119,8 @@ def listing() -> Report:
     """Every template with its description, kind by kind."""
     entries = []
     for kind in KINDS:
-        for name in names(kind):
-            data = tomllib.loads((folder() / kind / f"{name}.toml").read_text(encoding="utf-8"))
+        for name in known(kind):
+            data = tomllib.loads(_file(name, kind).read_text(encoding="utf-8"))
             entries.append(Entry(kind, name, data["description"]))
     columns = [report.text(key, key) for key in Entry._fields]
     return Report(
