@@ -52,3 +52,4 @@ evidence:
 	$(PYTHON) -m evidence validate $(ARGS)
 	$(PYTHON) -m evidence crowd-checks $(ARGS)
 	$(PYTHON) -m evidence crowds-published $(ARGS)
+	$(PYTHON) -m evidence walkers-published

@@ -87,6 +87,21 @@ class CrowdsPublishedRequest(request.Request):
         return size
 
 
+class WalkersPublishedRequest(request.Request):
+    """Predict published walkers over all that their authors leave open."""
+
+    only: Annotated[str | None, Flag("Comma-separated sets: koumakis2016, deseigne2010, son2025.", "SETS")] = None
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Predict them; what was simulated before is kept."""
+        from evidence.walkers_published import make
+
+        sets = make.choose(self.only)
+        self._expect(lambda: Expected(make.expected_s(sets)))
+        return make.make(sets, self.out or Path("out") / "walkers-published", progress)
+
+
 class ShapesRequest(request.Request):
     """Build, check and run sixty shapes that people might bring: drawings, meshes, names."""
 
@@ -108,6 +123,7 @@ REQUESTS: dict[str, type[request.Request]] = {
     "validate": ValidateRequest,
     "crowd-checks": CrowdChecksRequest,
     "crowds-published": CrowdsPublishedRequest,
+    "walkers-published": WalkersPublishedRequest,
     "shapes": ShapesRequest,
 }
 

@@ -1,0 +1,1 @@
+"""Published walkers, predicted over what their authors leave open."""
