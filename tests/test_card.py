@@ -37,6 +37,7 @@ CARD = Card(
     turning_rad_s=cards.measured("turning_rad_s", 0.5, 0.02, 16),
     turning_relaxation_s=cards.measured("turning_relaxation_s", 0.04, 0.002, 16),
     rotational_diffusion_rad2_s=cards.measured("rotational_diffusion_rad2_s", 0.2, 0.02, 16),
+    self_alignment_per_mm=cards.measured("self_alignment_per_mm", 0.02, 0.003, 16),
     translational_diffusion_mm2_s=cards.measured("translational_diffusion_mm2_s", 3.0, 0.3, 16),
 )
 
@@ -138,6 +139,7 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
         ("turning_relaxation_s", 0.044),
         ("translational_diffusion_mm2_s", 2.85),
         ("rotational_diffusion_rad2_s", 0.0154),
+        ("self_alignment_per_mm", 0.0195),  # of eight ensembles
     ):
         known = getattr(card, key)
         assert abs(known.value - expected) < 4.0 * known.se, (key, known)
@@ -159,6 +161,7 @@ def test_filmed_walkers_have_a_card(run, tmp_path):
     assert result.exit_code == 0, result.exception
     card = Card.model_validate(json.loads(result.stdout)["card"])
     assert card.name == "polar-disc"
+    assert card.self_alignment_per_mm is None  # nobody pushes
     for key, truth in (
         ("velocity_relaxation_s", one.relaxation),
         ("delay_s", one.relaxation),

@@ -34,7 +34,7 @@ SMALLEST_MM2 = 1e-6
 """Least area of a contour, mm^2."""
 
 
-UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "s")
+UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
 """Units that keys of a card end in, those first that end in others."""
 
 
@@ -119,6 +119,8 @@ class Card(Section):
     """Mean time by which the velocity lags behind the heading."""
     sideways_mm_s: Measured | None = None
     """Mean velocity to the left of the heading."""
+    self_alignment_per_mm: Measured | None = None
+    """Curvity: rate of turning toward a velocity across the heading, over that velocity."""
     restitution: Fraction = 0.5
     friction: Friction = 0.3
     """Restitution and friction of body on body."""

@@ -91,6 +91,7 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
         "turning_relaxation_s": motion.turning.time,
         "delay_s": motion.delay.mean,
         "sideways_mm_s": found["sideways_speed"],
+        "self_alignment_per_mm": motion.aligning,
     }
     for what, number in needed.values():
         if number.value is None:

@@ -27,6 +27,7 @@ NUMBERS = {
     "turning_sd_rad_s": ("its spread, print to print", "rad/s"),
     "turning_relaxation_s": ("turning relaxes within", "s"),
     "rotational_diffusion_rad2_s": ("rotational diffusion D_R", "rad²/s"),
+    "self_alignment_per_mm": ("self-alignment, > 0 toward a push", "1/mm"),
     "wall_alignment": ("alignment by a wall", ""),
     "wall_turning_rad_s": ("turning along it", "rad/s"),
     "wall_torque_g_mm2_s2": ("torque of the wall", "g mm²/s²"),
@@ -115,6 +116,7 @@ def _reasons(measured: Measured) -> dict[str, str]:
         "sideways_mm_s": found["sideways_speed"].refused,
         "sideways_relaxation_s": measured.sideways.refused,
         "turning_relaxation_s": measured.turning.time.refused,
+        "self_alignment_per_mm": measured.aligning.refused,
     }
     for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
         if relaxed.time.value is not None and not relaxed.resolved:

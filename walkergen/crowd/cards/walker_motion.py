@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import doubts, motion, track_files, tracks
+from walkergen.analysis import alignment, doubts, motion, track_files, tracks
+from walkergen.analysis.estimates import ALIGNED
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.track_files import Units
 from walkergen.analysis.tracks import Tracks
@@ -35,6 +36,9 @@ PLANE = "plane-90hz"
 SLOPE_DEG = 1.0
 """Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
 
+SLOPE = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
+"""Keys of a scene whose walkers are pushed, whichever way they head."""
+
 RESOLVED = 0.75
 """Part of a drive's period from which on frames are taken as they are: more of them in a period
 would show the bouncing."""
@@ -51,6 +55,8 @@ class Measured(NamedTuple):
     translation: Quantity
     """Translational diffusion of each axis, mm^2/s."""
     turning: Relaxation
+    aligning: Quantity
+    """Self-alignment, 1/mm; refused of films, in which nobody pushes."""
     delay: Delay
     leaning: Quantity
     """Velocity to the left that goes with a rate of turning to the left, mm."""
@@ -83,9 +89,11 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
         f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
         f"({words.number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
     )
-    sloping, _ = _runs(scene.variant(**{"plate.slope_deg": SLOPE_DEG}), design, mass, progress)
+    sloping, _ = _runs(scene.variant(**SLOPE), design, mass, progress)
+    groups = [[track] for track in sloping.tracks]
     return of_tracks(own, True, (note,))._replace(
-        sideways=sideways(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG)))
+        sideways=sideways(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
+        aligning=alignment.of(groups, sloping.interval, 0.0)[ALIGNED[0]],
     )
 
 
@@ -166,6 +174,7 @@ def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
         Quantity("sideways_relaxation", "s", None, refused="nobody pushes it aside"),
         translation,
         turning,
+        moved.estimates[ALIGNED[0]],
         delay.measure(own),
         leaning,
         own.interval,
