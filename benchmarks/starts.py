@@ -49,24 +49,13 @@ GOALS_S: dict[tuple[str, ...], float | None] = {
 }
 """CPU times (s) that commands may take; None where a row is there to compare with."""
 
+CROWD = ("crowd", "--count", "30", "--arena", "disc:169", "--runs", "1", "--no-pictures", "--quiet")
 LONG_S: dict[tuple[str, ...], float | None] = {
     ("analyse", "many.csv", "--fps", "25"): 8.0,
-    ("crowd", "--count", "30", "--packing", "0.3", "--seconds", "20", "--runs", "1", "--no-pictures", "--quiet"): 25.0,
-    (
-        "simulate",
-        "--scene",
-        "plane-90hz",
-        "--seconds",
-        "20",
-        "--discard",
-        "0.5",
-        "--runs",
-        "30",
-        "--threads",
-        "1",
-    ): None,
+    (*CROWD, "--seconds", "20"): 25.0,
+    ("simulate", "--scene", "plane-90hz", "--seconds", "20", "--runs", "30", "--quiet"): None,
 }
-"""The same of long ones: a million rows of 100 particles; 30 walkers in a dish, and as many that are alone."""
+"""The same of long ones: a million rows of 100 particles; 30 walkers on 0.3 of a dish, and as many that are alone."""
 
 TRACKS = {"few.csv": (10, 200), "many.csv": (100, 10_000)}
 """Files of tracks: particles and frames."""
@@ -112,10 +101,13 @@ def cost(words: tuple[str, ...]) -> Cost:
         for name in TRACKS.keys() & set(words):
             _write_tracks(Path(folder, name), *TRACKS[name])
         started = time.perf_counter()
-        process = subprocess.Popen([sys.executable, *words], cwd=folder, env=surroundings, stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        if status:
-            raise SystemExit(f"{' '.join(words)}: ended with {status}")
+        with Path(folder, "said").open("w+") as said:
+            streams = {"stdout": subprocess.DEVNULL, "stderr": said}
+            process = subprocess.Popen([sys.executable, *words], cwd=folder, env=surroundings, **streams)
+            _, status, usage = os.wait4(process.pid, 0)
+            if status:
+                said.seek(0)
+                raise SystemExit(f"{' '.join(words)}: ended with {status}: {said.read()}")
         return Cost(usage.ru_utime, time.perf_counter() - started, usage.ru_maxrss / 1024.0)
 
 
