@@ -295,12 +295,15 @@ def test_ranges_that_are_none_are_refused(texts, told):
         ({"speed": 40.0, "radius": 3.0}, "one wish at a time"),
         ({"fastest": True, "calm": True}, "one wish at a time"),
         ({"persistence": -3.0}, "above 0"),
+        ({"turn": "up", "fastest": True}, "--turn and --fastest: one wish at a time"),
+        ({"turn": "up", "calm": True}, "--turn and --least-sensitive: one wish at a time"),
+        ({"turn": "down", "error": Tolerance(2.0, False)}, "no error of a rate of turning"),
     ],
 )
 def test_wishes_that_cannot_be_are_refused(given, told):
-    usual = {"speed": None, "persistence": None, "radius": None, "fastest": False, "calm": False}
+    usual = {"speed": None, "persistence": None, "radius": None, "turn": None, "fastest": False, "calm": False}
     with pytest.raises(InputError) as caught:
-        wish.of_options(**usual | given, error=SHARE)
+        wish.of_options(**{**usual, "error": SHARE, **given})
     assert told in str(caught.value)
 
 
@@ -324,6 +327,65 @@ def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
     assert wish.seen(record, "persistence length") is None
     record |= {"rotational_diffusion_rad2_s": 0.02, "rotational_diffusion_se_rad2_s": 0.002}
     assert wish.seen(record, "persistence length").value == pytest.approx(1500.0)
+
+
+def test_turning_up_a_slope_is_turning_down_it_with_the_other_sign():
+    record = {"went": "ok", "runs": 32, "slope_turning_rad_s": -0.3, "slope_turning_se_rad_s": 0.1}
+    assert wish.seen(record, "turning down the slope") == (-0.3, 0.1)
+    assert wish.seen(record, "turning up the slope") == (0.3, 0.1)
+    assert wish.bounds(record, "turning up the slope") == pytest.approx((0.104, 0.496))
+    assert wish.seen(record | {"slope_turning_rad_s": None}, "turning up the slope") is None
+    assert wish.alignment(record) is None
+    known = record | {"self_alignment_per_mm": -0.02, "self_alignment_se_per_mm": 0.004}
+    assert wish.alignment(known) == (-0.02, 0.004)
+
+
+def test_a_wish_for_turning_by_a_slope_says_its_way():
+    wished = Wish("turning up the slope", None, False, SHARE)
+    assert (wished.way, wished.words, wished.slug) == ("up", "most turning up the slope", "turn-up")
+    assert wished.asks_space
+    assert not wished.logarithmic  # it has both signs
+    assert Wish("speed", None, False, SHARE).way is None
+
+
+def sloping(way, **scene):
+    """Job whose walkers head all ways on a slope of 3 deg."""
+    plane = templates.load("plane-90hz", "scenes", Scene)
+    plane = plane.variant(**{"plate.slope_deg": 3.0, "run.heading_deg": "uniform", **scene})
+    quantity = wish.TURNS[way]
+    return job_of(Wish(quantity, None, False, SHARE), "space", (LENGTH,))._replace(scene=plane)
+
+
+def test_a_level_plate_turns_no_heading():
+    level = sloping("up", **{"plate.slope_deg": 0.0})
+    with pytest.raises(InputError, match=r"^--turn up: scene.plate.slope_deg = 0: .*--set scene.plate.slope_deg=2$"):
+        make.check(level)
+    make.check(level._replace(box=Box((Span("scene.plate.slope_deg", 1.0, 3.0),))))
+
+
+@pytest.mark.slow
+def test_a_slope_turns_the_papers_walkers_down_it(bench, tmp_path, monkeypatch):
+    few = lab.Effort(8, 3.0)
+    monkeypatch.setattr(lab, "TURNING", lab.Efforts(few, few, lab.Effort(16, 4.0)))
+    monkeypatch.setattr(search, "FIRST", 6)
+    monkeypatch.setattr(search, "NEAR", 2)
+    monkeypatch.setattr(search, "ROUNDS", 1)
+    job = sloping("down")
+    found = make.make(job, bench, tmp_path / "down", pictures=False)
+    assert found.stopped == ""
+    number, one = next((n, one) for n, one in enumerate(found.designs, start=1) if one.met)
+    row = found.facts["rows"][number - 1]
+    assert row["low_95_turning_down_rad_s"] > 0.0
+    assert row["self_alignment_per_mm"] > 0.0
+    design = templates.load(str(tmp_path / "down" / f"design-{number}.toml"), "walkers", Design)
+    scene = templates.load(str(tmp_path / "down" / f"scene-{number}.toml"), "scenes", Scene)
+    (point,) = lab.points(job, design, scene, job.efforts.verification, None, lab.fresh_seed(job.seed))
+    assert wish.seen(evaluate(point), job.wish.of) == one.verified
+    # No length of legs turns them up, and the search says so.
+    none = make.make(sloping("up"), bench, tmp_path / "up", pictures=False)
+    assert not any(each.met for each in none.designs)
+    assert "not clearly above 0" in none.stopped
+    assert "a steeper slope" in none.stopped
 
 
 def test_a_walker_that_never_moves_is_no_division_by_nothing(bench, tmp_path):

@@ -177,6 +177,7 @@ def design(
     least_sensitive: bool = False,
     persistence: float | None = None,
     turning_radius: float | None = None,
+    turn: Literal["down", "up"] | None = None,
     design: Walker = "koumakis2016",
     vary: str | Iterable[str] = [],
     set: Mapping[str, Any] = {},

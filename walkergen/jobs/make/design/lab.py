@@ -209,7 +209,7 @@ def points(
         legs = scene.legs.model_copy(update={"model": job.model})
         scene = scene.model_copy(update={"run": run, "legs": legs})
     if simulated and job.wish.asks_space:
-        keep = (*keep, "persistence")
+        keep = (*keep, "persistence" if job.wish.way is None else "alignment")
     first = Point(design, scene, simulated, keep, wanted, job.printer)
     if parts(job, effort) == 1:
         return [first]

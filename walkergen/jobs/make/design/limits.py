@@ -10,7 +10,14 @@ from walkergen.jobs.make.design.wish import UNITS
 def stopped(job: Job, result: Search, designs: list[Verified]) -> str:
     """Line on a wish that no design meets: the nearest value, and the limit that is in the way."""
     wish, unit = job.wish, UNITS[job.wish.of]
-    values = [design.verified.value for design in designs if design.verified is not None]
+    seen = [design.verified for design in designs if design.verified is not None]
+    values = [each.value for each in seen]
+    if wish.way is not None and seen and not any(each.above_0 for each in seen):
+        best = max(seen, key=lambda each: each.value)
+        return (
+            f"no design for {wish.words}: the most of fresh runs is {words.with_error(best.value, best.se)} {unit}, "
+            "not clearly above 0; other --vary ranges, a steeper slope or another --seed"
+        )
     if wish.target is None or not values:
         return (
             f"no design for {wish.words}: fresh runs do not agree with those that chose; "

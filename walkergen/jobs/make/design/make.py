@@ -20,6 +20,9 @@ from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
+SLOPE = "scene.plate.slope_deg"
+"""Key of what turns headings."""
+
 PROPOSING_S = 1.1
 """CPU time in which the designs of a round are proposed, s."""
 
@@ -41,7 +44,7 @@ def model_of(design: Design, scene: Scene, name: str | None, turns: bool) -> str
         resolve(_with_model(scene, model), design, solids.mass_of(design))
     if turns and (model != "space" or scene.arena.kind != "plane"):
         raise InputError(
-            "--persistence, --turning-radius: walkers turn in the model space on a plane; seen "
+            "--persistence, --turning-radius, --turn: walkers turn in the model space on a plane; seen "
             f"model {model}, a {scene.arena.kind}: --model space --scene plane-90hz"
         )
     return model
@@ -55,6 +58,8 @@ def check(job: Job) -> None:
     """Refuse wishes that the job cannot answer. Raises InputError."""
     if job.wish.calm and not job.scene.contact.friction and FRICTION not in job.box.keys:
         raise InputError("--least-sensitive: contact.friction is 0: there is none to vary")
+    if job.wish.way is not None and not job.scene.plate.slope_deg and SLOPE not in job.box.keys:
+        raise InputError(f"--turn {job.wish.way}: {SLOPE} = 0: a level plate turns no heading: --set {SLOPE}=2")
     for key in ("scene.run.", "scene.legs.model", "name", "description", "family."):
         if wrong := [varied for varied in job.box.keys if varied.startswith(key)]:
             raise InputError(f"--vary {wrong[0]}: is no property of a walker or a plate")

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 TREND = "dv_dmu_mm_s"
 """Key of the change of speed with friction."""
 
+ALIGNMENT = "self_alignment_per_mm", "self_alignment_se_per_mm"
+"""Keys of the self-alignment and of its standard error."""
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class DesignReport(Report):
@@ -84,6 +87,8 @@ def _quantity(job: Job) -> str:
         "speed": "speed_mm_s",
         "persistence length": "persistence_length_mm",
         "turning radius": "turning_radius_mm",
+        "turning down the slope": "turning_down_rad_s",
+        "turning up the slope": "turning_up_rad_s",
     }[job.wish.of]
 
 
@@ -104,6 +109,8 @@ def _row(job: Job, number: int, design: Verified) -> dict[str, Any]:
     }
     if job.wish.of != "speed":
         row["verified_speed_mm_s"] = design.speed_mm_s
+    if job.wish.way is not None:
+        row |= zip(ALIGNMENT, design.alignment or (None, None), strict=True)
     if job.wish.calm:
         row |= {TREND: design.slope and design.slope.value, f"{TREND}_se": design.slope and design.slope.se}
     return row | {
@@ -115,7 +122,10 @@ def _row(job: Job, number: int, design: Verified) -> dict[str, Any]:
 
 
 def _columns(job: Job, keys: Sequence[str]) -> list[Column]:
-    """Columns that people read; values when chosen, and runs, are in the CSV alone."""
+    """Columns that people read; values when chosen, and runs, are in the CSV alone.
+
+    So are predicted speeds where a slope shall turn headings: with these all ways few are known.
+    """
 
     def column(heading: str, cell: Callable[..., str], *names: str, right: bool = True) -> Column:
         places = [keys.index(name) for name in names]
@@ -131,10 +141,11 @@ def _columns(job: Job, keys: Sequence[str]) -> list[Column]:
     return [
         column("design", str, "design", right=False),
         *(column(heading, lambda value: words.number(value, 6), key) for heading, key in varied),
-        *([] if predicted else [column("predicted", words.number, "predicted_mm_s")]),
+        *([] if predicted or job.wish.way else [column("predicted", words.number, "predicted_mm_s")]),
         column("prediction" if predicted else "verified", words.with_error, f"verified_{name}", f"verified_se_{name}"),
         column("95 %", words.span, f"low_95_{name}", f"high_95_{name}"),
         *([column("dv/dmu", words.with_error, TREND, f"{TREND}_se")] if job.wish.calm else []),
+        *([column("self-alignment", words.with_error, *ALIGNMENT)] if job.wish.way else []),
         column("met", lambda met: "yes" if met else "no", "met", right=False),
         column("print", lambda count: "warning" if count else "ok", "print_warnings", right=False),
     ]
@@ -147,9 +158,11 @@ def _short(keys: Sequence[str]) -> list[str]:
 
 
 def _units(job: Job) -> str:
-    length = "" if job.wish.of == "speed" else f"; the {job.wish.of} in {UNITS[job.wish.of]}"
+    other = "" if job.wish.of == "speed" else f"; the {job.wish.of} in {UNITS[job.wish.of]}"
+    if job.wish.way is not None:
+        other += ", at 90 deg to the descent; the self-alignment in 1/mm, above 0 down the slope"
     error = "; verified with the standard error" if job.simulated else ""
-    return f"speeds in mm/s{length}{error}"
+    return f"speeds in mm/s{other}{error}"
 
 
 def _how(job: Job, result: Search) -> list[str]:

@@ -3,7 +3,7 @@
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from walkergen import inputs, request
 from walkergen.files.progress import Progress
@@ -23,6 +23,9 @@ class DesignRequest(request.Request):
     least_sensitive: Annotated[bool, Flag("Wish for the least change of speed with friction.")] = False
     persistence: Annotated[float | None, Flag("Persistence length wished, mm.", "MM")] = None
     turning_radius: Annotated[float | None, Flag("Radius of turning wished, mm.", "MM")] = None
+    turn: Annotated[
+        Literal["down", "up"] | None, Flag("Wish that a slope turns headings down it, or up, most.", "WAY")
+    ] = None
     design: Annotated[
         Any, Flag("Walker to change; name or TOML file.", "DESIGN", "--from", takes="Walker", templates=("walkers",))
     ] = request.PAPER
@@ -53,7 +56,7 @@ class DesignRequest(request.Request):
 
         error = tolerance.parse(self.error)
         wish = wishes.of_options(
-            self.speed, self.persistence, self.turning_radius, self.fastest, self.least_sensitive, error
+            self.speed, self.persistence, self.turning_radius, self.turn, self.fastest, self.least_sensitive, error
         )
         given = self.inputs()
         design = given.design(self.design)
@@ -61,6 +64,8 @@ class DesignRequest(request.Request):
         spans = box.of_options(self.vary, design)
         given.refuse(spans.keys, "--vary varies it: leave one of them out")
         model = make.model_of(design, scene, self.model, wish.asks_space)
+        if wish.way is not None and "heading_deg" not in scene.run.model_fields_set:
+            scene = scene.variant(**{"run.heading_deg": "uniform"})  # so that the slope acts at every angle
         job = Job(wish, design, scene, spans, given.printer(self.printer), model, scene.run.seed)
         make.check(job)
         folder = self.out or Path("out") / f"design-{wish.slug}"

@@ -111,7 +111,8 @@ def survey(job: Job, bench: Bench) -> Survey:
     rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True)))) for row in space.rows()]
     plain = job._replace(wish=job.wish._replace(calm=False))
     trials = lab.tried(plain, bench.at(0.0, stages(job).survey), rows, None, "predictions")
-    feasible = np.array([trial.usable for trial in trials])
+    turning = job.wish.way is not None  # on a slope few speeds are known without a run, and none is needed
+    feasible = np.array([trial.printable if turning else trial.usable for trial in trials])
     if not feasible.any():
         raise InputError(_nothing(job, trials))
     return Survey(trials, np.array([job.box.place(row) for row in rows]), feasible)

@@ -41,6 +41,8 @@ class Verified(NamedTuple):
     slope: Seen | None
     """Change of the speed with friction by the fresh run, mm/s."""
     speed_mm_s: float | None
+    alignment: Seen | None
+    """Self-alignment by the fresh run, 1/mm; None unless the wish is turning by a slope."""
     runs: int
     """Number of fresh runs; 0 if predicted."""
     warnings: int
@@ -127,6 +129,7 @@ def _verified(job: Job, old: Trial, expected: float, new: Trial, design: Design,
         wishes.bounds(record, job.wish.of),
         new.slope,
         float(speed) if isinstance(speed, (int, float)) else None,
+        wishes.alignment(record),
         runs if isinstance(runs, int) else 0,
         warnings if isinstance(warnings, int) else 0,
         str(finding or ""),
@@ -139,7 +142,8 @@ def _met(job: Job, design: Verified, old: Trial) -> bool:
     """True when the fresh value is the one wished within the error.
 
     Without a target: when it is the one for which the design was chosen, within the error allowed
-    or, where that is less, the errors of both runs.
+    or, where that is less, the errors of both runs. Turning by a slope must be the way wished, by
+    both of its bounds of 95 %.
     """
     if design.verified is None:
         return False
@@ -147,6 +151,8 @@ def _met(job: Job, design: Verified, old: Trial) -> bool:
     if job.wish.target is not None:
         return abs(value - job.wish.target) <= job.wish.allowed(value)
     before, after = design.chosen, design.verified
+    if job.wish.way is not None and not after.above_0:
+        return False
     if job.wish.calm:
         if old.slope is None or design.slope is None:
             return False
