@@ -151,7 +151,7 @@ def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
     assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(advice.SCALED_WITHIN, abs=0.1)
     monkeypatch.setattr(cells, "read", lambda: every)
     scaled, measured = (shipped.answers(place(tilt=tilt), "walker").rows[0].why for tilt in (12.0, 10.0))
-    assert "to a factor of 2.6" in scaled
+    assert "to a factor of 2.8" in scaled
     assert "to a factor" not in measured
 
 

@@ -40,7 +40,7 @@ START_S = 1.2
 LANE = "lane-90hz"
 """Scene of the cells between which is read."""
 
-SCALED_WITHIN = 2.6
+SCALED_WITHIN = 2.8
 """Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
 out scatters otherwise, for its speed, than is read between its neighbours."""
 
