@@ -12,10 +12,13 @@ import sys
 import threading
 import time
 import urllib.request
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from app_doors import LINUX, PAPER, Doors, Process, document, files, lives, until
+
+from walkergen.app import serving
 
 LONG = document(scene__run__seconds=1e4, scene__run__runs=100)
 """A run that nobody waits for."""
@@ -129,6 +132,20 @@ def test_a_connection_on_which_nothing_comes_is_closed(process):
     with silent, begun:
         begun.sendall(b"POST / HTTP/1.1\r\nHost: x\r\nX")
         assert silent.recv(1) == begun.recv(1) == b""
+
+
+def test_a_connection_that_is_quiet_whenever_it_is_looked_at_stays_open():
+    """One that answers between two looks was closed with a page's next step on its way."""
+    looks, message = [], SimpleNamespace(response_complete=True)
+    closed = SimpleNamespace(is_closing=lambda: False, close=lambda: looks.append("closed"))
+    later = SimpleNamespace(call_later=lambda _, look, before: looks.append(before))
+    connection = SimpleNamespace(transport=closed, loop=later, cycle=message, _look=None)
+    serving._Impatient._look(connection, None)
+    connection.cycle = other = SimpleNamespace(response_complete=True)
+    serving._Impatient._look(connection, message)
+    assert looks == [message, other]
+    serving._Impatient._look(connection, other)
+    assert looks[-1] == "closed"
 
 
 @pytest.mark.slow

@@ -34,17 +34,16 @@ class _Impatient(H11Protocol):
 
     def connection_made(self, transport: Any) -> None:
         super().connection_made(transport)
-        self.loop.call_later(IDLE_S, self._look, False)
+        self.loop.call_later(IDLE_S, self._look, None)
 
-    def _look(self, idle_before: bool) -> None:
-        """Close what was idle at the last look too; what is answered meanwhile has its time."""
+    def _look(self, before: Any) -> None:
+        """Close what has answered nothing since the last look, at the message `before`, and answers nothing now."""
         if self.transport.is_closing():
             return
-        idle = self.cycle is None or self.cycle.response_complete
-        if idle and (idle_before or self.cycle is None):
+        if self.cycle is None or (self.cycle is before and self.cycle.response_complete):
             self.transport.close()
         else:
-            self.loop.call_later(IDLE_S, self._look, idle)
+            self.loop.call_later(IDLE_S, self._look, self.cycle)
 
 
 class _Ending(uvicorn.Server):
