@@ -28,9 +28,9 @@ const refresh = lastOnly(async () => {
   walker = answer;
   showSpeed(answer.facts);
   compare(answer.facts);
+  if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
   await painted(); // the speed is seen before a slow machine has drawn the part
   showPart(answer);
-  if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
 });
 
 // What was written is on the screen; at once in a page that is not seen, which is never painted.
@@ -95,7 +95,7 @@ function changed(document, why) {
   stopJobs();
   short?.abort();
   arrived ||= why !== 'begin';
-  byId('findings').ariaBusy = byId('chart').ariaBusy = 'true';
+  for (const part of ['outlook', 'findings', 'chart']) byId(part).ariaBusy = 'true';
   refresh();
   lookSoon();
   restSoon();
