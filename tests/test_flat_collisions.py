@@ -38,7 +38,7 @@ def test_dashpot_of_a_restitution_has_it_when_integrated(wanted):
 
 def test_steps_resolve_the_dashpot_of_what_gives_little_back():
     steps = [deck.mechanics([glider(restitution=one)]).contacts.longest_step for one in (0.5, 0.3, 0.1)]
-    assert steps[0] == steps[1] == pytest.approx(1.9 * steps[2], rel=0.05)
+    assert steps[0] > steps[1] > 1.9 * steps[2]
 
 
 @with_lammps
@@ -54,7 +54,7 @@ def test_discs_that_meet_head_on_part_with_the_restitution_of_their_cards():
     )
     before, after = rates(run.poses, 500.0)
     restitutions = (after[1::2, 0] - after[::2, 0]) / (before[::2, 0] - before[1::2, 0])
-    # Sixteen steps in a touch cost up to 0.035, always downwards
+    # Twelve steps in a touch: 0.025 by where in a step it begins, as the scheme drawn by itself has it
     assert restitutions == pytest.approx([0.1, 0.5, 0.9], abs=0.035)
 
 

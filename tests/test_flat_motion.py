@@ -34,7 +34,8 @@ def test_without_noise_a_walker_runs_circles_at_the_speed_of_its_card_and_lags_b
     lag = lags - 2.0 * math.pi * np.round(lags / (2.0 * math.pi))
     ahead = np.hypot(rates[:, 0], rates[:, 1]) * np.cos(lag)
     assert rates[:, 2] == pytest.approx(4.0, rel=1e-4)
-    assert lag == pytest.approx(math.atan(4.0 * aside), rel=4e-3)
+    # Half a step of a hundredth of tau is what the integrator is behind
+    assert lag == pytest.approx(math.atan(4.0 * aside), rel=6e-3)
     # Differences over 10 ms cut the corner by (w h)^2/6
     assert ahead == pytest.approx(56.0, rel=2e-4)
 

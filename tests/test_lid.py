@@ -5,13 +5,15 @@ import math
 import mujoco
 import numpy as np
 import pytest
+from flat_cards import card
 
-from walkergen.crowd import in_space
+from walkergen.crowd import in_plane
+from walkergen.crowd.space import run as crowds
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.export import mjcf
 from walkergen.scene import Scene
-from walkergen.simulation import record
+from walkergen.simulation import record, trajectory
 from walkergen.simulation.effects import feet
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import dropped, simulate
@@ -90,9 +92,37 @@ def test_a_lid_that_nothing_reaches_changes_no_bit():
     assert speed(10.7, 3.0) != speed(None, 3.0)
 
 
-def test_a_crowd_has_no_lid():
-    with pytest.raises(InputError, match=r"arena.lid_mm = 12: crowds run in the open"):
-        in_space.asked(PLANE.variant(**{"arena.lid_mm": 12.0}), [PAPER], [2], 25.0)
+def crowded(design, lid_mm, places, scene=PLANE, **keys):
+    scene = scene.variant(**{"arena.lid_mm": lid_mm, "crowd.arena_mm": "disc:80", **keys})
+    kinds = [0] * len(places)
+    return crowds.prepare(scene, [(design, solids.mass_of(design))], kinds, places, endless=len(places) == 1)
+
+
+def test_a_walker_alone_under_the_lid_of_a_crowd_is_the_one_that_simulate_runs():
+    plan = planned(DISC, height_of(planned(DISC, None)) + 0.3, **{"drive.gamma": 4.0, "run.seconds": 0.2})
+    centre = plan.world.walker.centre
+    scene = plan.case.scene
+    alone = crowded(DISC, scene.arena.lid_mm, np.array([[centre[0], -centre[2], 0.0]]), scene)
+    assert np.array_equal(crowds.simulate(alone, 3, 100.0).poses[:, 0], trajectory.sample(plan, 0.01, 3).rows[:, 1:])
+
+
+def test_discs_that_topple_in_the_open_stay_up_under_a_lid_and_push_each_other():
+    """At 115 Hz and 6 g."""
+    shaken = {"drive.frequency_hz": 115.0, "drive.gamma": 6.0, "run.seconds": 0.6, "run.discard_seconds": 0.2}
+    places = np.array([(x, y, 0.7 * (x - y)) for x in (-22.0, 0.0, 22.0) for y in (-11.0, 11.0)])
+    open_, closed = (
+        crowds.simulate(crowded(DISC, lid_mm, places, **shaken), 0, 50.0)
+        for lid_mm in (None, height_of(planned(DISC, None)) + 0.8)
+    )
+    assert set(closed.outcomes) == {"ok"}
+    assert set(open_.outcomes) != {"ok"}
+    assert closed.touches > 5
+    assert closed.energy_error < 0.01
+
+
+def test_a_card_knows_no_lid_but_its_own():
+    with pytest.raises(InputError, match=r"arena.lid_mm = 12: a card was measured with its own lid, or none"):
+        in_plane.asked(PLANE.variant(**{"arena.lid_mm": 12.0}), [card()], [2], 25.0)
 
 
 def turned(design):

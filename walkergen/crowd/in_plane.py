@@ -41,9 +41,11 @@ SPEEDS = ("speed", "speed_along_heading", "wall_speed")
 def asked(scene: Scene, cards: Sequence[Card], counts: Sequence[int] | None, rate_hz: float) -> Job:
     """Crowd of so many walkers of each card; without counts of one, as many as the scene says.
 
-    Raises InputError for too many walkers or frames.
+    Raises InputError for too many walkers or frames, and for a lid.
     """
-    crowd = scene.crowd
+    crowd, lid = scene.crowd, scene.arena.lid_mm
+    if lid is not None:
+        raise InputError(f"arena.lid_mm = {lid:g}: a card was measured with its own lid, or none; leave the key out")
     own = {key: getattr(crowd, key) for key in CONTACT if key in crowd.model_fields_set}
     kinds = []
     for number, card in enumerate(cards):

@@ -106,13 +106,11 @@ def film_of(job: Job, times: Array, poses: Array) -> CrowdFilm:
 
 
 def checked(job: Job) -> Job:
-    """Return a job. Raises InputError for kinds of one name, an accepted error, a lid, too few frames and too many."""
+    """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
         raise InputError(f"--count: two designs are called {max(names, key=names.count)!r}: rename one")
-    run, lid = job.scene.run, job.scene.arena.lid_mm
-    if lid is not None:
-        raise InputError(f"arena.lid_mm = {lid:g}: crowds run in the open; leave the key out, or simulate one walker")
+    run = job.scene.run
     simplest.refuse(job.scene, "is of one walker's speed, and a crowd has all that its scene calls for")
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(

@@ -17,10 +17,10 @@ from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat.discs import Discs, rim
 from walkergen.crowd.flat.motion import Motion
 
-GIVE = 0.04
+GIVE = 0.06
 """Overlap of a typical head-on hit, as a share of the narrowest walker's widest disc's radius."""
 
-STEPS_IN_TOUCH = 16
+STEPS_IN_TOUCH = 12
 """Steps in a contact of two typical points."""
 
 STEPS_IN_DAMPING = 4

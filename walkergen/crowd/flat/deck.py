@@ -104,7 +104,7 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
     stride = steps_per_frame(crowd, parts)
     step = 1.0 / (crowd.rate_hz * stride)
     widest = max(float(body.radii.max()) for body in parts.discs)
-    skin = 0.15 * widest
+    skin = 0.4 * widest
     reach = max(body.reach for body in parts.discs)
     bins = max(widest + 0.5 * skin, 2.0 * max(_half_box(crowd, parts)) / MOST_BINS)
     lines = [

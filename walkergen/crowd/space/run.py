@@ -55,15 +55,15 @@ class CrowdPlan(NamedTuple):
 
 
 def on_plane(scene: Scene) -> Scene:
-    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds.
+    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds, under the scene's lid.
 
     Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
     """
     if scene.run.heading_deg != (0.0,):
         raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
     swaying_plate.refuse(scene, "a crowd's plate moves up and down alike everywhere")
-    walls = scene.arena.model_dump(include={"wall_friction", "wall_restitution"})
-    return scene.model_copy(update={"arena": Arena(kind="plane", **walls)})
+    kept = scene.arena.model_dump(include={"lid_mm", "wall_friction", "wall_restitution"})
+    return scene.model_copy(update={"arena": Arena(kind="plane", **kept)})
 
 
 def prepare(
