@@ -1,8 +1,4 @@
-"""DXF drawings, by ezdxf: closed contours in mm out of people's files, polygons in mm into ours.
-
-Curves are flattened from their own equations: ezdxf's general path of an entity would replace arcs
-by cubic curves, 3e-4 of the radius beside them.
-"""
+"""DXF drawings, by ezdxf: closed contours in mm out of people's files, polygons in mm into ours."""
 
 import codecs
 import io
@@ -12,7 +8,6 @@ import tempfile
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +16,8 @@ import numpy as np
 from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading, words
-from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, flatten, meet
+from walkergen.shapes import dxf_curves
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, meet
 
 if TYPE_CHECKING:
     from ezdxf import document as documents
@@ -146,7 +142,7 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
     if not entities:
         return Drawing([], tuple(notes))
     size = _size(entities, source)
-    drawn = (_points(entity, FLATNESS * size, source) for entity in entities)
+    drawn = (dxf_curves.points(entity, FLATNESS * size, source) for entity in entities)
     visible = [curve for curve in drawn if not np.ptp(curve, axis=0).max() <= GAP * size]  # NaN is told of below
     curves, doubles = _once(visible, GAP * size)
     contours, closed = _joined(curves, size, source)
@@ -280,6 +276,8 @@ def _entities(document: "documents.Drawing", source: str) -> tuple[list[Any], li
             copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1) if entity.mcount > 1 else [entity]
             waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
         elif kind in COMPOSITE and not _straight(entity):
+            if kind == "POLYLINE":
+                _drop_frame(entity)
             waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
             found.append(_whole(entity) if kind == "ELLIPSE" else entity)
@@ -297,6 +295,13 @@ def _whole(ellipse: Any) -> Any:
     return ellipse
 
 
+def _drop_frame(polyline: Any) -> None:
+    """Leave out of a smoothed polyline the corners that its curve was made of, which no program shows."""
+    from ezdxf.lldxf.const import VTX_SPLINE_FRAME_CONTROL_POINT as FRAME
+
+    polyline.vertices[:] = [vertex for vertex in polyline.vertices if not vertex.dxf.get("flags", 0) & FRAME]
+
+
 def _straight(entity: Any) -> bool:
     """True for a polyline of straight lines, which is taken as it is."""
     return entity.dxftype() == "LWPOLYLINE" and not entity.has_arc
@@ -312,53 +317,6 @@ def _size(entities: Sequence[Any], source: str) -> float:
         kinds = ", ".join(sorted({entity.dxftype() for entity in entities})[:5])
         raise InputError(f"{source}: has no size that can be told; it holds {kinds}")
     return float(size)
-
-
-def _points(entity: Any, tolerance: float, source: str) -> Array:
-    """Points of a line or curve, in units of the drawing, shape (n, 2); a loop's ends meet."""
-    kind = entity.dxftype()
-    if kind == "LINE":
-        points = [entity.dxf.start, entity.dxf.end]
-    elif kind == "LWPOLYLINE":
-        points = list(entity.vertices_in_wcs())
-        points += points[:1] if entity.closed else []
-    elif kind == "SPLINE":
-        points = _spline(entity, tolerance)
-    elif kind in ("ARC", "CIRCLE", "ELLIPSE"):
-        points = list(entity.flattening(tolerance))
-    else:
-        raise InputError(f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines")
-    if len(points) < 2:
-        raise InputError(f"{source}: a {kind} draws nothing (a radius of 0?); leave it out")
-    placed = np.array([tuple(point) for point in points], dtype=float)
-    if np.ptp(placed[:, 2]) > tolerance:
-        raise InputError(f"{source}: {kind} leaves the x-y plane; draw the outline flat")
-    return placed[:, :2]
-
-
-def _spline(entity: Any, tolerance: float) -> list[Any]:
-    """Points of a spline; one that is closed and ends elsewhere goes on round its points."""
-    from scipy.interpolate import BSpline, CubicSpline
-
-    points = list(entity.flattening(tolerance))
-    if not entity.closed or not points or points[0].distance(points[-1]) <= tolerance:
-        return points
-    if len(entity.fit_points):
-        held = np.array([tuple(point) for point in (*entity.fit_points, entity.fit_points[0])], dtype=float)
-        lengths = np.linalg.norm(np.diff(held, axis=0), axis=1)
-        knots = np.concatenate([[0.0], np.cumsum(lengths)])
-        curve = CubicSpline(knots, held, bc_type="periodic")
-    else:
-        held, degree = np.array([tuple(point) for point in entity.control_points], dtype=float), entity.dxf.degree
-        around = held[np.arange(len(held) + degree) % len(held)]
-        curve = BSpline(np.arange(-degree, len(around) + 1, dtype=float), around, degree)
-        knots = np.arange(len(held) + 1, dtype=float)
-    spans = [flatten(partial(_between, curve, low, high), tolerance) for low, high in itertools.pairwise(knots)]
-    return [*(point for span in spans for point in span[:-1]), spans[0][0]]
-
-
-def _between(curve: Any, low: float, high: float, at: Array) -> Array:
-    return np.asarray(curve(low + at * (high - low)))
 
 
 def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
