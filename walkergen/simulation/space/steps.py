@@ -28,7 +28,8 @@ from walkergen.simulation.space.frame import (
 )
 from walkergen.simulation.space.landings import leave, settle
 from walkergen.simulation.space.leaps import STIRRED, changes, is_calm
-from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_height, plate_velocity, turn
+from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
+from walkergen.simulation.space.resting import DOZE, doze, ride
 from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,
@@ -41,7 +42,6 @@ from walkergen.simulation.space.state import (
     QUIET,
     ROW,
     SET,
-    STICK,
     V_X,
     W_X,
     first_row,
@@ -52,21 +52,10 @@ from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED
 INSTANT = 9e-11
 """Time, of the plate's period, that counts as zero: 1e-12 s at 90 Hz."""
 
-RESTING = 0.0092
-"""Speed over the plate whose energy counts as rest, of what gravity gives in a period: 1 mm/s at 90 Hz, where a walker
-sways by some 0.3 mm/s on its stuck legs if the plate shakes by 0.5 g."""
-
-DOZE = 2.7
-"""Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
-slope the plate's motion changes what friction has to hold."""
-
 _motor_acts, _sways = motors.acts, sways.moves
 
 TURN_OF_MOTOR = 0.5
 """Largest turn of a motor in a flight, rad."""
-
-STANDING = 3
-"""Stuck corners on which a walker stands."""
 
 
 @lean
@@ -287,45 +276,6 @@ def _frame(world, state, work, begin, h, count, tally):
 
 
 @lean
-def _doze(world, state, t, period):
-    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
-    walker, stuck = world.walker, 0
-    n, first = len(walker.stiffness), first_row(walker)
-    for k in range(len(walker.leg)):
-        mode = state[first + ROW * k + MODE]
-        if mode == STICK:
-            stuck += 1
-        elif mode != OPEN:
-            stuck = -len(walker.leg)
-    v = state[V_X + 1] - plate_velocity(world, state)
-    twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)
-    for i in range(3):
-        for j in range(3):
-            twice += walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
-    for i in range(n):
-        for j in range(n):
-            rate = state[LEGS + n + i]
-            twice += walker.hinge_inertia[i, j] * rate * state[LEGS + n + j]
-    resting = RESTING * across(world.acting) * period
-    calm = stuck >= STANDING and twice < walker.mass * resting * resting
-    state[QUIET] = state[QUIET] + t if calm else 0.0
-
-
-@lean
-def _ride(world, state, t, sums):
-    """Ride on the plate for t seconds, at rest."""
-    mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
-    before = plate_height(world, state)
-    pass_time(world, state, t)
-    state[C_X + 1] += plate_height(world, state) - before
-    state[V_X + 1] = plate_velocity(world, state)
-    lifted = across(world.acting) * (state[C_X + 1] - height)
-    faster = 0.5 * (state[V_X + 1] ** 2 - velocity * velocity)
-    sums[record.PLATE_WORK] += mass * (lifted + faster)
-    sums[record.CONTACT_TIME] += t
-
-
-@lean
 def _level(world, state, clear):
     """Level of the longest tabulated flight within `clear` seconds, -1 if none is."""
     step, levels = world.options.step, len(world.walker.flights)
@@ -381,7 +331,7 @@ def advance_in(world, state, work, duration, tally):
         level = _level(world, state, clear)
         if state[QUIET] > patience:
             passed = longest
-            _ride(world, state, passed, sums)
+            ride(world, state, passed, sums)
         elif level >= 0:
             state[QUIET] = 0.0
             passed = step * 2.0**level
@@ -391,7 +341,7 @@ def advance_in(world, state, work, duration, tally):
             count = max(math.ceil(passed / step - 1e-9), 1)
             _frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:
-                _doze(world, state, passed, period)
+                doze(world, state, passed, period)
         t = duration if duration - t - passed < instant else t + passed
 
 

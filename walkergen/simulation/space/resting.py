@@ -1,0 +1,58 @@
+"""Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps."""
+
+from walkergen.numerics.kernels import lean
+from walkergen.simulation import record
+from walkergen.simulation.effects.acting import across
+from walkergen.simulation.space.flight import pass_time
+from walkergen.simulation.space.pose import plate_height, plate_velocity
+from walkergen.simulation.space.state import C_X, LEGS, MODE, OPEN, QUIET, ROW, STICK, V_X, W_X, first_row
+
+RESTING = 0.0092
+"""Speed over the plate whose energy counts as rest, of what gravity gives in a period: 1 mm/s at 90 Hz, where a walker
+sways by some 0.3 mm/s on its stuck legs if the plate shakes by 0.5 g."""
+
+DOZE = 2.7
+"""Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
+slope the plate's motion changes what friction has to hold."""
+
+STANDING = 3
+"""Stuck corners on which a walker stands."""
+
+
+@lean
+def doze(world, state, t, period):
+    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
+    walker, stuck = world.walker, 0
+    n, first = len(walker.stiffness), first_row(walker)
+    for k in range(len(walker.leg)):
+        mode = state[first + ROW * k + MODE]
+        if mode == STICK:
+            stuck += 1
+        elif mode != OPEN:
+            stuck = -len(walker.leg)
+    v = state[V_X + 1] - plate_velocity(world, state)
+    twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)
+    for i in range(3):
+        for j in range(3):
+            twice += walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    for i in range(n):
+        for j in range(n):
+            rate = state[LEGS + n + i]
+            twice += walker.hinge_inertia[i, j] * rate * state[LEGS + n + j]
+    resting = RESTING * across(world.acting) * period
+    calm = stuck >= STANDING and twice < walker.mass * resting * resting
+    state[QUIET] = state[QUIET] + t if calm else 0.0
+
+
+@lean
+def ride(world, state, t, sums):
+    """Ride on the plate for t seconds, at rest."""
+    mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
+    before = plate_height(world, state)
+    pass_time(world, state, t)
+    state[C_X + 1] += plate_height(world, state) - before
+    state[V_X + 1] = plate_velocity(world, state)
+    lifted = across(world.acting) * (state[C_X + 1] - height)
+    faster = 0.5 * (state[V_X + 1] ** 2 - velocity * velocity)
+    sums[record.PLATE_WORK] += mass * (lifted + faster)
+    sums[record.CONTACT_TIME] += t
