@@ -37,7 +37,7 @@ def read(path: Path, lane: bool) -> Source:
     head = list(islice(_lines(path), 3))
     first = head[0].lstrip() if head else ""
     if first.startswith("<"):
-        return track_markup.trackmate(path)
+        return track_markup.markup(path)
     if first.startswith("MTrackJ"):
         return track_markup.mtrackj(path)
     if first.lower().startswith("scorer,"):
