@@ -108,7 +108,15 @@ def test_sleaps_arrays_count_by_the_names_of_their_dimensions(tmp_path):
 def test_columns_of_trex_are_in_its_centimetres(tmp_path):
     x, y = WALKERS[0].T.copy()
     x[3] = np.inf  # TRex's word for not seen
-    own = {"X#wcentroid": x, "Y#wcentroid": y, "time": np.arange(12) / FPS, "frame": np.arange(12.0)}
+    own = {
+        "X#wcentroid": x,
+        "Y#wcentroid": y,
+        "X": x + 3.0,
+        "Y": y,
+        "ANGLE": np.full(12, np.inf),
+        "time": np.arange(12) / FPS,
+        "frame": np.arange(12.0),
+    }
     np.savez(
         tmp_path / "film_id0.npz", cm_per_pixel=np.array([0.1]), id=np.array([0]), tracklets=np.ones((2, 2)), **own
     )

@@ -115,9 +115,12 @@ def idtracker_tidy():
 
 
 def trex():
-    head = "frame,SPEED#wcentroid (cm/s),X#wcentroid (cm),Y#wcentroid (cm),time,timestamp,missing\n"
-    lines = (f"{f},1.2,{x},{y},{f / FPS},{1e6 * f / FPS:.0f},0" for f, (x, y) in enumerate(WALKERS[0]))
-    return head + "\n".join(lines) + "\n"
+    """As its Graph.cpp exports them: the frame first and among the fields, inf for what was not seen, x of the head."""
+    head = "frame,ANGLE,SPEED (cm/s),X#wcentroid (cm),X (cm),Y#wcentroid (cm),Y (cm),frame,missing,time,timestamp"
+    lines = (
+        f"{f},inf,1.20,{x},{x + 8},{y},inf,{f},0,{f / FPS},{1e6 * f / FPS:.0f}" for f, (x, y) in enumerate(WALKERS[0])
+    )
+    return head + "\n" + "\n".join(lines) + "\n"
 
 
 def fasttrack():

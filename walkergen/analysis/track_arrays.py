@@ -5,6 +5,7 @@ NetCDF 3 is read by scipy and NPZ by numpy; HDF5, which later NetCDF is as well,
 
 import io
 import json
+import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -32,6 +33,9 @@ UNREAD: Mapping[bytes, str] = {
     b"\x80": "a pickle of Python, which can do anything: save the tracks as CSV",
 }
 """First bytes of files that are not read, and what to give in their place."""
+
+INFINITE = re.compile(r"(?<=,)-?inf(?=[,\n])")
+"""TRex's word for a number that is not known."""
 
 MOST_BYTES = 1_000_000_000
 """Most bytes that the arrays of an archive may have when unpacked."""
@@ -98,7 +102,13 @@ def lines(path: Path) -> Iterator[str] | None:
     trex = "cm_per_pixel" in values
     names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
     rows = zip(*(array.tolist() for array in kept.values()), strict=True)
-    return iter([",".join(names) + "\n", *(",".join(map(str, row)) + "\n" for row in rows)])
+    text = [",".join(names) + "\n", *(",".join(map(str, row)) + "\n" for row in rows)]
+    return map(unseen, text) if trex else iter(text)
+
+
+def unseen(line: str) -> str:
+    """Line of TRex's table with a blank cell in place of its word for what was not seen."""
+    return INFINITE.sub("", line)
 
 
 def _is_npz(path: Path) -> bool:

@@ -53,8 +53,8 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "frame": ("frame", "frames", "frame_idx", "frame_number", "frame_id", "imagenumber", "slice", "slice_n"),
         "time": ("time", "t", "seconds", "position_t"),
         "x": (
+            "x_wcentroid",  # TRex's of the body, before that of its head
             "x",
-            "x_wcentroid",
             "position_x",
             "pos_x",
             "x_pos",
@@ -66,8 +66,8 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "trajectories1",  # idtracker.ai's, of one animal
         ),
         "y": (
+            "y_wcentroid",  # TRex's of the body, before that of its head
             "y",
-            "y_wcentroid",
             "position_y",
             "pos_y",
             "y_pos",

@@ -23,6 +23,9 @@ Array = npt.NDArray[np.float64]
 NOBODY = ("none", "ø")
 """What TrackMate writes in place of a track's number beside a spot of no track."""
 
+TREX = ("X#wcentroid (cm)", "X (cm)")
+"""Columns of TRex's tables, of the body and of its head."""
+
 CLUSTER = "CID"
 """Column of MTrackJ's clusters of tracks."""
 
@@ -68,6 +71,10 @@ def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
     if titled:
         next(stream)
     header = next(stream, "")
+    if any(name in header for name in TREX):
+        names = header.split(",")  # which have the frame once more
+        header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
+        stream = map(track_arrays.unseen, stream)
     mark = track_columns.mark_of(header)
     skipped = islice(stream, more) if more else ()
     blank = ["\n"] * (titled + len(list(skipped)))
