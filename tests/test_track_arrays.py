@@ -135,6 +135,7 @@ def test_columns_of_trex_are_in_its_centimetres(tmp_path):
         (b"SQLite format 3\x00", "is a database: save the table as CSV (FastTrack: its tracking.txt)"),
         (b"\x80\x04\x95", "is a pickle of Python"),
         (b"PK\x03\x04 and so on", "is a spreadsheet or another archive"),
+        (b"PK\x03\x04\x61\x00" + bytes(40), "is a spreadsheet or another archive"),
         (b"CDF\x01 and so on", "is no sound NetCDF file"),
     ],
 )

@@ -186,6 +186,8 @@ def test_units_of_trackmate_count(tmp_path):
     path.write_text(trackmate().replace("(pixel)", "(micron)"))
     found = track_files.read(path, Units())
     np.testing.assert_allclose(found.tracks[0].position, 1e-3 * WALKERS[0] * (1, -1))
+    path.write_text(trackmate().replace("(sec)", "(pixel)"))  # no unit of times: they are taken as seconds
+    assert track_files.read(path, BY_SECONDS).interval == pytest.approx(1 / FPS)
 
 
 def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
@@ -211,6 +213,8 @@ def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
         ("Track n,Slice n,Where\n1,1,2\n", "rename the one that holds it to x_mm, x_cm or x_px"),
         ('<object class="org.osp.TrackerPanel" />', "axes or scale change from frame to frame"),
         ("frame_idx,node,x,y,track\n0,head,1,1,a\n0,tail,2,2,a\n", "has a row for a part of a walker; give SLEAP's"),
+        ("frame_idx,track,a.x,b.y\n0,w,1,1\n", "no part has both columns .x and .y"),
+        ('<?xml version="1.0" encoding="UTF-t"?><Tracks/>', "is no sound XML of tracks: "),
         ("frame_idx,inst0.track,inst0.a.x,inst0.a.y\n0,a,1,1\n", "has a row for all walkers of a frame"),
         ("\tmass A\t\t\nt\tx\tr\t\n0\t1\t2\n", "no column 'y'"),
         ("#multi:\n\ta\t\t\tb\t\nt\tx\ty\tx\t\n0\t1\t2\t3\n", "2 columns x and 1 columns y: export both"),

@@ -98,6 +98,8 @@ def sleap(path: Path, names: list[str]) -> Source:
     """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
     ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
     parts = [part for part in ends if f"{part}.y" in names]
+    if not parts:
+        raise InputError(f"{path}: no part has both columns .x and .y")
     labels = columns.texts(reading.lines(path, columns.FORMAT), str(path), "track") if "track" in names else []
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}

@@ -115,7 +115,7 @@ def _is_npz(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()
-    except (zipfile.BadZipFile, ValueError, OSError):
+    except (zipfile.BadZipFile, NotImplementedError, ValueError, OSError):
         return False
     return bool(names) and all(name.endswith(".npy") for name in names)
 
@@ -179,14 +179,20 @@ def _hdf5(path: Path, file: Any, names: set[str]) -> Held:
             continue
         if data.size > MOST_NUMBERS:
             raise InputError(f"{path}: {plain.line(name)[:30]} has {data.size} numbers; at most {MOST_NUMBERS}")
-        scales = [scale[0].name.rpartition("/")[2] if len(scale) else "" for scale in data.dims]
-        dimensions[name] = tuple(scales) if all(scales) else tuple(json.loads(data.attrs.get("dims", "[]")))
+        dimensions[name] = _dimensions(file, data)
         attributes[name] = _texts({key: data.attrs[key] for key in (*UNITS, *PACKED) if key in data.attrs})
         if data.dtype.kind in "OS":
             words[name] = _joined(data[:])
         else:
             values[name] = data[:].astype(float)
     return Held(values, dimensions, words, attributes)
+
+
+def _dimensions(file: Any, data: Any) -> tuple[str, ...]:
+    """Names of a dataset's dimensions, by NetCDF's references to their scales, or by words as sleap-io has them."""
+    if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
+        return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
+    return tuple(json.loads(data.attrs.get("dims", "[]")))
 
 
 def _in_order(held: Held, name: str, order: tuple[str, ...]) -> Array:

@@ -67,7 +67,7 @@ def markup(path: Path) -> Source:
             return _trackmate(path, root)
         if root.get("class", "").endswith(".TrackerPanel"):
             return _tracker(path, root)
-    except (ElementTree.ParseError, KeyError, ValueError, AttributeError) as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InputError(f"{path}: is no sound XML of tracks: {reading.reason(error)}") from None
     seen = plain.line(root.tag)[:30]
     raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")

@@ -207,7 +207,8 @@ def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple
         for what, each in named.items()
         if names.index(each.name) < len(unit_row)
     }
-    return count, {what: each._replace(unit=units.get(what, "")) for what, each in named.items()}
+    known = {what: unit for what, unit in units.items() if unit in track_columns.KINDS.get(what, ())}
+    return count, {what: each._replace(unit=known.get(what, "")) for what, each in named.items()}
 
 
 def _is_number(text: str) -> bool:
