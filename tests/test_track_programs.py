@@ -214,6 +214,7 @@ def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
         ('<object class="org.osp.TrackerPanel" />', "axes or scale change from frame to frame"),
         ("frame_idx,node,x,y,track\n0,head,1,1,a\n0,tail,2,2,a\n", "has a row for a part of a walker; give SLEAP's"),
         ("frame_idx,track,a.x,b.y\n0,w,1,1\n", "no part has both columns .x and .y"),
+        ('<Tracks><particle><detection t="1e400" x="1" y="1"/></particle></Tracks>', "no number within ±1e+12"),
         ('<?xml version="1.0" encoding="UTF-t"?><Tracks/>', "is no sound XML of tracks: "),
         ("frame_idx,inst0.track,inst0.a.x,inst0.a.y\n0,a,1,1\n", "has a row for all walkers of a frame"),
         ("\tmass A\t\t\nt\tx\tr\t\n0\t1\t2\n", "no column 'y'"),

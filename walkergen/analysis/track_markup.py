@@ -53,7 +53,9 @@ def _of_rows(
     named = {"frame": Named("frame", ""), "x": Named("x", unit), "y": Named("y", unit)}
     if second:
         values["time"], named["time"] = second * frame, Named("t", "s")
-    return Source(Columns(values, np.array(lines, np.int64), bad), named, program, True)
+    table = Columns(values, np.array(lines, np.int64), bad)
+    beyond = ~(np.abs(np.array(rows)) <= columns.LARGEST).all(axis=1)
+    return Source(table.without(beyond, f"has no number within ±{columns.LARGEST:g}"), named, program, True)
 
 
 def markup(path: Path) -> Source:
@@ -121,9 +123,10 @@ def _tracker(path: Path, root: ElementTree.Element) -> Source:
 def _number(element: ElementTree.Element | None, name: str) -> float:
     """Number that Tracker keeps under a name."""
     text = None if element is None else element.findtext(f"property[@name='{name}']")
-    if text is None:
-        raise ValueError(f"{name} is missing")
-    return float(text)
+    number = math.nan if text is None else float(text)
+    if not math.isfinite(number) or (name.endswith("scale") and number == 0.0):
+        raise ValueError(f"{name} is {plain.line(text or 'missing')[:30]}")
+    return number
 
 
 def _of_model(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:
