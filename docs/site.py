@@ -29,6 +29,24 @@ FIRST = ["load", "predict", "simulate", "family"]
 CALLS = [*FIRST, *(name for name in COMMANDS if name in walkergen.__all__ and name not in FIRST)]
 """What people call after `import walkergen as wg`."""
 
+RESULTS = {
+    "what every call returns": ["files.report.Report", "files.report.Table", "numerics.quantity.Quantity"],
+    "what some add to it": [
+        "jobs.run.predict.report.PredictReport",
+        "jobs.run.simulate.report.SimulationReport",
+        "jobs.run.sweep.report.SweepReport",
+        "jobs.make.family.report.FamilyReport",
+        "jobs.make.check.make.CheckReport",
+        "jobs.make.check.weigh_report.WeighReport",
+        "jobs.make.design.report.DesignReport",
+        "track.film.report.TrackReport",
+        "track.analyse.report.AnalysisReport",
+        "lab.fit.report.FitReport",
+        "crowd.cards.card.Card",
+    ],
+}
+"""Classes of what calls return."""
+
 ROOMS = {
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
@@ -71,6 +89,7 @@ def on_files(files, config):
         made |= _notebook(notebook)
     made |= {f"commands/{name}.md": _command(name) for name in NAMES}
     made["api/python.md"] = _calls()
+    made["api/results.md"] = _results()
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
         made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(f"::: {name}" for name in names)
@@ -134,6 +153,19 @@ def _calls():
     )
 
 
+def _results():
+    """Page of what calls return, each by its own name."""
+    parts = ["# Results"]
+    for words, classes in RESULTS.items():
+        parts.append(f"*{words[0].upper()}{words[1:]}:*")
+        for path in classes:
+            name = path.rpartition(".")[2]
+            # The functions wg.crowd and wg.track hide packages of these names: what is in them is found from within
+            root = "" if path.partition(".")[0] in walkergen.__all__ else "walkergen."
+            parts.append(f"::: {root}{path}\n    options: {{heading: {name}, toc_label: {name}}}")
+    return "\n\n".join(parts)
+
+
 def _command(name):
     """Page of a command: its help, and that of the commands under it."""
     texts = [_help(name)]
@@ -152,7 +184,7 @@ def on_nav(nav, config, files):
     """Put commands and the reference behind the pages that are written."""
     for title, names in (
         ("Commands", [f"commands/{name}.md" for name in NAMES]),
-        ("Reference", [f"api/{room}.md" for room in ("python", *ROOMS)]),
+        ("Reference", [f"api/{room}.md" for room in ("python", "results", *ROOMS)]),
     ):
         nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav

@@ -119,12 +119,26 @@ class ShapesRequest(request.Request):
         return make.make(self.only, self.out or Path("out") / "shapes", progress)
 
 
+class ExampleDataRequest(request.Request):
+    """Write an archive of example data: a film, a recording of the plate, a card, and what is found in them."""
+
+    quick: Quick = False
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Write it."""
+        from evidence.example_data import make
+
+        return make.make(make.QUICK if self.quick else make.WHOLE, self.out or Path("out") / "example-data", progress)
+
+
 REQUESTS: dict[str, type[request.Request]] = {
     "validate": ValidateRequest,
     "crowd-checks": CrowdChecksRequest,
     "crowds-published": CrowdsPublishedRequest,
     "walkers-published": WalkersPublishedRequest,
     "shapes": ShapesRequest,
+    "example-data": ExampleDataRequest,
 }
 
 commands = typer.Typer(

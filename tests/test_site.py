@@ -1,5 +1,6 @@
 """The site builds without a warning, and holds what the README shows and the docstrings say."""
 
+import ast
 import base64
 import os
 import re
@@ -39,6 +40,22 @@ def test_the_reference_is_of_docstrings_and_begins_with_what_people_call(site):
     headings = re.findall(r"^ *wg\.(\w+)$", page, flags=re.MULTILINE)
     assert headings[:4] == ["load", "predict", "simulate", "family"]
     assert set(headings) == {name for name in wg.__all__ if name.islower()} - {"__version__"}
+
+
+def test_the_reference_has_every_class_that_calls_take_and_return(site):
+    entries = {
+        name for page in (site / "api").glob("*.html") for name in re.findall(r'id="([\w.]+)"', page.read_text())
+    }
+    named = {
+        re.sub(r"^walkergen\.(?=(crowd|track)\.)", "", f"{part.module}.{name.name}")
+        for part in ast.parse((ROOT / "walkergen" / "__init__.pyi").read_text()).body
+        if isinstance(part, ast.ImportFrom) and part.module.startswith("walkergen")
+        for name in part.names
+    }
+    assert named - entries <= {
+        *("walkergen.api.loading.load", "walkergen.api.loading.templates"),  # under their names as wg.load and so on
+        *("walkergen.files.progress.Progress", "walkergen.walker.limbs.Kind"),  # names of types
+    }
 
 
 def test_the_gallery_has_every_picture_with_its_command_below(site):

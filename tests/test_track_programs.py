@@ -115,9 +115,12 @@ def idtracker_tidy():
 
 
 def trex():
-    head = "frame,SPEED#wcentroid (cm/s),X#wcentroid (cm),Y#wcentroid (cm),time,timestamp,missing\n"
-    lines = (f"{f},1.2,{x},{y},{f / FPS},{1e6 * f / FPS:.0f},0" for f, (x, y) in enumerate(WALKERS[0]))
-    return head + "\n".join(lines) + "\n"
+    """As its Graph.cpp exports them: the frame first and among the fields, inf for what was not seen, x of the head."""
+    head = "frame,ANGLE,SPEED (cm/s),X#wcentroid (cm),X (cm),Y#wcentroid (cm),Y (cm),frame,missing,time,timestamp"
+    lines = (
+        f"{f},inf,1.20,{x},{x + 8},{y},inf,{f},0,{f / FPS},{1e6 * f / FPS:.0f}" for f, (x, y) in enumerate(WALKERS[0])
+    )
+    return head + "\n" + "\n".join(lines) + "\n"
 
 
 def fasttrack():
@@ -183,6 +186,8 @@ def test_units_of_trackmate_count(tmp_path):
     path.write_text(trackmate().replace("(pixel)", "(micron)"))
     found = track_files.read(path, Units())
     np.testing.assert_allclose(found.tracks[0].position, 1e-3 * WALKERS[0] * (1, -1))
+    path.write_text(trackmate().replace("(sec)", "(pixel)"))  # no unit of times: they are taken as seconds
+    assert track_files.read(path, BY_SECONDS).interval == pytest.approx(1 / FPS)
 
 
 def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
@@ -206,6 +211,16 @@ def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
         ("scorer,a\nbodyparts,b\ncoords,x\n0,1\n", "the part b has no x and y"),
         ("scorer,a,a\nbodyparts,b\ncoords,x,y\n", "lines of its names have 2, 3 and 2 cells"),
         ("Track n,Slice n,Where\n1,1,2\n", "rename the one that holds it to x_mm, x_cm or x_px"),
+        ('<object class="org.osp.TrackerPanel" />', "axes or scale change from frame to frame"),
+        ("frame_idx,node,x,y,track\n0,head,1,1,a\n0,tail,2,2,a\n", "has a row for a part of a walker; give SLEAP's"),
+        ("frame_idx,track,a.x,b.y\n0,w,1,1\n", "no part has both columns .x and .y"),
+        ('<Tracks><particle><detection t="1e400" x="1" y="1"/></particle></Tracks>', "no number within ±1e+12"),
+        ('<?xml version="1.0" encoding="UTF-t"?><Tracks/>', "is no sound XML of tracks: "),
+        ("frame_idx,inst0.track,inst0.a.x,inst0.a.y\n0,a,1,1\n", "has a row for all walkers of a frame"),
+        ("\tmass A\t\t\nt\tx\tr\t\n0\t1\t2\n", "no column 'y'"),
+        ("#multi:\n\ta\t\t\tb\t\nt\tx\ty\tx\t\n0\t1\t2\t3\n", "2 columns x and 1 columns y: export both"),
+        ("\tmass A\t\t\nt\tx\ty\t\n0\t\t\n", "nothing to read: no frame has both x and y"),
+        ("\tmass A\t\t\nt\tx\ty\t\n0,04\t1,5\t2,5\n", ":3: a comma seen"),
     ],
 )
 def test_what_is_no_such_file_is_refused_in_one_line(tmp_path, text, told):
@@ -225,6 +240,58 @@ def test_headings_of_fasttrack_count_counterclockwise_though_its_y_goes_down(tmp
     path.write_text("xBody\tyBody\ttBody\timageNumber\tid\n" + lines)
     for track, way in zip(track_files.read(path, PIXELS).tracks, ways, strict=True):
         np.testing.assert_allclose(np.exp(1j * track.heading), np.exp(-1j * way), atol=1e-12)
+
+
+@pytest.mark.parametrize("mark", ["\t", ",", ";", " "])
+def test_tracker_names_one_track_or_several_above_its_columns(tmp_path, mark):
+    """As its ExportDataDialog writes them, the marks' frames alone filled in; copied tables have names in one word."""
+    path = tmp_path / "data.txt"
+    title = ["", "mass A", "", "mass B", "", ""]
+    lines = [[f / FPS, *WALKERS[0][f], *(WALKERS[1][f] if f < 9 else ("", ""))] for f in FRAMES]
+    table = [title, ["t", *"xyxy", ""], *lines]
+    path.write_text("#multi:\n" + "\n".join(mark.join(map(str, row)) for row in table) + "\n")
+    one, two = track_files.read(path, BY_SECONDS).tracks
+    np.testing.assert_allclose(one.position, SCALE * WALKERS[0])
+    np.testing.assert_allclose(two.position, SCALE * WALKERS[1][:9])
+    path.write_text("\n".join(mark.join(map(str, row[:3])) for row in (["", "mass_A"], *table[1:])) + "\n")
+    (alone,) = track_files.read(path, BY_SECONDS).tracks
+    np.testing.assert_allclose(alone.position, SCALE * WALKERS[0])
+
+
+@pytest.mark.parametrize("folders", ["labeled-data/film2.png/", "labeled-data,film2,"])
+def test_deeplabcut_names_pictures_in_place_of_frames(tmp_path, folders):
+    """Tables of labels, whose rows are pictures: by their paths, or folder by folder as newer versions have them."""
+    blank = "," * folders.count(",")
+    path = tmp_path / "CollectedData_me.csv"
+    head = [f"scorer{blank},me,me", f"bodyparts{blank},body,body", f"coords{blank},x,y"]
+    path.write_text(
+        "\n".join([*head, *(f"{folders}img{3 * f:04d}.png,{x},{y}" for f, (x, y) in enumerate(WALKERS[0]))])
+    )
+    found = track_files.read(path, PIXELS)
+    assert found.interval == pytest.approx(3.0 / FPS)
+    np.testing.assert_allclose(found.tracks[0].position, SCALE * WALKERS[0] * (1, -1))
+    assert "frames are numbered by the names of pictures" in found.note
+
+
+def test_clusters_of_mtrackj_each_count_their_own_tracks(tmp_path):
+    path = tmp_path / "points.csv"
+    line = rows(lambda f, n, x, y: f"{2 * f + n},{n + 1},1,{f + 1},{x},{y},{f / FPS}")
+    path.write_text("Nr,CID,TID,PID,x [pixel],y [pixel],t [sec]\n" + line)
+    found = track_files.read(path, BY_SECONDS)
+    assert "walkers are numbered: 0 TID 1 of CID 1, 1 TID 1 of CID 2" in found.note
+    for track, walker in zip(found.tracks, WALKERS, strict=True):
+        np.testing.assert_allclose(track.position, SCALE * walker * (1, -1))
+
+
+@pytest.mark.parametrize("rate", [23.976, 25.0, 29.97, 30.0, 59.94, 60.0, 119.88, 239.76])
+def test_times_in_whole_milliseconds_are_of_one_rate(tmp_path, rate):
+    """idtracker.ai's of one animal: at 29.97 a second they were refused as irregular."""
+    path = tmp_path / "trajectories.csv"
+    times = "".join(f"{f / rate:.3f},{f:.3f},1.000\n" for f in range(400))
+    path.write_text("time,trajectories1,trajectories2\n" + times)
+    found = track_files.read(path, BY_SECONDS)
+    assert found.interval == pytest.approx(1.0 / rate, rel=1e-3)
+    np.testing.assert_allclose(found.tracks[0].position[:, 0], SCALE * np.arange(400))
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,12 @@ def test_y_down_turns_positions_and_headings_over(tmp_path, column, angle):
     np.testing.assert_allclose(down.heading, -up.heading)
 
 
+def test_an_open_quote_spoils_no_other_line(tmp_path):
+    text = 'frame,particle,x,y\n0,0,1,1\n1,0,2,"1\n2,0,3,1\n3,0,4,1\n'
+    found = read(tmp_path, text)
+    np.testing.assert_allclose(found.tracks[0].position[[0, 2, 3], 0], [0.5, 1.5, 2.0])
+
+
 def test_a_simulated_trajectory_is_a_lane_whose_height_is_no_coordinate(tmp_path):
     text = "t_s,x_mm,y_mm,pitch_rad\n0,0,9,0\n0.001,0.1,9.5,0.2\n0.002,0.3,9,0\n"
     found = read(tmp_path, text, Units())

@@ -446,10 +446,10 @@ def analyse(
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
     A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
-    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, idtracker.ai, TRex, FastTrack, MTrackJ or Tracker.
-    Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a file that
-    simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may give what
-    track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
+    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
+    Tracker. Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a
+    file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
+    give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
 
     With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
     independent runs (--run), and no walker by itself.

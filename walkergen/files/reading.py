@@ -38,6 +38,12 @@ CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udff
 """Letters that steer a terminal or turn the direction of writing, and halves of letters."""
 
 
+def begin(path: Path, count: int, format: str) -> bytes:
+    """First bytes of a file, which tell what it is. Raises InputError when it cannot be read."""
+    with _opened(path, format, None) as stream:
+        return stream.read(count) or b""
+
+
 def content(path: Path, most_bytes: int = MOST_BYTES, format: str = "a file") -> bytes:
     """Bytes of a file, whatever its format.
 

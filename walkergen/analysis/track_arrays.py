@@ -1,0 +1,284 @@
+"""Tracks in files of arrays: NetCDF in the layout of movement, SLEAP's and idtracker.ai's HDF5, NPZ of columns.
+
+NetCDF 3 is read by scipy and NPZ by numpy; HDF5, which later NetCDF is as well, by h5py of the extra `poses`.
+"""
+
+import io
+import json
+import re
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import extras
+from walkergen.analysis import poses, track_columns
+from walkergen.analysis.track_columns import OURS, PIXEL, Named, Source
+from walkergen.errors import InputError
+from walkergen.files import columns, plain, reading
+from walkergen.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+NETCDF, HDF5, ARCHIVE = (b"CDF\1", b"CDF\2"), b"\x89HDF\r\n\x1a\n", b"PK\x03\x04"
+"""First bytes of files."""
+
+UNREAD: Mapping[bytes, str] = {
+    b"\x93NUMPY": "an array of numpy: give the table as CSV (idtracker.ai: trajectories.csv or trajectories.h5)",
+    b"PAR1": "a Parquet table: save it as CSV",
+    b"SQLite format 3": "a database: save the table as CSV (FastTrack: its tracking.txt)",
+    b"\x80": "a pickle of Python, which can do anything: save the tracks as CSV",
+}
+"""First bytes of files that are not read, and what to give in their place."""
+
+INFINITE = re.compile(r"(?<=,)-?inf(?=[,\n])")
+"""TRex's word for a number that is not known."""
+
+MOST_BYTES = 1_000_000_000
+"""Most bytes that the arrays of an archive may have when unpacked."""
+
+MOST_NUMBERS = 200_000_000
+"""Most numbers of an array."""
+
+UNITS = ("space_unit", "unit")
+"""Attributes of places that state their unit: movement's, and walkergen's."""
+
+PACKED = ("scale_factor", "add_offset")
+"""Attributes of arrays whose numbers are not what they hold."""
+
+LIKELY = ("DeepLabCut", "LightningPose")
+"""Programs whose confidence of a part is a likelihood."""
+
+
+class Held(NamedTuple):
+    """What a file of arrays holds."""
+
+    values: Mapping[str, Array]
+    dimensions: Mapping[str, tuple[str, ...]]
+    """Names of the dimensions of each array, as far as the file has them."""
+    words: Mapping[str, list[str]]
+    """Arrays of text, by their names."""
+    attributes: Mapping[str, Mapping[str, str]]
+    """Attributes of each array, and of the file by the name ""."""
+
+
+def read(path: Path, lane: bool) -> Source | None:
+    """Rows of a file of arrays; None for a file of text, or of columns (`lines`). Raises InputError."""
+    begin = reading.begin(path, 16, columns.FORMAT)
+    for first, what in UNREAD.items():
+        if begin.startswith(first):
+            raise InputError(f"{path}: is {what}")
+    if begin.startswith(ARCHIVE) and not _is_npz(path):
+        raise InputError(f"{path}: is a spreadsheet or another archive: save the table as CSV")
+    if begin.startswith(NETCDF):
+        with reading.by_library(str(path), "NetCDF"):
+            return _movement(path, _netcdf(path), lane)
+    if begin.startswith(HDF5):
+        extras.require("poses", f"{path}: HDF5")
+        with reading.by_library(str(path), "HDF5"):
+            return _of_hdf5(path, lane)
+    return None
+
+
+def lines(path: Path) -> Iterator[str] | None:
+    """Lines of a CSV file of the columns that an NPZ archive holds; None for another file. Raises InputError.
+
+    Columns are the arrays as long as that of frames or times; TRex names those of places without their unit.
+    """
+    if not reading.begin(path, 4, columns.FORMAT).startswith(ARCHIVE):
+        return None
+    with reading.by_library(str(path), "NPZ"), zipfile.ZipFile(path) as archive:
+        if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
+            raise InputError(f"{path}: more than {MOST_BYTES} bytes when unpacked; is it the right file?")
+        with np.load(path, allow_pickle=False) as held:
+            values = {name: np.asarray(held[name]) for name in held.files}
+    clock = next((name for name in ("frame", "time", "t_s") if name in values), None)
+    if clock is None:
+        raise InputError(f"{path}: no array frame, time or t_s; arrays seen: {plain.line(', '.join(values))[:80]}")
+    kept = {name: array for name, array in values.items() if array.ndim == 1 and len(array) == len(values[clock])}
+    trex = "cm_per_pixel" in values
+    names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
+    rows = zip(*(array.tolist() for array in kept.values()), strict=True)
+    text = [",".join(names) + "\n", *(",".join(map(str, row)) + "\n" for row in rows)]
+    return map(unseen, text) if trex else iter(text)
+
+
+def unseen(line: str) -> str:
+    """Line of TRex's table with a blank cell in place of its word for what was not seen."""
+    return INFINITE.sub("", line)
+
+
+def _is_npz(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, NotImplementedError, ValueError, OSError):
+        return False
+    return bool(names) and all(name.endswith(".npy") for name in names)
+
+
+def _netcdf(path: Path) -> Held:
+    """Contents of a file of NetCDF 3, in which text is of letters along a dimension of its own."""
+    from scipy.io import netcdf_file
+
+    file = netcdf_file(io.BytesIO(reading.content(path)), mmap=False)
+    attributes = {"": _texts(file._attributes)}
+    values, dimensions, words = {}, {}, {}
+    for name, variable in file.variables.items():
+        data = np.array(variable[:])
+        attributes[name] = _texts(variable._attributes)
+        dimensions[name] = tuple(variable.dimensions)
+        if data.dtype.kind == "S":
+            words[name] = _joined(data)
+        else:
+            values[name] = data.astype(float)
+    return Held(values, dimensions, words, attributes)
+
+
+def _joined(data: npt.NDArray[Any]) -> list[str]:
+    """Texts of an array: each whole, or of letters in a row."""
+    rows = data.reshape(len(data), -1).tolist()
+    whole = (row[0] if len(row) == 1 else b"".join(row) for row in rows)
+    return [text.rstrip(b"\0").decode() if isinstance(text, bytes) else str(text) for text in whole]
+
+
+def _texts(attributes: Mapping[str, Any]) -> dict[str, str]:
+    return {name: value.decode() if isinstance(value, bytes) else str(value) for name, value in attributes.items()}
+
+
+def _of_hdf5(path: Path, lane: bool) -> Source:
+    """Rows of an HDF5 file of a known layout."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        names = set(file)
+        if "position" in names:
+            return _movement(path, _hdf5(path, file, names), lane)
+        if {"tracks", "node_names", "track_names"} <= names:
+            return _sleap(_hdf5(path, file, {"tracks", "node_names", "track_names"}))
+        if "trajectories" in names and "frames_per_second" in file.attrs:
+            return _idtracker(_hdf5(path, file, {"trajectories"}), float(file.attrs["frames_per_second"]))
+        told = "is an HDF5 file of a layout that is not read"
+        if {"frames", "instances"} <= names:
+            told = "is SLEAP's project: give its analysis CSV or HDF5 (File, Export)"
+        elif any("pandas_type" in file[name].attrs for name in names):
+            told = "is a table of pandas: save it as CSV (DeepLabCut: save_as_csv, or analyze_videos_converth5_to_csv)"
+        raise InputError(f"{path}: {told}; it holds {plain.line(', '.join(sorted(names)))[:60]}")
+
+
+def _hdf5(path: Path, file: Any, names: set[str]) -> Held:
+    """Contents of datasets of an HDF5 file."""
+    values, dimensions, words = {}, {}, {}
+    attributes = {"": _texts(dict(file.attrs))}
+    for name in names:
+        data = file[name]
+        if not hasattr(data, "shape") or not data.shape:
+            continue
+        if data.size > MOST_NUMBERS:
+            raise InputError(f"{path}: {plain.line(name)[:30]} has {data.size} numbers; at most {MOST_NUMBERS}")
+        dimensions[name] = _dimensions(file, data)
+        attributes[name] = _texts({key: data.attrs[key] for key in (*UNITS, *PACKED) if key in data.attrs})
+        if data.dtype.kind in "OS":
+            words[name] = _joined(data[:])
+        else:
+            values[name] = data[:].astype(float)
+    return Held(values, dimensions, words, attributes)
+
+
+def _dimensions(file: Any, data: Any) -> tuple[str, ...]:
+    """Names of a dataset's dimensions, by NetCDF's references to their scales, or by words as sleap-io has them."""
+    if "DIMENSION_LIST" in data.attrs:  # h5py's own walk along the scales does not end in a damaged file
+        return tuple(file[scales[0]].name.rpartition("/")[2] for scales in data.attrs["DIMENSION_LIST"])
+    return tuple(json.loads(data.attrs.get("dims", "[]")))
+
+
+def _in_order(held: Held, name: str, order: tuple[str, ...]) -> Array:
+    """Array with its dimensions in this order; those that it lacks, as of a single walker, have one place.
+
+    Dimensions had plural names before movement's version 0.17.
+    """
+    seen = [dimension.removesuffix("s") for dimension in held.dimensions[name]]
+    if not set(seen) <= set(order):
+        raise ValueError(f"{name} has the dimensions {', '.join(seen)}")
+    array = held.values[name].transpose([seen.index(dimension) for dimension in order if dimension in seen])
+    return np.expand_dims(array, [at for at, dimension in enumerate(order) if dimension not in seen])
+
+
+def _movement(path: Path, held: Held, lane: bool) -> Source:
+    """Rows of a data set of movement, of poses or of boxes around walkers."""
+    words = {name.removesuffix("s"): texts for name, texts in held.words.items()}
+    if not {"position", "time"} <= set(held.values) or not {"x", "y"} <= set(words.get("space", ())):
+        raise InputError(f"{path}: no position in x and y with its time, as movement's data sets have")
+    attributes = held.attributes["position"]
+    if set(PACKED) & set(attributes):
+        raise InputError(f"{path}: position is packed: save it without {' and '.join(PACKED)}")
+    places = _in_order(held, "position", ("individual", "keypoint", "space", "time"))
+    if held.attributes[""].get("source_software") in LIKELY and "confidence" in held.values:
+        sure = _in_order(held, "confidence", ("individual", "keypoint", "time"))
+        places = np.where(sure[:, :, None] < poses.SURE, np.nan, places)
+    x, y = (places[:, :, words["space"].index(axis)] for axis in "xy")
+    people = words.get("individual", [])
+    unit = next((attributes[name] for name in UNITS if name in attributes), "")
+    source = held.attributes[""]
+    if source.get("source_software", "").startswith(OURS) and "heading" in held.values and unit == "mm":
+        return _ours(held, x[:, 0], y[:, 0], people, lane)
+    clock, second = ("time", "s") if source.get("time_unit") == "seconds" else ("frame", "")
+    named = {axis: Named("position", track_columns.unit_of(unit) if unit else PIXEL) for axis in "xy"}
+    named |= {clock: Named("time", second), "theta": Named("theta", "rad")}
+    return _of_parts(x, y, words.get("keypoint", []), people, {clock: held.values["time"]}, named, "movement")
+
+
+def _of_parts(
+    x: Array,
+    y: Array,
+    parts: Sequence[str],
+    people: Sequence[str],
+    times: Mapping[str, Array],
+    named: Mapping[str, Named],
+    program: str,
+) -> Source:
+    """Rows of walkers whose parts are at x and y, shape (walkers, parts, times); both may have no names."""
+    ((clock, ticks),) = times.items()
+    table = Columns({}, np.arange(1, len(ticks) + 1), {})
+    if not parts:
+        walkers = list(zip(x[:, 0], y[:, 0], strict=True))
+        long = track_columns.long(table, clock, ticks, walkers, range(len(x)))
+        return Source(long, named, program, True, said=track_columns.said(people))
+    owned = {
+        who: {part: poses.Part(x[n, k], y[n, k]) for k, part in enumerate(parts)}
+        for n, who in enumerate(people or map(str, range(len(x))))
+    }
+    return poses.of_bodies(table, clock, ticks, owned, named, program)
+
+
+def _ours(held: Held, x: Array, y: Array, people: Sequence[str], lane: bool) -> Source:
+    """Rows of runs that walkergen simulated; those that never leave y = 0 ran along a lane."""
+    theta = _in_order(held, "heading", ("individual", "time"))
+    table = Columns({}, np.arange(1, x.shape[-1] + 1), {})
+    runs = [who.rpartition("_")[2] for who in people]
+    named = len(runs) == len(x) and all(map(str.isdigit, runs))
+    numbers = [float(run) for run in (runs if named else range(len(x)))]
+    walkers = list(zip(x, y, theta, strict=True))
+    long = track_columns.long(table, "time", held.values["time"], walkers, numbers)
+    if lane or not (np.nan_to_num(y).any() or np.nan_to_num(theta).any()):
+        long = long._replace(values={name: long.values[name] for name in ("time", "x", "particle")})
+    return Source(long, {"time": Named("time", "s"), "x": Named("position", "mm")}, OURS)
+
+
+def _sleap(held: Held) -> Source:
+    """Rows of SLEAP's analysis file, whose arrays are as its reader in MATLAB wants them unless they say otherwise."""
+    held = held._replace(dimensions={"tracks": held.dimensions["tracks"] or ("track", "xy", "node", "frame")})
+    x, y = _in_order(held, "tracks", ("xy", "track", "node", "frame"))
+    frames = {"frame": np.arange(x.shape[-1], dtype=float)}
+    return _of_parts(x, y, held.words["node_names"], held.words["track_names"], frames, poses.PIXELS, "SLEAP")
+
+
+def _idtracker(held: Held, rate: float) -> Source:
+    """Rows of idtracker.ai's trajectories, shape (frames, animals, 2)."""
+    x, y = held.values["trajectories"].transpose(2, 1, 0)[:, :, None]
+    times = {"time": np.arange(x.shape[-1]) / rate}
+    named = {"time": Named("frames_per_second", "s"), **{axis: Named("trajectories", PIXEL) for axis in "xy"}}
+    return _of_parts(x, y, (), (), times, named, "idtracker.ai")
