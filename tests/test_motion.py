@@ -106,7 +106,8 @@ def test_speed_and_persistence_hold_with_inertia(kind):
         scores.append(
             [(known[name].value - true) / known[name].se if name in known else np.nan for name, true in truth.items()]
         )
-    assert np.isfinite(scores).mean() > 0.9
+    # Half of the films or more tell a diffusivity: in others a run may set in as slowly as it is lost.
+    assert np.isfinite(scores).mean() > 0.8
     # Student's t with 7 degrees of freedom scatters by 1.18: 0.34 for the mean of 12, and 3 of it.
     # Headings taken to diffuse gave 3.5 and -8 for the speed, -6 and beyond for persistence.
     assert (np.abs(np.nanmean(scores, axis=0)) < 1.05).all(), np.nanmean(scores, axis=0)

@@ -146,8 +146,10 @@ def test_analyse_finds_in_the_tracks_what_simulate_says(run):
     assert (told["model"], told["feet"], told["friction"]) == ("space", "viscous", 0.25)
     for name in ("speed", "lane_speed", "sideways_speed", "turning_bias", "rotational_diffusion"):
         unit = {"turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}.get(name, "mm_s")
-        # The same functions on the same samples, but for the rounding of written times.
-        assert found[f"{name}_{unit}"] == pytest.approx(told["motion"][f"{name}_{unit}"], rel=1e-6)
+        # The same functions on the same samples, but for the rounding of written times; the time for which
+        # turning lasts, and diffusion with it, is where least squares stop.
+        near = 1e-3 if name == "rotational_diffusion" else 1e-6
+        assert found[f"{name}_{unit}"] == pytest.approx(told["motion"][f"{name}_{unit}"], rel=near)
     # The mean over blocks projects 44 ms at a time, not 2 ms: far below the error of either.
     error = told["speed_se_mm_s"]
     assert abs(found["speed_mm_s"] - told["speed_mm_s"]) < 0.2 * error

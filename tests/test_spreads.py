@@ -1,16 +1,20 @@
 """Squared displacements: diffusion besides a run, terms that cannot be told apart, goodness."""
 
+import math
+
 import numpy as np
 import pytest
-from synthetic_tracks import Walker, film
+from synthetic_tracks import Walker, film, film_of
 
-from walkergen.analysis import motion
+from walkergen.analysis import bounds, estimates, motion
 
 SLOW = Walker(speed=15.0, rate=0.8, diffusion=20.0, lost=0.0)
 FAST = Walker(speed=45.0, rate=0.8, diffusion=100.0, lost=0.0)
 DIFFUSING = Walker(speed=0.0, diffusion=50.0, lost=0.0)
 RESTING = Walker(speed=0.0, noise=0.2)
 STRAIGHT = Walker(rate=0.01, turn=0.0)
+JITTERING = Walker(diffusion=20.0, lost=0.0)
+INERTIAL = Walker(inertia=0.1, turn_memory=0.15, lost=0.0)
 
 
 def analysed(walker, seeds, walkers=8, seconds=20.0, headed=True):
@@ -49,8 +53,9 @@ def test_diffusion_alone_is_not_ballistic(headed):
     inside = []
     for found in analysed(DIFFUSING, 15, headed=headed):
         known = found.estimates
-        low, high = known["diffusivity"].interval(0.95)
-        inside.append(low <= DIFFUSING.diffusion <= high)
+        if known["diffusivity"].known:  # chance makes one in 40 or more look like a run
+            low, high = known["diffusivity"].interval(0.95)
+            inside.append(low <= DIFFUSING.diffusion <= high)
         assert not found.msd_fit.run
         assert not found.doubts
         for name in ("ballistic_speed", "crossover_time"):
@@ -59,6 +64,7 @@ def test_diffusion_alone_is_not_ballistic(headed):
         assert "film more frames" in known["translational_diffusion"].refused
         at_rest = known["speed"]
         assert at_rest.value is None if not headed else abs(at_rest.value) < 6 * at_rest.se
+    assert len(inside) >= 10
     assert np.mean(inside) >= 0.75  # 95 % less 3 sigma of 15
 
 
@@ -84,6 +90,69 @@ def test_noise_that_diffusion_could_be_is_refused_with_a_way_to_tell():
         if found.estimates[name].value is None
     ]
     assert any("cannot be told apart" in reason and "at rest" in reason for reason in reasons)
+
+
+def test_a_run_that_only_headings_show_is_not_left_out_of_diffusivity():
+    # Pieces of 1 s show lags up to 0.24 s: the jitter alone is 20 mm^2/s, with the run it is 453.
+    short = motion.analyse(film(6, 1, 10.0, JITTERING._replace(lost=0.3), 0.04))
+    assert not short.msd_fit.run
+    assert "do not show what runs add" in short.estimates["diffusivity"].refused
+    assert "cannot be told apart" in short.estimates["translational_diffusion"].refused
+    # One that runs nowhere has no other diffusivity.
+    at_rest = motion.analyse(film(1, 3, 20.0, JITTERING._replace(speed=0.0), 0.04))
+    assert not at_rest.msd_fit.run
+    low, high = at_rest.estimates["diffusivity"].interval()
+    assert low < JITTERING.diffusion < high
+
+
+def test_a_fit_at_its_limit_tells_no_diffusivity():
+    at_limit, inside = (motion.analyse(film(seed, 3, 10.0, INERTIAL, 0.04)) for seed in (1, 6))
+    assert at_limit.msd_fit.at_its_limit
+    for name in ("diffusivity", "crossover_time"):
+        assert "how slowly runs set in" in at_limit.estimates[name].refused
+    assert not inside.msd_fit.at_its_limit
+    low, high = inside.estimates["diffusivity"].interval()
+    assert low < INERTIAL.diffusivity < high
+
+
+def test_the_error_of_walkers_that_differ_is_that_of_the_same_law_without_each_one():
+    walkers = [Walker(speed=speed, rate=2.0, lost=0.0) for speed in (20.0, 30.0, 40.0)]
+    found = motion.analyse(film_of(np.random.default_rng(1), walkers, 40.0, 0.04)).estimates
+    assert found["speed_scatter"].known
+    assert found["ballistic_speed"].freedom == 2
+    one = found["diffusivity"]
+    # Diffusivities go as the squares 400, 900, 1600: the mean of three is known to 36 %, that of pieces to 20 %.
+    assert 0.27 < one.se / one.value < 0.45
+    assert one.interval()[0] > 0.0
+
+
+def test_walkers_that_turn_apart_by_more_than_they_lose_direction_have_no_common_diffusivity():
+    walkers = [Walker(turn=turn, lost=0.0) for turn in np.linspace(-0.8, 1.8, 8)]
+    found = motion.analyse(film_of(np.random.default_rng(1), walkers, 40.0, 0.04)).estimates
+    assert found["turning_scatter"].known
+    for name in ("diffusivity", "crossover_time"):
+        assert "one by one" in found[name].refused, name
+    alone = motion.analyse(film_of(np.random.default_rng(1), walkers[:1], 40.0, 0.04)).estimates["diffusivity"]
+    assert abs(alone.value - walkers[0].diffusivity) < 3.5 * alone.se
+
+
+def diffusivity_told(rate, told_from, freedom):
+    """Diffusivity of a walker whose rate was measured as a variance of so many turns, told from one rate on."""
+    known = estimates.quantity("diffusivity", 1.0 / rate, math.sqrt(2.0 / freedom) / rate)
+    others = ("speed", "persistence_rate", "persistence_time", "persistence_length")
+    numbers = {name: estimates.refusal(name, "") for name in others}
+    numbers["diffusivity"] = bounds.told_from(known, told_from / rate)
+    return bounds.of_turns(numbers, run=True)["diffusivity"].interval()
+
+
+def test_the_upper_bound_of_a_diffusivity_allows_for_its_rate_being_told_where_chance_made_it_large():
+    freedom, least = 30, 1.2
+    rates = np.random.default_rng(1).chisquare(freedom, 10_000) / freedom  # of 1 per s
+    told = rates[rates > least][:1000]
+    chosen, all_told = (np.array([diffusivity_told(rate, share, freedom) for rate in told]) for share in (least, 0.0))
+    assert np.mean(chosen[:, 1] < 1.0) == pytest.approx(0.025, abs=0.015)  # 3 sigma of 1000
+    assert np.mean(all_told[:, 1] < 1.0) > 0.08  # 1 in 40 of all films, which are 1 in 8 of those told
+    assert np.array_equal(chosen[:, 0], all_told[:, 0])
 
 
 @pytest.mark.nightly

@@ -6,14 +6,14 @@ from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, turning, walks
 from walkergen.analysis.walks import Spread
-from walkergen.numerics.quantity import exact
+from walkergen.numerics.quantity import Quantity, exact
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""
 
 INTERVAL = 0.02
 
-NOISELESS = exact("noise", "rad2", 0.0)
+NOISELESS, AT_ONCE = exact("noise", "rad2", 0.0), exact("memory", "s", 0.0)
 
 EXACT = Walker(speed=SPEED, drift=DRIFT, turn=TURN, turn_sd=SCATTER, rate=D_R, noise=0.0, heading_noise=0.0, lost=0.0)
 
@@ -27,8 +27,8 @@ def scatter_of(tracks):
     return turning.scatter(turning.walkers(tracks.tracks, tracks.interval))
 
 
-def diffusion_of(tracks, noise2=NOISELESS):
-    return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise2)
+def diffusion_of(tracks, noise2=NOISELESS, memory=AT_ONCE):
+    return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise2, memory)
 
 
 def test_drift_turning_and_scatter_are_those_put_in():
@@ -97,6 +97,21 @@ def test_noise_of_headings_is_no_diffusion(lost):
     if not lost:
         # n pieces of t s that share their ends raise it by noise^2 (n + 1) / (n t): n = 8, t = 1 s.
         assert diffusion_of(tracks).value - one.value == pytest.approx(0.01 * 9 / 8)
+
+
+def test_turning_that_lasts_takes_its_time_off_each_piece():
+    lasting = EXACT._replace(rate=1.0, turn_sd=0.0, turn_memory=0.2)
+    tracks = film(7, 60, 8.0, lasting, INTERVAL)
+    one = diffusion_of(tracks, memory=Quantity("memory", "s", 0.2, 0.02))
+    assert abs(one.value - 1.0) < 3.5 * one.se
+    # Of 8 pieces of 1 s about their mean: 0.2 s (1 + 1/8) of each.
+    plain = diffusion_of(tracks)
+    assert plain.value / one.value == pytest.approx(1.0 - 0.2 * 9 / 8)
+    assert plain.value < 1.0 - 3.0 * plain.se
+    # 0.02 s of some 0.8 s are known besides.
+    assert one.se / one.value == pytest.approx(np.hypot(plain.se / plain.value, 0.02 * 9 / 8 / 0.775))
+    assert "film for longer" in diffusion_of(tracks, memory=exact("memory", "s", 0.5)).refused
+    assert diffusion_of(tracks, memory=Quantity("memory", "s", 0.5, 1.0)) == plain  # anyone's guess
 
 
 GAPS = {"one by one": 0.0, "short blocks": 8.0, "long blocks": 60.0}

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.analysis import bounds
 from walkergen.analysis.estimates import (
     ACROSS,
     ALONG,
@@ -32,21 +33,12 @@ from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
-from walkergen.numerics.tails import fisher_tail, student
+from walkergen.numerics.tails import student
 
 TOO_FEW = "too few data for its fit: film for longer"
 
-UNLIKE = 0.05
-"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
-
 CHANCE = 5e-3
 """Probability of a number that counts as larger than 0 though it is not (Student's t)."""
-
-
-OVER_TURNS = ("persistence_time", "persistence_length", "diffusivity", "crossover_time")
-OF_TURNS = {"persistence_rate": 1, **dict.fromkeys(OVER_TURNS, -1)}
-"""Numbers that the mean square of turns decides, and the power of each that goes as it does: it scatters as
-a variance, so that chance makes it small, and its error with it, more often than large."""
 
 EXCLUDED = 0.025
 """Probability, for walkers whose memory lasts for a sample, of one that counts as shorter."""
@@ -135,20 +127,23 @@ def judge(
     without_one: Sequence[Mapping[str, float]],
     longest_s: float,
     freedom: float,
+    differ: bool,
 ) -> dict[str, Quantity]:
     """Attach jackknife errors to the values, or refuse them.
 
     `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
-    few: where walkers differ by more than their pieces tell, the error is that over walkers.
+    few: where walkers differ by more than their pieces tell, the error is that over walkers, and of
+    their runs wherever they are known to `differ` in speed.
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
     that of the samples, of which some may hold little free motion.
     """
     errors = {name: _error(replicates, name) for name in values}
-    refused = _meaningless(frame) | _unresolved(_Numbers(values, errors, freedom), frame, fitted, longest_s)
+    numbers = _Numbers(values, errors, freedom)
+    refused = _meaningless(frame) | _unresolved(numbers, frame, fitted, longest_s)
     if len(replicates) < FEWEST_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
         refused = dict.fromkeys(UNITS, few)
-    estimates = {}
+    estimates, share = {}, _told_from(numbers, frame, fitted, longest_s)
     for name in UNITS:
         reason = refused.get(name, "")
         if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
@@ -156,56 +151,10 @@ def judge(
         if reason:
             estimates[name] = refusal(name, reason)
             continue
-        within = quantity(name, values[name], errors[name], freedom)
-        estimates[name] = _over_walkers(within, [others[name] for others in without_one])
-    estimates |= _times(estimates)
-    return {name: _of_turns(number) for name, number in estimates.items()}
-
-
-def _of_turns(number: Quantity) -> Quantity:
-    """Number that goes as a variance, with bounds that say so if it has any above 0; others as they are.
-
-    Its degrees of freedom are those with its relative error, fewer where that is itself uncertain.
-    """
-    power, ends = OF_TURNS.get(number.key), number.interval()
-    if power is None or ends is None or ends[0] <= 0.0 or not number.se:
-        return number
-    wider = student(math.inf, 0.975) / student(number.freedom, 0.975)
-    freedom = 2.0 * (wider * number.number / number.se) ** 2
-    return number._replace(freedom=freedom, noise=0.0, power=power)
-
-
-def _times(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Persistence time and length with the relative error of the rate, of which one sample can make 1 over it huge."""
-    rate, speed = estimates["persistence_rate"], estimates["speed"]
-    times = {}
-    for name, other in (("persistence_time", None), ("persistence_length", speed)):
-        number = estimates[name]
-        if number.known and rate.value and rate.se:
-            shares = [each.se / each.value for each in (rate, other) if each and each.se and each.value]
-            times[name] = number._replace(se=number.number * math.hypot(*shares), freedom=rate.freedom)
-    return times
-
-
-def _over_walkers(within: Quantity, without_one: Sequence[float]) -> Quantity:
-    """Number with its error over walkers where these differ; `without_one` leave out one each."""
-    few, values = len(without_one) - 1, np.array(without_one)[:, None]
-    if few < 1 or not within.se or not np.isfinite(values).all():
-        return within
-    error = float(statistics.jackknife_error(values)[0])
-    if fisher_tail(few, within.freedom, (error / within.se) ** 2) > UNLIKE:
-        return within
-    return within._replace(se=error, freedom=float(few))
-
-
-def _meaningless(frame: Frame) -> dict[str, str]:
-    if frame.lane:
-        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
-        also = ("localisation_noise", "translational_diffusion")
-        return dict.fromkeys((*names, *also), IN_A_LANE)
-    if frame.headed:
-        return {"motion_speed": HEADINGS_KNOWN}
-    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), NO_HEADINGS)
+        within = bounds.told_from(quantity(name, values[name], errors[name], freedom), share)
+        surely = differ and not frame.lane and name in bounds.OF_RUNS
+        estimates[name] = bounds.over_walkers(within, [others[name] for others in without_one], surely)
+    return bounds.of_turns(estimates, fitted is not None and fitted.run)
 
 
 class _Numbers(NamedTuple):
@@ -224,11 +173,36 @@ class _Numbers(NamedTuple):
         ends = quantity(name, self.values[name], self.errors[name], self.freedom).interval()
         return ends is not None and ends[0] > 0.0
 
+    def half_width(self, name: str) -> float:
+        """Half of the width of a number's bounds."""
+        return quantity(name, self.values[name], self.errors[name], self.freedom).half_width()
+
     def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
         """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
         most = max(self.values[name], 0.0) + 2.0 * self.errors[name]
         bound = scale * (math.sqrt(most) if root else most)
         return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
+
+
+def _told_from(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float) -> float:
+    """Share of the rate of a run, as it was found, from which on its diffusivity is told; 0 where there is none."""
+    rate, error = numbers.values["msd_rate"], numbers.errors["msd_rate"]
+    if fitted is None or not fitted.run or not rate > 0.0:
+        return 0.0
+    decayed = frame.decayed / (rate * longest_s)
+    if fitted.spreads[0].smooth_rate:
+        return decayed
+    return max(decayed, student(numbers.freedom, 1.0 - CHANCE) * error / rate)
+
+
+def _meaningless(frame: Frame) -> dict[str, str]:
+    if frame.lane:
+        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
+        also = ("localisation_noise", "translational_diffusion")
+        return dict.fromkeys((*names, *also), IN_A_LANE)
+    if frame.headed:
+        return {"motion_speed": HEADINGS_KNOWN}
+    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), NO_HEADINGS)
 
 
 def _unresolved(numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float) -> dict[str, str]:
@@ -281,11 +255,12 @@ def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_
         reason = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
         if numbers.positive("diffusivity"):
-            return refused | {
-                "translational_diffusion": "diffusion and runs that turn within "
-                f"{first_s:.2g} s cannot be told apart: film more frames a second"
-            }
-        return refused | {"diffusivity": numbers.below("diffusivity", "mm²/s")}
+            refused["translational_diffusion"] = (
+                f"diffusion and runs that turn within {first_s:.2g} s cannot be told apart: film more frames a second"
+            )
+        else:
+            refused["diffusivity"] = numbers.below("diffusivity", "mm²/s")
+        return refused | _hidden_run(numbers, frame, fitted, longest_s)
     refused = _noise_and_diffusion(numbers)
     if not numbers.positive("msd_speed2"):
         reason = numbers.below("msd_speed2", "mm/s", root=True)
@@ -293,12 +268,32 @@ def _unresolved_spread(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_
     smooth = fitted.spreads[0].smooth_rate
     if smooth:
         refused["translational_diffusion"] = f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
+        if fitted.at_its_limit:
+            reason = f"how slowly runs set in cannot be told from how long they last: {frame.advice}"
+            refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     turned = numbers.values["msd_rate"] * longest_s > frame.decayed
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
     if not (turned and numbers.positive(*needed)):
         reason = f"{fitted.regime(longest_s)}: {frame.advice}"
         refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     return refused
+
+
+def _hidden_run(numbers: _Numbers, frame: Frame, fitted: Fitted, longest_s: float) -> dict[str, str]:
+    """Refuse diffusivity where a run that lags are too short to show may add more to it than its bounds allow.
+
+    Headings tell that: v^2 / (2 rate), with the largest speed v (95 %). Without them it is refused where products
+    of displacements show a run, or the squared displacement may have one.
+    """
+    if not frame.headed:
+        hidden = math.inf if fitted.suspected or numbers.positive("amplitude") else 0.0
+    else:
+        most = abs(numbers.values["speed"]) + 2.0 * numbers.errors["speed"]
+        rate = numbers.values["persistence_rate"]
+        hidden = most**2 / (2.0 * rate) if rate > 0.0 else math.inf
+    if hidden <= numbers.half_width("diffusivity"):
+        return {}
+    return {"diffusivity": f"lags up to {longest_s:.3g} s do not show what runs add: {frame.advice}"}
 
 
 def _noise_and_diffusion(numbers: _Numbers) -> dict[str, str]:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import alignment, between, estimates, judgement, lagged, moments, spreads, turning, walls
+from walkergen.analysis import alignment, between, bounds, fitted_spread, judgement, lagged, moments, turning, walls
 from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Frame, mean, refusal
 from walkergen.analysis.moments import Grid, Moments
@@ -180,7 +180,7 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float |
         found is not None,
     )
     frame, numbers = judgement.choose(both, frame)
-    numbers, fit = _with_fit(numbers, both, frame, lags)
+    numbers, fit = fitted_spread.with_fit(numbers, both, frame, lags)
     alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = between.compare(alone)
     if headed:
@@ -190,15 +190,16 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float |
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
-    unlike = judgement.numbers(without_one, frame)
+    unlike, between_turns = judgement.numbers(without_one, frame), turning.scatter(turnings)
     judged = judgement.judge(
         numbers[0],
         numbers[1:],
         frame,
         fit,
-        _with_fit(unlike, without_one, frame, lags)[0][1:],
+        fitted_spread.refitted(unlike[1:], without_one[1:], frame, fit),
         lags * tracks.interval,
         _freedom(parts, int(fitted.sum()) - 1),
+        between_turns.known or (together is not None and together.scatter.known),
     )
     if in_pieces:
         judged |= _means(alone, together, frame)
@@ -207,8 +208,9 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float |
     lone = refusal("speed_scatter", "fewer than 2 walkers with speeds of their own")
     judged["speed_scatter"] = together.scatter if together else lone
     if on_plane:
-        judged["turning_scatter"] = turning.scatter(turnings)
-        judged["rotational_diffusion"] = turning.diffusion(turnings, judgement.measured(numbers, "heading_variance"))
+        judged |= bounds.apart(judged, between_turns) | {"turning_scatter": between_turns}
+        noise2, lasting = (judgement.measured(numbers, name) for name in ("heading_variance", "turning_memory"))
+        judged["rotational_diffusion"] = turning.diffusion(turnings, noise2, lasting)
     if headed and not tracks.lane:
         judged |= aligned
     correlation = _curve(grid.turn_lags, [np.abs(values) for values in turn], length)
@@ -232,33 +234,10 @@ def _analyse(tracks: Tracks, lag_s: float, found: Walls | None, descent: float |
     )
 
 
-def _with_fit(
-    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
-) -> tuple[list[dict[str, float]], Fitted | None]:
-    """Numbers of all samples, then of those without each one, with those of their fit over lags."""
-    if frame.lane:
-        return numbers, None
-    fitted = frame.grid.square_lags <= longest
-    lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
-    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums]
-    fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
-    return [
-        sample | estimates.of_spread(spread, frame.interval)
-        for sample, spread in zip(numbers, fit.spreads, strict=True)
-    ], fit
-
-
 def _freedom(parts: Sequence[Moments], longest: int) -> float:
     """Degrees of freedom of an error over samples with unlike numbers of pairs at the `longest` lag (Kish 1965)."""
     pairs = np.array([part.square_pairs[longest] for part in parts])
     return max(float(pairs.sum() ** 2 / (pairs**2).sum()) - 1.0, 1.0) if pairs.any() else len(parts) - 1.0
-
-
-def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
-    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
-    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
-        return [sample["turning_bias"] for sample in numbers]
-    return [0.0] * len(numbers)
 
 
 def _level(tracks: Tracks, aligned: Mapping[str, Quantity], descent: float | None) -> Sequence[Track]:

@@ -24,6 +24,9 @@ RATES = 33
 CURVED = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
+SUSPECTED = 0.025
+"""The same of one that may be a run: what it might add is then not known."""
+
 SMOOTH = 0.025
 """Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
 be large: the law with inertia holds without it as well."""
@@ -44,8 +47,14 @@ FEWEST = 3
 
 NONE = Spread(*[math.nan] * 5)
 
+NO_ERRORS = np.zeros(0)
+
 BEYOND = 1e6
 """Ratio of rates of runs, of each other and of those that the lags show, at which they are at their limit."""
+
+APART = 0.1
+"""Ratio, less 1, of the rates of a run and of its beginning below which they are one rate, the fit's limit: the
+squared displacement changes with the square of their difference, by 0.1 % here."""
 
 
 class Fitted(NamedTuple):
@@ -59,6 +68,18 @@ class Fitted(NamedTuple):
     """Sum of squared residuals over its expectation: about 1 where the law holds."""
     p_value: float
     """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
+    errors: Array = NO_ERRORS
+    """Errors by lag that were its weights, mm^2; NaN at lags that were not fitted."""
+    suspected: bool = False
+    """Whether there may be a run though none shows."""
+
+    @property
+    def at_its_limit(self) -> bool:
+        """Whether both rates of a smooth run fall together, for all samples or without one of them.
+
+        Such a fit has a parameter less: errors of a jackknife know nothing of what lies beyond the limit.
+        """
+        return any(0.0 < spread.smooth_rate < (1.0 + APART) * spread.rate for spread in self.spreads)
 
     @property
     def goodness(self) -> str:
@@ -91,16 +112,35 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
         use = use & (_errors(values) > 0).all(axis=0)
     if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
         return Fitted((NONE,) * len(values), False, math.nan, math.nan)
+    weights = np.full(len(lag), np.nan)
     lag, values = lag[use], values[:, use]
     errors = np.stack([smooth(lag, error) for error in _errors(values)])
-    run = _curves(lag, values, errors, turns)
+    curvature = _curvature(lag, values, errors, turns)
+    run, suspected = (bool(curvature > student(len(values) - 2, 1.0 - chance)) for chance in (CURVED, SUSPECTED))
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
     if run and _negative([spread.diffusion for spread in fits]):
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
         start = first.rate, first.smooth_rate
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
     residuals = (values - np.stack([walks.squared(lag, spread) for spread in fits])) / errors[0]
-    return Fitted(tuple(fits), run, *_goodness(residuals[0], residuals[1:]))
+    weights[use] = errors[0]
+    return Fitted(tuple(fits), run, *_goodness(residuals[0], residuals[1:]), weights, suspected and not run)
+
+
+def refit(lag: Array, squares: Sequence[Array], turns: Sequence[float], like: Fitted) -> list[Spread]:
+    """Fit the law of another fit, with its weights, to squares of samples too few to tell either."""
+    use, whole = np.isfinite(like.errors), like.spreads[0]
+    if not use.any():
+        return [NONE] * len(squares)
+    lag, errors, spreads = lag[use], like.errors[use], []
+    for values, turn in zip(squares, turns, strict=True):
+        if not np.isfinite(values[use]).all():
+            spreads.append(NONE)
+        elif whole.smooth_rate:
+            spreads.append(_fit_smooth(lag, values[use], errors, turn, (whole.rate, whole.smooth_rate)))
+        else:
+            spreads.append(_fit_run(lag, values[use], errors, turn, like.run))
+    return spreads
 
 
 def _errors(values: Array) -> Array:
@@ -121,8 +161,8 @@ def smooth(lag: Array, errors: Array) -> Array:
     return smooth
 
 
-def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> bool:
-    """Whether a run shows beside diffusion and noise, at any rate that the lags can show."""
+def _curvature(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> float:
+    """Largest share of a run beside diffusion and noise, at any rate that the lags can show, in its errors."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array(
         [
@@ -131,7 +171,7 @@ def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) ->
         ]
     )
     error = statistics.jackknife_error(runs[1:])
-    return bool((runs[0] > student(len(values) - 2, 1.0 - CURVED) * error).any())
+    return float(np.divide(runs[0], error, out=np.where(runs[0] > 0.0, np.inf, 0.0), where=error > 0.0).max())
 
 
 def _negative(numbers: Sequence[float]) -> bool:

@@ -25,6 +25,10 @@ BRIDGED = 0.6
 """Correlation of headings across a gap, at least, for the turn within it to be known: of normal
 turns one in 500 is then beyond a half turn, and taken for one the other way round."""
 
+OUTLASTED = 0.5
+"""Share of its variance, at least, that a memory leaves a piece's turn: e^(-t / memory) of the memory, which is
+left out, is then a tenth of what it takes at most. A memory that is not known to that share counts as none."""
+
 
 class Turning(NamedTuple):
     """Turning of one walker, in pieces of its track with r_i the rate in T_i s."""
@@ -118,12 +122,13 @@ def scatter(turnings: Sequence[Turning]) -> Quantity:
     return between.spread("turning_scatter", rates, noise, inside)
 
 
-def diffusion(turnings: Sequence[Turning], noise2: Quantity) -> Quantity:
+def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -> Quantity:
     """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
-    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise2`, with the variance of a
-    heading's noise (rad^2). The error is that of a variance of independent normal values, and of
-    the noise.
+    Turns of a piece of t seconds have the variance 2 D_r (t - `memory`) + 2 `noise2`, with the time (s)
+    for which a rate of turning lasts (Ornstein and Uhlenbeck 1930), none where it is not known, and the
+    variance of a heading's noise (rad^2): both are of a piece's ends. The error is that of a variance of
+    independent normal values, of the memory and of the noise.
     """
     free = _free(turnings)
     if free < FEWEST_SAMPLES:
@@ -132,11 +137,18 @@ def diffusion(turnings: Sequence[Turning], noise2: Quantity) -> Quantity:
     if noise2.value is None or noise2.se is None:
         return refusal("rotational_diffusion", "the noise of the headings is unknown: film for longer")
     raised = sum(turning.noise for turning in turnings) / (2.0 * free)
-    variance = _squares(turnings) / (2.0 * free)
-    error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
-    # The noise's error makes the variance as uncertain as one of fewer pieces.
+    lasting, lasting_se = memory.pair if memory.known else (0.0, 0.0)
+    if raised * lasting_se > OUTLASTED:  # headings that hardly turn tell none
+        lasting, lasting_se = 0.0, 0.0
+    turned = 1.0 - raised * lasting
+    if turned < OUTLASTED:
+        reason = f"turning lasts for {lasting:.2g} s, too long for pieces of the tracks: film for longer"
+        return refusal("rotational_diffusion", reason)
+    variance, noise = _squares(turnings) / (2.0 * free) / turned, raised * noise2.value / turned
+    # What noise and memory add to the error makes the variance as uncertain as one of fewer pieces.
+    added = raised / turned * math.hypot(noise2.se, (variance - noise) * lasting_se)
+    error = math.hypot(variance * math.sqrt(2.0 / free), added)
     freedom = 2.0 * (variance / error) ** 2 if error else free
-    noise = raised * noise2.value
     return quantity("rotational_diffusion", variance - noise, error, freedom)._replace(noise=noise)
 
 

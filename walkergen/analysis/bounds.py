@@ -1,0 +1,97 @@
+"""Laws of the bounds of numbers over tracks: errors over walkers that differ, numbers that go as a variance.
+
+A number whose error is that of a jackknife has Student's bounds, unless one of these laws holds.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
+from walkergen.numerics.tails import fisher_tail, student
+
+UNLIKE = 0.05
+"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
+
+OF_RUNS = ("ballistic_speed", "diffusivity", "crossover_time")
+"""Numbers of the squared displacement, to which fast walkers, and those that turn little, give more than others."""
+
+SPREADING = ("diffusivity", "crossover_time")
+"""Those that a run decides by the rate at which it is lost, and without a run the square of displacements."""
+
+OF_TURNS = {"persistence_rate": 1, **dict.fromkeys(("persistence_time", "persistence_length", *SPREADING), -1)}
+"""Numbers that the mean square of turns decides, and the power of each that goes as it does: it scatters as
+a variance, so that chance makes it small, and its error with it, more often than large."""
+
+
+def over_walkers(within: Quantity, without_one: Sequence[float], surely: bool) -> Quantity:
+    """Number with its error over walkers where these differ, or do `surely`; `without_one` leave out one each."""
+    few, values = len(without_one) - 1, np.array(without_one)[:, None]
+    if few < 1 or not within.se or not np.isfinite(values).all():
+        return within
+    error = float(statistics.jackknife_error(values)[0])
+    if not surely and fisher_tail(few, within.freedom, (error / within.se) ** 2) > UNLIKE:
+        return within
+    return within._replace(se=error, freedom=float(few), least=0.0)
+
+
+def told_from(number: Quantity, share: float) -> Quantity:
+    """Diffusivity of a run, or its crossover time, told from a `share` of the run's rate on, as it was found.
+
+    Chance that makes a rate large, and such a number small, makes it told: its upper bound allows for that.
+    """
+    return number._replace(least=share / number.number) if share and number.key in SPREADING else number
+
+
+def of_turns(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity]:
+    """Estimates with the laws of those that go as a variance; without a `run` that of diffusivity is displacements'."""
+    laws = OF_TURNS if run else OF_TURNS | dict.fromkeys(SPREADING, 1)
+    numbers = {**estimates, **_times(estimates)}
+    return {name: _as_variance(number, laws[name]) if name in laws else number for name, number in numbers.items()}
+
+
+def _as_variance(number: Quantity, power: int) -> Quantity:
+    """Number of which a power goes as a variance, with bounds that say so.
+
+    Its degrees of freedom are those with its relative error, fewer where that is itself uncertain, but one. A rate that
+    may be 0 or less keeps its own bounds; a diffusivity that is told is above 0, however few the walkers are.
+    """
+    ends = number.interval()
+    if ends is None or not number.se or not (ends[0] > 0.0 or (number.key in SPREADING and number.number > 0.0)):
+        return number
+    wider = student(math.inf, 0.975) / student(number.freedom, 0.975)
+    freedom = max(2.0 * (wider * number.number / number.se) ** 2, 1.0)
+    return number._replace(freedom=freedom, noise=0.0, power=power)
+
+
+def apart(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Quantity]:
+    """Refusals of what walkers' own turning rates, with this `scatter` (rad/s), may shift by more than bounds allow.
+
+    One fit to all knows only their mean rate of turning: what a run adds, v^2 rate / (2 (rate^2 + turn^2)), is off by
+    a share of (scatter / rate)^2 at most, to second order; the rate is that about each one's own turning.
+    """
+    rate = estimates["persistence_rate"]
+    if not (scatter.known and rate.known and rate.number > 0.0):
+        return {}
+    share = (scatter.number / rate.number) ** 2
+    reason = f"walkers turn at rates of their own, {scatter.number:.2g} rad/s apart: analyse them one by one"
+    numbers = (estimates[name] for name in SPREADING)
+    return {
+        number.key: number._replace(value=None, se=None, refused=reason)
+        for number in numbers
+        if number.known and number.half_width() < share * number.number
+    }
+
+
+def _times(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Persistence time and length with the relative error of the rate, of which one sample can make 1 over it huge."""
+    rate, speed = estimates["persistence_rate"], estimates["speed"]
+    times = {}
+    for name, other in (("persistence_time", None), ("persistence_length", speed)):
+        number = estimates[name]
+        if number.known and rate.value and rate.se:
+            shares = [each.se / each.value for each in (rate, other) if each and each.se and each.value]
+            times[name] = number._replace(se=number.number * math.hypot(*shares), freedom=rate.freedom)
+    return times

@@ -1,0 +1,51 @@
+"""Numbers of sums over tracks together with those of the fit of their squared displacement.
+
+The fit of all samples, and of those without each one, finds the law; sums without each walker, too few to tell a
+law, follow the one that was found.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from walkergen.analysis import estimates, judgement, spreads
+from walkergen.analysis.estimates import Frame, mean
+from walkergen.analysis.moments import Moments
+from walkergen.analysis.spreads import Fitted
+from walkergen.analysis.walks import Spread
+
+
+def with_fit(
+    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
+) -> tuple[list[dict[str, float]], Fitted | None]:
+    """Numbers of all samples, then of those without each one, with those of their fit over lags."""
+    if frame.lane:
+        return numbers, None
+    fitted = frame.grid.square_lags <= longest
+    lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
+    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums]
+    fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
+    return _joined(numbers, fit.spreads, frame), fit
+
+
+def refitted(
+    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, fit: Fitted | None
+) -> list[dict[str, float]]:
+    """Numbers of other sums, with those of the same fit to them."""
+    if fit is None or not len(fit.errors):
+        return numbers
+    lags = frame.grid.square_lags[: len(fit.errors)]
+    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[: len(lags)] for sample in sums]
+    turns = [sample["turning_bias"] if fit.spreads[0].turn else 0.0 for sample in numbers]
+    return _joined(numbers, spreads.refit(frame.interval * lags.astype(float), squares, turns, fit), frame)
+
+
+def _joined(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], frame: Frame) -> list[dict[str, float]]:
+    return [sample | estimates.of_spread(spread, frame.interval) for sample, spread in zip(numbers, fits, strict=True)]
+
+
+def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
+    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
+    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
+        return [sample["turning_bias"] for sample in numbers]
+    return [0.0] * len(numbers)
