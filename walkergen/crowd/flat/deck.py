@@ -113,7 +113,7 @@ def _input(crowd: Crowd, parts: Mechanics) -> str:
         "dimension 2",
         f"boundary {'p p p' if crowd.dish.period else 'f f p'}",
         "atom_style hybrid sphere dipole ellipsoid",
-        "atom_modify map array",
+        "atom_modify map array sort 0 0.0",  # sorted by place, the discs of a body would lie apart in memory
         f"comm_modify vel yes cutoff {_n(max(reach, 2.0 * widest) + 2.0 * skin)}",
         "processors * * 1",
         "newton on",
