@@ -32,7 +32,7 @@ RATE_HZ, HARMONIC, HARMONIC_DEG, FELT_MM_S2 = 500.0, 0.02, 40.0, 20.0
 """The phone: samples a second; the plate's second harmonic with its phase; noise of the phone, mm/s^2."""
 
 FOUND = {"speed": "mm_s", "turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}
-"""Numbers of the film that are expected, with their units."""
+"""Numbers of the film that are expected where it tells them, with their units."""
 
 DATE = (1980, 1, 1, 0, 0, 0)
 """Date of everything in the archive: the earliest that one can have."""
@@ -158,6 +158,7 @@ def found(place: Path) -> dict[str, Any]:
         "analyse": {
             f"{name}_{unit}": [rounded(film.facts[f"{name}_{unit}"]), rounded(film.facts[f"{name}_se_{unit}"])]
             for name, unit in FOUND.items()
+            if film.facts[f"{name}_{unit}"] is not None  # short films leave some open
         },
         "calibrate": {
             row["quantity"]: [rounded(row["value"]), rounded(row["se"])]
