@@ -148,3 +148,8 @@ def test_a_walker_whose_error_is_unknown_still_has_its_speed():
         assert one.of("speed").se is None
         assert one.of("speed").value == pytest.approx(speed, abs=9.0)  # three errors of 10 sqrt(2 x 0.2 / 6)
         assert "film for longer" in one.of("speed").refused
+
+
+def test_values_nearer_to_each_other_than_their_errors_have_no_bound_of_zero():
+    alike = between.spread("speed_scatter", np.array([50.0, 50.01, 49.99, 50.0]), 0.25, 30.0)
+    assert alike.refused == "not resolved: smaller than each one's own error makes it"

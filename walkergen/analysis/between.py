@@ -97,7 +97,10 @@ def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
 
         least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
         most = math.sqrt(max(total * free / least - noise, 0.0))
-        return refusal(name, f"not resolved: below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)")
+        bound = (
+            f"below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)" if most else "smaller than each one's own error makes it"
+        )
+        return refusal(name, f"not resolved: {bound}")
     from scipy.special import fdtri
 
     value = math.sqrt(total - noise)
