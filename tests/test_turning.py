@@ -71,8 +71,9 @@ def test_diffusion_alone_is_no_scatter():
     told = [scatter_of(wanderers(seed, scatter=0.0)) for seed in range(40)]
     # One in a hundred is resolved by chance: more than 3 of 40 in one of 1600 test suites.
     assert sum(one.value is not None for one in told) <= 3
-    assert all("not resolved: below" in one.refused for one in told if one.value is None)
-    bounds = [float(one.refused.split()[3]) for one in told if one.value is None]
+    assert all("not resolved: " in one.refused for one in told if one.value is None)
+    bounds = [float(one.refused.split()[3]) for one in told if "not resolved: below" in one.refused]
+    assert len(bounds) > 32  # one in twenty is smaller than the errors make it, and has none: 8 of 40 never
     assert max(bounds) < 0.5  # rad/s; chance alone gives sqrt(2 D_r / 8 s) = 0.16
 
 
