@@ -7,12 +7,15 @@ law, follow the one that was found.
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.analysis import estimates, judgement, spreads
 from walkergen.analysis.estimates import Frame, mean
 from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.walks import Spread
+
+Array = npt.NDArray[np.float64]
 
 
 def with_fit(
@@ -21,9 +24,7 @@ def with_fit(
     """Numbers of all samples, then of those without each one, with those of their fit over lags."""
     if frame.lane:
         return numbers, None
-    fitted = frame.grid.square_lags <= longest
-    lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
-    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums]
+    lag, squares = _over_lags(sums, frame, int((frame.grid.square_lags <= longest).sum()))
     fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
     return _joined(numbers, fit.spreads, frame), fit
 
@@ -34,10 +35,15 @@ def refitted(
     """Numbers of other sums, with those of the same fit to them."""
     if fit is None or not len(fit.errors):
         return numbers
-    lags = frame.grid.square_lags[: len(fit.errors)]
-    squares = [np.asarray(mean(sample.square, sample.square_pairs), float)[: len(lags)] for sample in sums]
+    lag, squares = _over_lags(sums, frame, len(fit.errors))
     turns = [sample["turning_bias"] if fit.spreads[0].turn else 0.0 for sample in numbers]
-    return _joined(numbers, spreads.refit(frame.interval * lags.astype(float), squares, turns, fit), frame)
+    return _joined(numbers, spreads.refit(lag, squares, turns, fit), frame)
+
+
+def _over_lags(sums: Sequence[Moments], frame: Frame, count: int) -> tuple[Array, list[Array]]:
+    """The first lags (s), so many, and the mean squared displacements (mm^2) of each of the sums at them."""
+    lag = frame.interval * frame.grid.square_lags[:count].astype(float)
+    return lag, [np.asarray(mean(sample.square, sample.square_pairs), float)[:count] for sample in sums]
 
 
 def _joined(numbers: Sequence[dict[str, float]], fits: Iterable[Spread], frame: Frame) -> list[dict[str, float]]:

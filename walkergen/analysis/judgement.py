@@ -133,7 +133,7 @@ def judge(
 
     `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
     few: where walkers differ by more than their pieces tell, the error is that over walkers, and of
-    their runs wherever they are known to `differ` in speed.
+    their runs wherever they are known to `differ` in speed or turning.
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag, `freedom`
     that of the samples, of which some may hold little free motion.
     """

@@ -8,6 +8,7 @@ import json
 import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -102,8 +103,7 @@ def lines(path: Path) -> Iterator[str] | None:
     trex = "cm_per_pixel" in values
     names = (f"{name} (cm)" if trex and name.partition("#")[0] in ("X", "Y") else name for name in kept)
     rows = zip(*(array.tolist() for array in kept.values()), strict=True)
-    text = [",".join(names) + "\n", *(",".join(map(str, row)) + "\n" for row in rows)]
-    return map(unseen, text) if trex else iter(text)
+    return chain([",".join(names) + "\n"], (",".join(map(str, row)) + "\n" for row in rows))
 
 
 def unseen(line: str) -> str:
