@@ -12,9 +12,13 @@ let curve = null;
 let walker = null; // facts of the last good one
 let scale = null;
 
+function change(element, attributes) {
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+}
+
 function add(parent, tag, attributes, text = '') {
   const element = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  change(element, attributes);
   element.textContent = text;
   parent.append(element);
   return element;
@@ -78,20 +82,25 @@ function drawBackward(chart) {
   add(chart, 'line', { class: 'zero', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y });
 }
 
+// The same element for as long as the page lives: who holds it, a hand or a screen reader, keeps it.
+const marker = document.createElementNS(SVG, 'g');
+
 function drawMarker(chart) {
   const { tilt_deg: tilt, row } = walker;
   const [x, y] = [scale.x(tilt), scale.y(row.speed_mm_s)];
-  const group = add(chart, 'g', {
+  marker.replaceChildren();
+  change(marker, {
     id: 'marker', tabindex: 0, role: 'slider', 'aria-label': 'tilt of the legs, degrees',
     'aria-valuemin': scale.low, 'aria-valuemax': scale.high, 'aria-valuenow': tilt,
     'aria-valuetext': `${tilt} degrees: ${walker.sentence.text}`,
   });
+  if (marker.parentNode !== chart) chart.append(marker);
   if (row.speed_low_95_mm_s !== null) { // else a run has yet to tell
     const [low, high] = [row.speed_low_95_mm_s, row.speed_high_95_mm_s].map(scale.y);
-    add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
+    add(marker, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
   }
-  add(group, 'circle', { class: 'touch', cx: x, cy: y, r: 18 });
-  add(group, 'circle', { class: row.speed_mm_s === null ? 'unknown' : '', cx: x, cy: y, r: 6 });
+  add(marker, 'circle', { class: 'touch', cx: x, cy: y, r: 18 });
+  add(marker, 'circle', { class: row.speed_mm_s === null ? 'unknown' : '', cx: x, cy: y, r: 6 });
 }
 
 let shownCurve = null;
@@ -113,8 +122,8 @@ function drawChart() {
   const before = scale;
   scale = scaleOf();
   chart.classList.toggle('unsure', !walker.sentence.sure);
-  if (shownCurve === curve && ['low', 'high', 'bottom', 'top'].every((end) => before[end] === scale[end])) byId('marker').remove();
-  else drawCurve(chart); // a step of the tilt moves the marker alone
+  // A step of the tilt moves the marker alone
+  if (shownCurve !== curve || ['low', 'high', 'bottom', 'top'].some((end) => before[end] !== scale[end])) drawCurve(chart);
   drawMarker(chart);
   if (focused) byId('marker').focus();
 }
