@@ -36,11 +36,12 @@ from walkergen.files.tables import csv_text
 from walkergen.lab.fit import learn
 from walkergen.lab.fit.job import Job
 from walkergen.points import draws as prints
+from walkergen.points import speeds as speed_of
 from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.plan import prepare
-from walkergen.theory import prediction, uncertain
+from walkergen.theory import uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -157,7 +158,7 @@ def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], d
     """Ends of 95, 68, 68 and 95 % by a method, mm/s; `filmed` are tilts and speeds for the fit."""
     design, scene = hidden.design, hidden.scene.variant(**{"legs.model": "space"})
     if method == "predict":
-        row = prediction.predict(design, solids.mass_of(design), hidden.scene)
+        row = speed_of.predict(design, solids.mass_of(design), hidden.scene)
         return (row.speed_low_95_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s, row.speed_high_95_mm_s)
     if method == "uncertain":
         short = scene.variant(**{"run.seconds": PRINT_S})

@@ -28,7 +28,7 @@ SETTINGS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("simulate", RUNS),
     ("simulate", RUNS | {"scene": "plane-90hz", "tilt": "5"}),
     ("simulate", RUNS | {"tilt": "5,15,30"}),
-    ("simulate", RUNS | {"set": {"scene.feet.damping": "hysteretic"}}),
+    ("simulate", RUNS | {"set": {"scene.feet.rigid_tips": True}}),
     ("simulate", {"runs": 8, "seconds": 20.0, "model": "compliant", "tilt": "20"}),
     ("simulate", {"error": "3%"}),
     ("simulate", {"error": "2%", "model": "compliant"}),

@@ -1,6 +1,6 @@
 """What the own step leaves off: speeds by it and by a tenth of it.
 
-The paper's walker over tilts, labels and friction, on the plane and in the lane, and the templates
+The paper's walker over tilts, restitution and friction, on the plane and in the lane, and the templates
 of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
 second call goes on where the first ended. Its rows, in Markdown; docs/validation.md shows some.
 
@@ -36,8 +36,8 @@ class Setting(NamedTuple):
 
     tilt_deg: float | None
     """None: that of the template."""
-    label: float | None = None
-    """Label of restitution; None: that of the scene."""
+    restitution: float | None = None
+    """None: that of the scene."""
     friction: float | None = None
     walker: str = "koumakis2016"
     scene: str = "plane-90hz"
@@ -77,7 +77,7 @@ SETTINGS = (
     Setting(10.0, 0.3, 0.25),
     Setting(10.0, 0.3, 0.5),
     Setting(10.0, 0.8, 0.1),
-    Setting(10.0, 0.5, 0.25, keys={"feet.damping": "hysteretic"}),
+    Setting(10.0, 0.5, 0.25, keys={"feet.rigid_tips": True}),
     Setting(12.0, 0.5, 0.05),
     Setting(15.0, 0.3, 0.25, keys={"drive.gamma": 2.6}),
     Setting(15.0, 0.8, 0.25),
@@ -97,14 +97,14 @@ def silent(what: str, done: int, total: int) -> None:
 
 
 def name(one: Setting) -> str:
-    """Setting in words: walker, tilt, label, friction, and what else is not the scene's own."""
+    """Setting in words: walker, tilt, restitution, friction, and what else is not the scene's own."""
     walker = "" if one.walker == "koumakis2016" else one.walker
     tilt = "" if one.tilt_deg is None else f"{one.tilt_deg:g} deg"
-    label = "" if one.label is None else f"label {one.label:g}"
+    restitution = "" if one.restitution is None else f"restitution {one.restitution:g}"
     friction = "" if one.friction is None else f"μ {one.friction:g}"
     scene = "" if one.scene == "plane-90hz" else one.scene
     keys = (f"{key.partition('.')[2]} {value}" for key, value in one.keys.items())
-    return ", ".join(word for word in (walker, tilt, label, friction, scene, *keys) if word)
+    return ", ".join(word for word in (walker, tilt, restitution, friction, scene, *keys) if word)
 
 
 def walker_of(one: Setting) -> tuple[Scene, Design]:
@@ -112,7 +112,7 @@ def walker_of(one: Setting) -> tuple[Scene, Design]:
     design = templates.load(one.walker, "walkers", Design)
     if one.tilt_deg is not None:
         design = design.variant(tilt_deg=one.tilt_deg)
-    keys = {"contact.restitution": one.label, "contact.friction": one.friction} | dict(one.keys)
+    keys = {"contact.restitution": one.restitution, "contact.friction": one.friction} | dict(one.keys)
     keys = {key: value for key, value in keys.items() if value is not None}
     return templates.load(one.scene, "scenes", Scene).variant(**keys), design
 

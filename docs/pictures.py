@@ -43,7 +43,7 @@ WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*
 
 FAMILY = "walkergen family koumakis2016"
 MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 --slow 150"
-MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:40:1 --set scene.contact.restitution=0.05:0.6:0.05"
+MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:40:1 --set scene.contact.restitution=0.4:1:0.05"
 CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 5"
 ACCURACY = "walkergen/jobs/trust/accuracy"
 SHIPPED = ("advice.py", "cells.py", "cells.csv", "drawn.py", "figures.py", "shipped.py", "step_law.py")

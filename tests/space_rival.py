@@ -7,13 +7,16 @@ them. Corners come in the order back z < 0, back z > 0, front z < 0, front z > 0
 
 import math
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from walkergen.jobs.trust.selftest.scenes import STILL
-from walkergen.scene import Scene
+from walkergen.numerics.kernels import kernel
+from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
+from walkergen.simulation.effects import feet
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import V_X, V_Z
@@ -139,31 +142,60 @@ class Walker:
         J, M = self.rows(directions)[:, free], self.mass_matrix()[np.ix_(free, free)]
         return J @ np.linalg.solve(M, J.T)
 
-    def landing(self, corner, stiffness, damping, springs, velocity):
-        """Impulse (normal, along, across) of a corner that lands alone and does not slide.
+    def landing(self, corner, tip, springs, velocity, sticks):
+        """Impulse (normal, along, across) of a corner that lands alone, and sticks or has no friction.
 
-        Small displacements, so that springs and dampers (normal and tangential) and the legs'
-        undamped `springs` make a linear system, by DOP853 until the plate would pull.
+        Small displacements, by DOP853 until the plate would pull. The legs' `springs` are undamped. The force of
+        the tip's springs is carried as a variable of its own, and so is that of its tangential spring, which keeps
+        its force as it is pressed on and its stretch as it is relieved (Mindlin).
         """
         J, M = self.rows()[3 * corner : 3 * corner + 3], self.mass_matrix()
-        k, c = (np.array([one[0], one[1], one[1]]) for one in (stiffness, damping))
         held = np.diag([0.0] * 6 + list(springs))
+        start = np.zeros(26)
+        start[10:13] = velocity
+        first = 1e-9 * math.sqrt(self.mass.M * tip.spring) * abs((J @ start[10:20])[0])
+        start[23] = first
 
         def force(z):
-            return -k * (J @ z[:10]) - c * (J @ z[10:20])
+            return np.array([z[23] - tip.damper * math.sqrt(tip.stiffness(z[23])[1]) * (J @ z[10:20])[0], *z[24:26]])
 
         def slopes(t, z):
-            f = force(z)
-            return np.concatenate([z[10:20], np.linalg.solve(M, J.T @ f - held @ z[:10]), f])
+            f, u = force(z), J @ z[10:20]
+            k_n, _, bent = tip.stiffness(z[23])
+            pulled = -tip.shear * k_n * u[1:] + min(-bent * u[0], 0.0) / k_n * z[24:26]
+            gained = np.linalg.solve(M, J.T @ f - held @ z[:10])
+            return np.concatenate([z[10:20], gained, f, [-k_n * u[0]], sticks * pulled])
 
         def pulls(t, z):
-            return force(z)[0] + (1.0 if t == 0.0 else 0.0)
+            return force(z)[0] - 0.5 * first
 
         pulls.terminal, pulls.direction = True, -1.0
-        start = np.zeros(23)
-        start[10:13] = velocity
-        found = solve_ivp(slopes, (0.0, 1.0), start, "DOP853", rtol=1e-9, atol=1e-14, events=pulls)
-        return found.y[20:, -1]
+        size = 1e9 * first
+        scales = 1e-12 * np.concatenate([np.full(20, 1e-2), np.full(3, self.mass.M), np.full(3, size)])
+        found = solve_ivp(slopes, (0.0, 1.0), start, "DOP853", rtol=1e-9, atol=scales, events=pulls)
+        return found.y[20:23, -1]
+
+
+class Tip(NamedTuple):
+    """Corner of a leg (g/s^2) with a Hertzian tip (g/(mm^0.5 s^2), infinite: rigid) and a damper (g^0.5)."""
+
+    spring: float
+    tip: float
+    damper: float
+    shear: float
+
+    def stiffness(self, force):
+        """Tangent stiffness, F^2 / 2U, and the tangent's slope by the depth, at an elastic force."""
+        if math.isinf(self.tip):
+            return self.spring, self.spring, 0.0
+        soft = max(force, 1e-30) ** (-1 / 3) * self.tip ** (-2 / 3)  # depth of the tip over the force
+        tangent = 1.0 / (1.0 / self.spring + 2 / 3 * soft)
+        return tangent, 1.0 / (1.0 / self.spring + 0.8 * soft), 2 / 9 * soft / max(force, 1e-30) * tangent**3
+
+
+def tip_of(walker, corner):
+    """Numbers of the contact of a corner of `simulation.space`."""
+    return Tip(*(float(row[corner]) for row in (walker.spring, walker.tip, walker.damper, walker.shear)))
 
 
 def sliding(W, friction):
@@ -181,22 +213,33 @@ def keller(W, friction, velocity, restitution, law):
 
     dv/dp = W (1, -mu v_t / |v_t|) along the normal impulse p; at v_t = 0 the corner sticks if
     |W_tt^-1 W_tn| <= mu, and slips on along `sliding` otherwise. `law`: "poisson" (restitution
-    is that of impulses) or "stronge" (its square is that of the normal work).
+    is that of impulses), "stronge" (its square is that of the normal work), or "viscous": a spring and a damper,
+    which give the restitution without friction. They do not change the path, only where on it the force ends.
     """
-    slow = 1e-6 * np.linalg.norm(velocity)
-    z, end = np.array([*velocity, 0.0, 0.0, 0.0, 0.0]), None  # velocity, impulse, normal work
+    slow, viscous = 1e-6 * np.linalg.norm(velocity), law == "viscous"
+    damper = 2.0 * feet.damping_ratio(restitution) / math.sqrt(W[0, 0])
+    first = 1e-9 * abs(velocity[0]) / math.sqrt(W[0, 0])
+    # velocity, impulse, normal work, depth of a spring of stiffness 1
+    z, end = np.array([*velocity, 0.0, 0.0, 0.0, 0.0, first]), None
     force = None if math.hypot(*z[1:3]) > slow else _held(W, friction, z, slow)
+
+    def press(z):
+        return z[7] - damper * z[0]
+
     while True:
 
         def slopes(p, z, force=force):
             s = math.hypot(z[1], z[2])
             f = force if force is not None else np.array([1.0, *(-friction / s * z[1:3])])
-            return np.concatenate([W @ f, f, z[:1]])
+            rates = np.concatenate([W @ f, f, z[:1]])
+            return np.append(press(z) * rates if viscous else rates, -z[0])
 
         def stops(p, z, force=force):
             return 1.0 if force is not None else math.hypot(z[1], z[2]) - slow
 
         def ends(p, z, end=end):
+            if viscous:
+                return 0.5 * first - press(z)
             return z[0] if end is None else (z[3] if law == "poisson" else z[6]) - end
 
         stops.terminal = ends.terminal = True
@@ -205,6 +248,8 @@ def keller(W, friction, velocity, restitution, law):
         z = found.y[:, -1].copy()
         if len(found.t_events[0]):
             force = _held(W, friction, z, slow)
+        elif viscous:
+            return z[3:6]
         elif end is None:
             end = (1.0 + restitution) * z[3] if law == "poisson" else (1.0 - restitution**2) * z[6]
         else:
@@ -219,3 +264,167 @@ def _held(W, friction, z, slow):
         return np.array([1.0, *needed])
     z[1:3] = 1.001 * slow * sliding(W, friction)
     return None
+
+
+EVERY = 4
+"""Periods of the drive between two places of a run."""
+
+
+@kernel
+def _elastic_force(spring, tip, depth):
+    """Force of a leg's corner and a Hertzian tip in series, by Newton's method for the force."""
+    force = 1.0 / (1.0 / (spring * depth) + 1.0 / (tip * depth * math.sqrt(depth)))
+    for _ in range(60):
+        pressed = (force / tip) ** (2.0 / 3.0)
+        change = (depth - force / spring - pressed) / (1.0 / spring + pressed / (1.5 * force))
+        force = max(force + change, 0.1 * force)
+        if abs(change) < 1e-10 * force:
+            break
+    return force
+
+
+@kernel
+def _turn(R, q):
+    """Fill the matrix of a unit quaternion."""
+    w, x, y, z = q
+    R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    R[1, 0], R[1, 1], R[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    R[2, 0], R[2, 1], R[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
+@kernel
+def _bare(M, R, v, push, momentum, angles, hinges):
+    """Fill the generalised forces without contacts, in the body's axes."""
+    for i in range(10):
+        momentum[i] = push[i] = 0.0
+        for j in range(10):
+            momentum[i] += M[i, j] * v[j]
+        for j in range(3):
+            push[i] -= GRAVITY * M[i, j] * R[1, j]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        push[i] -= v[3 + j] * momentum[k] - v[3 + k] * momentum[j]
+        push[3 + i] -= v[3 + j] * momentum[3 + k] - v[3 + k] * momentum[3 + j]
+        push[3 + i] -= v[j] * momentum[k] - v[k] * momentum[j]
+    for j in range(4):
+        push[6 + j] -= hinges[0, j % 2] * angles[j] + hinges[1, j % 2] * v[6 + j]
+
+
+@kernel
+def _press(tip, friction, depth, u, rises, stretch, held, h, f):
+    """Fill the force (3, in space) of a corner, and move its stretch; returns its tangential stiffness, 0 if open."""
+    force = _elastic_force(tip[0], tip[1], depth)
+    soft = (force / tip[1]) ** (2.0 / 3.0) / force
+    k_n, viscous = 1.0 / (1.0 / tip[0] + soft / 1.5), 1.0 / (1.0 / tip[0] + 0.8 * soft)
+    force -= tip[2] * math.sqrt(viscous) * (u[1] - rises)
+    if force <= 0.0:
+        return 0.0
+    k_t = tip[3] * k_n
+    kept = min(held / k_t, 1.0)
+    stretch[0], stretch[1] = kept * stretch[0] + h * u[0], kept * stretch[1] + h * u[2]
+    pull = k_t * math.hypot(stretch[0], stretch[1])
+    if pull > friction * force:
+        stretch[0] *= friction * force / pull
+        stretch[1] *= friction * force / pull
+    f[0], f[1], f[2] = -k_t * stretch[0], force, -k_t * stretch[1]
+    return k_t
+
+
+@kernel
+def _run(M, inverse, legs, tips, friction, hinges, drive, start, h, count, places):
+    """Fill `places` with place and heading of O every `count` steps of h seconds.
+
+    `legs`: anchor (2), tilt, length, half depth of each leg; `tips`: spring, tip, damper, shear; `hinges`: stiffness,
+    damping of hinge and twist; `drive`: amplitude, omega, phase; `start`: O (3), turn (4).
+    """
+    at, q, angles, v = start[:3].copy(), start[3:7].copy(), np.zeros(4), np.zeros(10)
+    push, momentum, turned = np.zeros(10), np.zeros(10), np.zeros(4)
+    stretch, held, J = np.zeros((4, 2)), np.zeros(4), np.zeros((3, 10))
+    R, u, f, arm = np.zeros((3, 3)), np.zeros(3), np.zeros(3), np.zeros(3)
+    amplitude, omega, phase = drive
+    for taken in range(count * len(places)):
+        _turn(R, q)
+        if taken % count == 0:
+            across = math.hypot(R[0, 0], R[2, 0])
+            row = places[taken // count]
+            row[0], row[1], row[2], row[3] = at[0], at[2], R[0, 0] / across, R[2, 0] / across
+        now = phase + omega * h * taken
+        level, rises = amplitude * math.sin(now), amplitude * omega * math.cos(now)
+        _bare(M, R, v, push, momentum, angles, hinges)
+        for k in range(4):
+            leg, side = k // 2, -1.0 if k % 2 == 0 else 1.0
+            j = 2 * leg
+            tilt, length, zeta = legs[leg, 2] - angles[j], legs[leg, 3], side * legs[leg, 4]
+            c, s = math.cos(angles[j + 1]), math.sin(angles[j + 1])
+            ux, uy, nx, ny = -math.sin(tilt), -math.cos(tilt), math.cos(tilt), -math.sin(tilt)
+            arm[0], arm[1] = legs[leg, 0] + length * ux + zeta * s * nx, legs[leg, 1] + length * uy + zeta * s * ny
+            arm[2] = zeta * c
+            depth = level - (at[1] + R[1, 0] * arm[0] + R[1, 1] * arm[1] + R[1, 2] * arm[2])
+            if depth <= 0.0:
+                stretch[k, 0], stretch[k, 1], held[k] = 0.0, 0.0, 0.0
+                continue
+            J[:] = 0.0
+            for i in range(3):
+                a, b = (i + 1) % 3, (i + 2) % 3
+                J[i, i], J[i, 3 + a], J[i, 3 + b] = 1.0, arm[b], -arm[a]
+            J[0, 6 + j], J[1, 6 + j] = length * nx - zeta * s * ux, length * ny - zeta * s * uy
+            J[0, 7 + j], J[1, 7 + j], J[2, 7 + j] = zeta * c * nx, zeta * c * ny, -zeta * s
+            for i in range(3):
+                u[i] = 0.0
+                for b in range(10):
+                    for a in range(3):
+                        u[i] += R[i, a] * J[a, b] * v[b]
+            held[k] = _press(tips[k], friction, depth, u, rises, stretch[k], held[k], h, f)
+            if held[k] == 0.0:
+                stretch[k, 0], stretch[k, 1] = 0.0, 0.0
+                continue
+            for a in range(3):
+                own = R[0, a] * f[0] + R[1, a] * f[1] + R[2, a] * f[2]
+                for b in range(10):
+                    push[b] += J[a, b] * own
+        for i in range(10):
+            for j in range(10):
+                v[i] += h * inverse[i, j] * push[j]
+        for i in range(3):
+            at[i] += h * (R[i, 0] * v[0] + R[i, 1] * v[1] + R[i, 2] * v[2])
+        for j in range(4):
+            angles[j] += h * v[6 + j]
+        x, y, z = 0.5 * h * v[3], 0.5 * h * v[4], 0.5 * h * v[5]
+        turned[0] = q[0] - q[1] * x - q[2] * y - q[3] * z
+        turned[1] = q[1] + q[0] * x + q[2] * z - q[3] * y
+        turned[2] = q[2] + q[0] * y + q[3] * x - q[1] * z
+        turned[3] = q[3] + q[0] * z + q[1] * y - q[2] * x
+        size = math.sqrt(turned[0] ** 2 + turned[1] ** 2 + turned[2] ** 2 + turned[3] ** 2)
+        for i in range(4):
+            q[i] = turned[i] / size
+
+
+def speeds(plan, seconds, seeds, step=1.5e-6):
+    """Mean speeds (mm/s) along the heading of the walker of a plan, after half a second, by small explicit steps.
+
+    In ten freedoms, as `Walker` has them: momenta of the relaxed legs' mass matrix in the body's axes, exact places
+    of the corners, and forces of each corner at the start of a step.
+    """
+    walker, drive, rival = plan.world.walker, plan.world.drive, Walker(plan.case.design, plan.case.mass)
+    legs = np.array([[*anchor[:2], rival.tilt, rival.length, 0.5 * rival.depth] for anchor in rival.anchors])
+    order = [
+        int(np.flatnonzero((walker.leg == leg) & (np.sign(walker.side) == side))[0])
+        for leg in (0, 1)
+        for side in (-1, 1)
+    ]
+    tips = np.array([tip_of(walker, k) for k in order])
+    hinges = np.array([walker.stiffness[:2], walker.damping[:2]])
+    M = rival.mass_matrix()
+    count = math.ceil(EVERY * drive.period / step)
+    h, means = EVERY * drive.period / count, []
+    for seed in seeds:
+        pitch, roll, phase = np.random.default_rng(seed).uniform((-1e-3, -1e-3, 0.0), (1e-3, 1e-3, 6.28))
+        height = drive.amplitude + 0.02 - rival.corners()[:, 1].min()
+        start = np.array([0.0, height, 0.0, 1.0, 0.5 * roll, 0.0, 0.5 * pitch])
+        places = np.zeros((round((seconds + 0.5) / (h * count)) + 1, 4))
+        numbers = np.array([drive.amplitude, drive.omega, phase])
+        _run(M, np.linalg.inv(M), legs, tips, plan.scene.contact.friction, hinges, numbers, start, h, count, places)
+        settled = places[round(0.5 / (h * count)) :]
+        along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
+        means.append(np.sum(np.diff(settled[:, :2], axis=0) * along) / ((len(settled) - 1) * h * count))
+    return np.array(means)

@@ -21,7 +21,7 @@ PEAK = step_law.CELLS_PEAK
 SPACE = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
 
 
-def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.22), speed=50.0):
+def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.8), speed=50.0):
     """Rows of a cell whose speed errs by a share of itself, by a power of the step."""
     rows = []
     for share in SPACE:
@@ -30,9 +30,9 @@ def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.22), speed=50.0):
     return rows
 
 
-def place(design="koumakis2016", scene="lane-90hz", label=0.22, **changed):
+def place(design="koumakis2016", scene="lane-90hz", restitution=0.8, **changed):
     walker = templates.load(design, "walkers", Design).variant(**changed)
-    ground = templates.load(scene, "scenes", Scene).variant(**{"contact.restitution": label})
+    ground = templates.load(scene, "scenes", Scene).variant(**{"contact.restitution": restitution})
     return shipped.place_of(walker, ground)
 
 
@@ -74,7 +74,7 @@ def test_the_law_finds_the_bias_it_was_given_and_how_much_walkers_differ(power):
 
 def test_slow_walkers_have_a_law_of_their_own():
     rng = np.random.default_rng(4)
-    rows = [*made_up(0.0, 0.1, 1, rng, ("lane-90hz", 1.0, 0.22), 0.5), *made_up(0.1, 0.1, 1, rng)]
+    rows = [*made_up(0.0, 0.1, 1, rng, ("lane-90hz", 1.0, 0.8), 0.5), *made_up(0.1, 0.1, 1, rng)]
     laws = step_law.laws(PEAK, tuple(rows))
     assert laws[True].cells == laws[False].cells == 1
     assert laws[True].bound(1.0) < laws[False].bound(1.0)
@@ -140,18 +140,18 @@ def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
     every = cells.read()
     tilts = sorted({row.tilt_deg for row in every if row.scene == advice.LANE})
     ratios = []
-    for tilt, label in product(tilts[1:-1], (0.1, 0.22, 0.5)):
+    for tilt, restitution in product(tilts[1:-1], (0.5, 0.8, 0.9)):
         others = tuple(row for row in every if row.cell[:2] != (advice.LANE, tilt))
         shares = []
         for rows in (every, others):
             monkeypatch.setattr(cells, "read", lambda rows=rows: rows)
-            at = place(tilt=tilt, label=label)
+            at = place(tilt=tilt, restitution=restitution)
             shares.append(math.sqrt(at.variance_time) / step_law.unit(at.speed, at.peak))
         ratios.append(math.log(shares[0] / shares[1]))
     assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(advice.SCALED_WITHIN, abs=0.1)
     monkeypatch.setattr(cells, "read", lambda: every)
     scaled, measured = (shipped.answers(place(tilt=tilt), "walker").rows[0].why for tilt in (12.0, 10.0))
-    assert "to a factor of 2.8" in scaled
+    assert "to a factor of 1.3" in scaled
     assert "to a factor" not in measured
 
 
@@ -167,14 +167,14 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
 
 
 def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
-    """At 200 Hz and 1.3 g the walker was 2.1 mm/s fast in runs, where its plate's speed alone has 18."""
+    """Near the threshold, at 200 Hz and 1.05 g, it is far slower than its plate's speed alone says."""
     monkeypatch.setattr(pace, "pace", lambda: 0.05)
-    scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"drive.frequency_hz": 200.0, "drive.gamma": 1.3})
+    scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"drive.frequency_hz": 200.0, "drive.gamma": 1.05})
     at = shipped.place_of(templates.load("koumakis2016", "walkers", Design), scene)
     assert at.known == "scaled"
     assert at.speed < 6.0
     seconds = at.work(1.0) * 0.05  # of this walker, at its own step, by today's machine
-    assert 0.05 < seconds < 5.0
+    assert 0.01 < seconds < 1.0
 
 
 def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
@@ -208,8 +208,8 @@ def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
 def test_a_cell_measured_anew_is_the_one_that_is_shipped():
     """Its own rival: other random numbers, four standard errors; costs within a factor of two of a busy machine."""
     for setting in (
-        measure.Setting("lane-90hz", 5.0, 0.22, "space", 1.25),
-        measure.Setting("lane-90hz", 5.0, 0.22, "compliant", None),
+        measure.Setting("lane-90hz", 5.0, 0.8, "space", 1.25),
+        measure.Setting("lane-90hz", 5.0, 0.8, "compliant", None),
     ):
         row = measure.measured(setting, seed=1001)
         (kept,) = (one for one in cells.read() if one[:5] == tuple(setting))
@@ -228,7 +228,9 @@ def test_advice_reaches_its_error_in_fresh_runs(error):
     room = math.hypot(error * step_law.unit(at.speed, at.peak), 2.0 * true.se_mm_s)
     inside = 0
     for seed in range(2001, 2007):
-        setting = SimpleNamespace(scene="lane-90hz", tilt_deg=5.0, label=0.22, model=found.setting.model, share=None)
+        setting = SimpleNamespace(
+            scene="lane-90hz", tilt_deg=5.0, restitution=0.8, model=found.setting.model, share=None
+        )
         one = measure.walker(setting, seed)
         one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.setting.step_us)
         speed = walkers.simulate(one, threads=1).summary.speed_mm_s

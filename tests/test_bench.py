@@ -30,8 +30,8 @@ STEP_SCATTER = 0.015
 steps of a drop (heights of 8 to 12 mm, 10 deg), three of them."""
 
 
-def plan_of(tilt=10.0, kind="flexible", damping=None, **contact):
-    scene = resting.with_contact(LANE, **contact)
+def plan_of(tilt=10.0, kind="flexible", damping=None, rigid=False, **contact):
+    scene = resting.with_contact(LANE.variant(**{"feet.rigid_tips": rigid}), **contact)
     if damping is not None:
         legs = scene.legs.model_copy(update={"damping_ratio": damping})
         scene = scene.model_copy(update={"legs": legs})
@@ -46,7 +46,7 @@ def flat(height=10.0, **choices):
     ("tilt", "colleague", "ours"), [(10.0, (0.46, 0.63, 0.83), (0.466, 0.640, 0.831)), (15.0, (0.15, 0.26, 0.38), None)]
 )
 def test_a_flat_drop_shows_what_an_independent_prototype_found(tilt, colleague, ours):
-    found = [flat(1.0, tilt=tilt, restitution=e) for e in (0.3, 0.5, 0.8)]
+    found = [flat(1.0, tilt=tilt, rigid=True, restitution=e) for e in (0.3, 0.5, 0.8)]
     # The prototype's numbers have two digits, and at 15 deg, where tan(tilt) is near the friction,
     # it kept other steps: ours (0.11, 0.22, 0.36) hold to 0.003 down to an eighth of the steps.
     assert found == pytest.approx(colleague, abs=0.015 if ours else 0.06)
@@ -72,14 +72,6 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
     assert found == pytest.approx(feet.restitution(ratio), abs=STEP_SCATTER)
 
 
-@pytest.mark.parametrize("label", [0.1, 0.3, 0.5, 0.8])
-def test_upright_hysteretic_feet_rebound_with_their_label_whatever_they_carry(label):
-    feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
-    scene = resting.with_contact(LANE.model_copy(update={"feet": feet_of}), restitution=label)
-    plan = resting.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
-    assert drops.rebound(plan, Let(10.0)).ratio == pytest.approx(label, abs=STEP_SCATTER)
-
-
 def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
     ideal = flat(tilt=0.0, damping=0.0, restitution=1.0)
     assert ideal == pytest.approx(1.0, abs=0.02)  # the legs ring a little afterwards
@@ -99,7 +91,7 @@ def test_heights_and_speeds_give_one_rebound():
 
 
 def test_one_corner_first_halves_the_rebound():
-    plan = plan_of(restitution=0.8)
+    plan = plan_of(restitution=0.8, rigid=True)
     level, rolled = (drops.rebound(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
     assert rolled < 0.5 * level
 
@@ -114,8 +106,13 @@ def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
     assert one == pytest.approx(other, abs=STEP_SCATTER)
 
 
-def rocked(walker, label, height, roll, dt=4e-6):
-    """Rebound of a rigid smooth block on two edges that rebound with `label`, impact by impact."""
+def rocked(walker, restitution, height, roll, dt=4e-6):
+    """Rebound of a rigid smooth block on two edges, each alone, impact by impact.
+
+    The restitution is that of one corner of a level block, which carries 1 / H_nn. Both corners of an edge share its
+    mass, which depends on its arm: their dampers then make another ratio.
+    """
+    alone, ratio = 1.0 / float(mobility(walker)[0, 0]), feet.damping_ratio(restitution)
     M, inertia, down, half = walker.mass, walker.inertia[0, 0], walker.root[0, 1], 4.0
     edges = (-half, half)
     y = height - min(down * math.cos(roll) - z * math.sin(roll) for z in edges)
@@ -127,24 +124,22 @@ def rocked(walker, label, height, roll, dt=4e-6):
             arm = down * math.sin(angle) + z * math.cos(angle)
             closing = v - spin * arm
             if y + down * math.cos(angle) - z * math.sin(angle) < 0.0 and closing < 0.0:
-                push = -(1.0 + label) * closing / (1.0 / M + arm * arm / inertia)
+                mass = 1.0 / (1.0 / M + arm * arm / inertia)
+                push = -(1.0 + feet.restitution(ratio * math.sqrt(2.0 * alone / mass))) * closing * mass
                 v, spin = v + push / M, spin - arm * push / inertia
         top = max(top, y + down) if v > 0.0 else top
     return math.sqrt(top / first)
 
 
 @pytest.mark.parametrize(
-    ("label", "height", "roll"), [(0.8, 3.0, 0.003), (0.8, 10.0, 0.03), (0.5, 3.0, 0.06), (0.5, 10.0, 0.01)]
+    ("restitution", "height", "roll"), [(0.8, 3.0, 0.003), (0.8, 10.0, 0.03), (0.5, 3.0, 0.06), (0.5, 10.0, 0.01)]
 )
-def test_a_rolled_block_rebounds_by_one_impact_after_the_other(label, height, roll):
-    feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
-    scene = LANE.model_copy(update={"feet": feet_of})
-    scene = resting.with_contact(scene, restitution=label, friction=0.0)
-    plan = resting.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
-    found = drops.rebound(plan, Let(height, roll=roll)).ratio
+def test_a_rolled_block_rebounds_by_one_impact_after_the_other(restitution, height, roll):
+    plan = plan_of(tilt=0.0, kind="braced", rigid=True, restitution=restitution, friction=0.0)
+    found, walker = drops.rebound(plan, Let(height, roll=roll)).ratio, plan.world.walker
     # The rival has impacts without duration, and rises by 5e-4 less per step of 4 us
-    assert found == pytest.approx(rocked(plan.world.walker, label, height, roll), abs=5e-3)
-    assert found < label - 0.03
+    assert found == pytest.approx(rocked(walker, restitution, height, roll), abs=2e-3)
+    assert found < restitution - 0.03
 
 
 def test_what_counts_is_the_time_between_corners():
@@ -240,7 +235,7 @@ def test_a_walker_slides_at_the_angle_of_friction(tilt, kind, heading):
 
 @pytest.mark.parametrize("friction", [0.3, 0.4, 0.7])
 def test_facing_uphill_it_goes_where_statics_let_its_upper_foot_slip(friction):
-    plan = plan_of(10.0, friction=friction)
+    plan = plan_of(10.0, rigid=True, friction=friction)
     slips = slide.first_slip(plan, math.radians(10.0), friction)
     block = math.degrees(math.atan(friction))
     assert slips < block - 1.0

@@ -31,7 +31,7 @@ def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
     assert "no foot restitution gives that at 10 deg" in hand["told"]
     assert data["settings"] == {}
     rows = data["tables"]["drop"]
-    assert [row["restitution"] for row in rows] == list(drops.LABELS)
+    assert [row["restitution"] for row in rows] == list(drops.RESTITUTIONS)
     assert np.all(np.diff([row["flat"] for row in rows]) > 0)
     assert {"drop.csv", "drop.md", "drop.png", "tilts.csv"} <= {path.name for path in (tmp_path / "a").iterdir()}
 

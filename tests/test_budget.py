@@ -93,7 +93,7 @@ def test_simulations_share_out_what_solids_and_pictures_leave():
 
 
 def test_the_picture_and_the_shape_have_their_time_in_the_least_budget():
-    one, all_of_them = rated(survey_of(1.0)), rated(survey_of(1.0))
+    one, all_of_them = rated(survey_of(0.1)), rated(survey_of(0.1))
     least = make._share_out(one, ("models",), silent)
     assert one.budget.kept_s == make.PICTURE_S < least
     more = make._share_out(all_of_them, ("models", "steps", "statistics", "shape"), silent)

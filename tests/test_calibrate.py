@@ -277,12 +277,12 @@ class Elastic:
 
     def __init__(self, monkeypatch):
         self.scenes, self.heights = [], []
-        monkeypatch.setattr(make.drops, "by_label", self.by_label)
+        monkeypatch.setattr(make.drops, "by_restitution", self.by_restitution)
 
-    def by_label(self, scene, design, hand, progress):
+    def by_restitution(self, scene, design, hand, progress):
         self.scenes.append((scene, design))
         self.heights.append(hand[0].height)
-        return [drops.Rebounds(label, 0.5 * label, 0.05, len(hand), 0) for label in drops.LABELS]
+        return [drops.Rebounds(label, 0.5 * label, 0.05, len(hand), 0) for label in drops.RESTITUTIONS]
 
 
 def calibrated(path, out, *words):

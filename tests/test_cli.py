@@ -98,6 +98,23 @@ def test_laws_differ(run):
                 assert stationary == (law.name.lower() == name), (name, law)
 
 
+def test_the_theory_alone_is_a_table_of_what_it_takes_and_gives(run):
+    """M, J, m and j in, eq. 15 out, with a note only where another mode has another speed."""
+    result = run(
+        "predict",
+        "koumakis2016",
+        *("--tilt", "5,10", "--model", "theory"),
+        *("--restitution", "0.8", "--friction", "0.25"),
+    )
+    rows = [line.split() for line in result.stdout.splitlines() if " flexible " in line]
+    assert rows[1] == ["10", "flexible", "0.8333", "55.07", "0.02976", "0.1399", "4.443", "4.053", "59.7"]
+    assert rows[0][-2:] == ["68.1", "[1]"]
+    assert "[1] friction can hold the feet" in result.stdout
+    assert "your print" not in result.stdout
+    one = run("predict", "--tilt", "10", "--model", "theory", "--restitution", "0.8", "--friction", "0.25")
+    assert "tilt 10 deg: 59.7 mm/s in the paper's theory" in one.stdout
+
+
 def test_family_writes_a_folder_and_json(run, tmp_path):
     result = run("family", "koumakis2016", "--tilt", "5,10", "--out", "here", "--json")
     assert result.exit_code == 0

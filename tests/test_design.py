@@ -6,9 +6,12 @@ from pathlib import Path
 
 import pytest
 
+import walkergen
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
 from walkergen.walker.design import Design
+
+PACKAGE = Path(walkergen.__file__).parent
 
 
 def written(tmp_path, text, name="mine.toml"):
@@ -42,7 +45,7 @@ def test_a_dump_runs_no_python_of_ours_in_which_a_ctrl_c_would_be_lost(walker):
     design, ours = templates.load(walker, "walkers", Design), []
 
     def called(frame, event, argument):
-        if event == "call" and "walkergen" in Path(frame.f_code.co_filename).parts:
+        if event == "call" and Path(frame.f_code.co_filename).is_relative_to(PACKAGE):
             ours.append(frame.f_code.co_name)
 
     sys.setprofile(called)

@@ -75,7 +75,7 @@ def test_a_wish_that_none_meets_ends_with_one_line_and_the_nearest(run, tmp_path
 def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
     told = run(
         "--speed",
-        "40",
+        "60",
         "--model",
         "prediction",
         "--set",
@@ -90,7 +90,7 @@ def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
     found = json.loads(told.stdout)
     assert found["met"] >= 1
     assert 1.2 <= found["rows"][0]["scene.drive.gamma"] <= 3.0
-    scene = Path("out/design-speed40/scene-1.toml").read_text(encoding="utf-8")
+    scene = Path("out/design-speed60/scene-1.toml").read_text(encoding="utf-8")
     assert "friction = 0.3\n" in scene
 
 

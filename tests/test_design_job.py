@@ -364,13 +364,15 @@ def test_a_level_plate_turns_no_heading():
 
 
 @pytest.mark.slow
-def test_a_slope_turns_the_papers_walkers_down_it(bench, tmp_path, monkeypatch):
+def test_a_slope_turns_polar_discs_down_it(bench, tmp_path, monkeypatch):
     few = lab.Effort(8, 3.0)
     monkeypatch.setattr(lab, "TURNING", lab.Efforts(few, few, lab.Effort(16, 4.0)))
     monkeypatch.setattr(search, "FIRST", 6)
     monkeypatch.setattr(search, "NEAR", 2)
     monkeypatch.setattr(search, "ROUNDS", 1)
-    job = sloping("down")
+    disc = templates.load("polar-disc", "walkers", Design)
+    thickness = Box((Span("body.thickness_mm", 2.0, 5.0),))
+    job = sloping("down")._replace(design=disc, box=thickness)
     found = make.make(job, bench, tmp_path / "down", pictures=False)
     assert found.stopped == ""
     number, one = next((n, one) for n, one in enumerate(found.designs, start=1) if one.met)
@@ -381,8 +383,8 @@ def test_a_slope_turns_the_papers_walkers_down_it(bench, tmp_path, monkeypatch):
     scene = templates.load(str(tmp_path / "down" / f"scene-{number}.toml"), "scenes", Scene)
     (point,) = lab.points(job, design, scene, job.efforts.verification, None, lab.fresh_seed(job.seed))
     assert wish.seen(evaluate(point), job.wish.of) == one.verified
-    # No length of legs turns them up, and the search says so.
-    none = make.make(sloping("up"), bench, tmp_path / "up", pictures=False)
+    # No thickness turns them up, and the search says so.
+    none = make.make(sloping("up")._replace(design=disc, box=thickness), bench, tmp_path / "up", pictures=False)
     assert not any(each.met for each in none.designs)
     assert "not clearly above 0" in none.stopped
     assert "a steeper slope" in none.stopped

@@ -67,15 +67,16 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     }
     assert every["plate slope"].change == "off"
     assert every["leg twist"].leaves_out
-    assert every["hysteretic feet"].change == "on, damping = hysteretic"
+    assert every["compliant tips"].change == "off"
+    assert every["compliant tips"].leaves_out
     assert every["plate noise"].walker.scene.plate.noise_ratio > 0.0
     assert every["plate gradient"].change == "on, gradient_percent_per_mm = 0.1"
     assert not every["plate noise"].leaves_out
     assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
     assert {"second harmonic", "plate roughness", "tether", "air drag", "unevenness", "yaw and roll"} < set(every)
-    forced = walker_of("space", **{"effects.leg_twist": False, "feet.damping": "hysteretic"})
+    forced = walker_of("space", **{"effects.leg_twist": False, "feet.rigid_tips": True})
     every = {variant.effect: variant.change for variant in variants.every(forced, True)}
-    assert (every["leg twist"], every["hysteretic feet"]) == ("on", "off")
+    assert every["leg twist"] == "on"
 
 
 def test_what_is_on_is_a_line_each_and_what_is_off_one_line(run):
@@ -115,9 +116,9 @@ def test_a_sweep_leaves_out_what_its_accepted_error_allows():
 
 
 def test_keys_without_a_part_are_told():
-    scene = LANE.variant(**{"legs.model": "relaxed", "feet.damping": "hysteretic"})
+    scene = LANE.variant(**{"legs.model": "relaxed", "feet.rigid_tips": True})
     (warning,) = make.explain(scene, DESIGN, lambda *_: None, cost=False).warnings
-    assert "feet.damping" in warning
+    assert "feet.rigid_tips" in warning
 
 
 def test_only_what_changes_less_than_accepted_is_left_out():

@@ -225,6 +225,18 @@ def test_what_speed_png_shows_is_in_speed_csv():
     assert lines[-1] == "paper,flexible,10.0,60.0,,,,,,"
 
 
+@pytest.mark.parametrize("kinds", [("flexible", "braced"), ("braced", "flexible"), ("braced",), ()])
+def test_one_dashed_line_is_the_theory_of_flexible_legs_if_any(kinds):
+    shown = SHOWN._replace(curves={kind: SHOWN.curves[kind] for kind in kinds})
+    figure = speed_figure(shown=shown)
+    lines = [line for line in figure.axes[0].get_lines() if line.get_color() == figures.INK]
+    assert [line.get_linestyle() for line in lines] == ["--"] * bool(kinds)
+    drawn_kind = "flexible" if "flexible" in kinds else "braced"
+    for line in lines:
+        assert line.get_ydata().tolist() == SHOWN.curves[drawn_kind].theory.tolist()
+    assert [text.get_text() for text in texts(figure)].count(family.THEORY) == bool(kinds)
+
+
 def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
     rows = [row(10.0, "flexible", 40.0)]
     axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]

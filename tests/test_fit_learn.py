@@ -206,6 +206,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     assert [one.told for one in flat.parameters] == [
         "flat, 0.02 to 1",
         "flat, 0.02 to 0.6",
+        "5, factor 2",
         "0.4 ± 0.02",
         "3 ± 0.35",
         "0.05 ± 0.02",
@@ -214,7 +215,7 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     told = parameters.unknown(scene, design, "space", "scene", {"friction": 0.25})
     assert [one.told for one in told.parameters][:2] == [
         f"{PAPER_CONTACT.restitution:g} ± {PAPER_CONTACT.restitution_sd:g}",
-        "0.4 ± 0.02",
+        "5, factor 2",
     ]
     planar = parameters.unknown(scene, design, "compliant", "flat", {})
     assert planar.parameters[-1].name == "print_scatter"

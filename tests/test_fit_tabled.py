@@ -73,7 +73,7 @@ def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp
         rng = np.random.default_rng(seed)
         truth = hidden(rng)
         seen_speeds = filmed(rng, truth)
-        found = fitted(tmp_path, seen_speeds)
+        found = fitted(tmp_path, seen_speeds, prior="flat")
         rows = {row.name: row for row in found.table.rows}
         for name in ("restitution", "friction"):
             row, value = rows[name], truth[f"contact.{name}"]
@@ -95,7 +95,7 @@ def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp
 def test_without_errors_the_scatter_of_the_speeds_stands_in(tmp_path):
     truth = hidden(np.random.default_rng(3))
     seen_speeds = filmed(np.random.default_rng(4), truth)
-    found = fitted(tmp_path, seen_speeds, errors=False)
+    found = fitted(tmp_path, seen_speeds, errors=False, prior="flat")
     rows = {row.name: row for row in found.table.rows}
     assert rows["print_scatter"].mean > 0.0
     for name in ("restitution", "friction"):
@@ -110,6 +110,7 @@ def test_the_response_is_the_spread_of_the_prediction():
     (response,) = tabled.responses(emulated.Ground(LANE, "prediction", unknown), [setting])
     truth = hidden(rng)
     names = [one.prior.name for one in unknown.sampled]
+    truth.setdefault("feet.tip_radius_um", LANE.feet.tip_radius_um)
     x = np.array([[truth.get(name, 1.0) for name in names]])
     mean, shared, scatter = (float(one[0]) for one in response(x))
     assert mean == pytest.approx(speed(10.0, truth | {PRINT.name: 0.0, MODEL.name: 0.0}))

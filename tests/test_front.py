@@ -359,9 +359,9 @@ def test_a_mesh_is_weighed_from_python(run):
 
 
 def test_a_sweep_is_the_commands(run, tmp_path):
-    words = ("--set", "legs.tilt_deg=5,10", "--set", "scene.contact.restitution=0.2,0.22", "--no-pictures")
+    words = ("--set", "legs.tilt_deg=5,10", "--set", "scene.contact.restitution=0.7,0.8", "--no-pictures")
     run("sweep", "koumakis2016", *words, "--out", "told")
-    values = {"legs.tilt_deg": [5, 10], "scene.contact.restitution": np.array([0.2, 0.22])}
+    values = {"legs.tilt_deg": [5, 10], "scene.contact.restitution": np.array([0.7, 0.8])}
     found = wg.sweep(PAPER, LANE, values)
     lines = (tmp_path / "told" / "table.csv").read_text().splitlines()
     speed = lines[0].split(",").index("speed_mm_s")

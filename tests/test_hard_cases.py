@@ -43,6 +43,17 @@ def test_hard_case_of_an_impact_or_a_solid(case, model):
     check(case, model)
 
 
+def test_steps_give_no_energy_to_an_undamped_walker_without_friction():
+    """The shortest case of contacts in space that would show it, by day."""
+    (case,) = [case for case in IN_SPACE if case.name == "space: undamped smooth feet keep their energy"]
+    check(case, "space")
+
+
+def test_a_walker_at_rest_has_no_rates_and_its_energy_is_booked():
+    (case,) = [case for case in IN_SPACE if case.name == "space: 1e5 s at rest"]
+    check(case, "space")
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize(("case", "model"), each(IN_SPACE))
 def test_hard_case_in_space(case, model):

@@ -230,3 +230,23 @@ def test_the_summary_is_plain_json():
         for name, unit in (("speed", "mm_s"), ("persistence_time", "s")):
             refused = f"{name}_{unit}" in data["refused"]
             assert [data[f"{key}_{unit}"] is None for key in (name, f"{name}_se")] == [refused] * 2
+
+
+@pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
+def test_json_holds_no_infinity_whatever_a_number_or_curve_is(bad):
+    """Bounds of numbers with hardly any degrees of freedom, curves and fits that have no number."""
+    found = motion.analyse(film(3, 4, 4.0))
+    wide = {
+        name: number._replace(value=1.0, se=1.0, freedom=1e-6, noise=0.0, power=power, refused="")
+        for power, (name, number) in zip([1, 2, -1] * len(found.estimates), found.estimates.items(), strict=False)
+    }
+    curves = {name: getattr(found, name) for name in ("msd", "exponent", "correlation", "parallel", "orthogonal")}
+    hostile = found._replace(
+        estimates=wide,
+        scale_se=0.01,
+        **{name: curve._replace(value=bad + curve.value, se=bad + curve.se) for name, curve in curves.items()},
+        msd_fit=found.msd_fit._replace(misfit=bad, p_value=bad, spreads=(Spread(*[bad] * 7),)),
+    )
+    data = json.loads(json.dumps(facts.of(hostile), allow_nan=False))
+    assert data["refused"]["diffusivity_high_95_mm2_s"] == facts.UNBOUNDED
+    assert data["diffusivity_high_95_mm2_s"] is data["msd"][0]["msd_mm2"] is data["msd_fit"]["misfit"] is None

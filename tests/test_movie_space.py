@@ -211,8 +211,8 @@ def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
         assert image.n_frames == job.frames
         assert image.size == (impacts.WIDTH, impacts.HEIGHT)
     assert movie.file_name(job, {}).endswith("_plane-90hz_perspective.gif")
-    values = {"scene.contact.friction": 0.5, "scene.feet.damping": "../x\n"}
-    assert movie.file_name(job, values).endswith("_perspective_friction-0.5_damping-..-x-.gif")
+    values = {"scene.contact.friction": 0.5, "scene.plate.material": "../x\n"}
+    assert movie.file_name(job, values).endswith("_perspective_friction-0.5_material-..-x-.gif")
 
 
 def test_several_tilts_run_in_an_arena_each(tmp_path):

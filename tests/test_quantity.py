@@ -1,6 +1,7 @@
 """Quantities: their bounds hold, and noise makes no two of them agree."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -82,3 +83,16 @@ def test_differences_and_ratios_carry_both_errors():
     assert ratio.se == pytest.approx(
         np.std(drawn[:, 0] / drawn[:, 1]), rel=0.03
     )  # of 20 000 draws 0.5 %, second order 1 %
+
+
+@pytest.mark.parametrize("power", [-1, 1, 2])
+@pytest.mark.parametrize("freedom", [0.0, 1e-6, 1e-3, 0.3, 1.0, 15.0, 1e30, math.inf])
+def test_bounds_are_finite_or_there_are_none(freedom, power):
+    """JSON has no infinity, and a variance with hardly any degrees of freedom has no upper bound that is a double."""
+    values, errors, biases, floors = (1e-100, 1e-12, 1.0, 1e100), (0.0, 1e-9, 1e9), (0.0, 1.0, math.inf), (0.0, 1.0)
+    for value, se, bias, noise, least in product(values, errors, biases, (None, 0.0, 1.0), floors):
+        number = Quantity("x", "s", value, se, freedom, noise=noise, power=power, least=least, bias=bias)
+        ends = number.interval()
+        assert ends is None or all(map(math.isfinite, ends)), number
+        assert ends is None or noise is None or freedom > 1e-6, number
+        assert not math.isnan(number.half_width())

@@ -29,7 +29,6 @@ NUMBERS = {
     "plate_rocking": "plate.rocking_percent_per_mm = 0",
     "tether": "tether.stiffness_n_per_m = 0",
     "lid": "arena.lid_mm is not given",
-    "local_stiffness": "feet.local_stiffness_ratio is not given",
     "gyroscopic_torque": "there is no motor",
 }
 """Effects that a number calls for, by their switches, with what is said where there is none."""
@@ -59,7 +58,6 @@ def test_an_effect_without_its_number_cannot_be_forced_on(switch):
         ({"effects.lane_walls": True, "legs.model": "compliant"}, "the compliant model is planar"),
         ({"effects.roll_and_yaw": True, "legs.model": "compliant"}, "the compliant model is planar"),
         ({"effects.leg_twist": True, "legs.model": "relaxed"}, "the relaxed model is planar"),
-        ({"effects.local_stiffness": True, "legs.model": "relaxed"}, "the relaxed model has rigid feet"),
     ],
 )
 def test_an_effect_that_has_no_part_cannot_be_forced_on(keys, words):
@@ -71,6 +69,9 @@ TURNED = {
     "drive": {"second_harmonic_ratio": 0.2, "second_harmonic_phase_deg": 40.0, "gamma": 2.0, "frequency_hz": 80.0},
     "contact": {"prior": "unknown", "restitution": 0.4, "friction": 0.1, "law": "newton"},
     "plate": {
+        "material": "glass",
+        "youngs_modulus_gpa": 5.0,
+        "poisson_ratio": 0.3,
         "slope_deg": 2.0,
         "noise_ratio": 0.3,
         "noise_low_hz": 30.0,
@@ -95,13 +96,7 @@ TURNED = {
         "wall_restitution": 0.9,
     },
     "legs": {"model": "relaxed", "damping_ratio": 0.1, "spring": "frequency"},
-    "feet": {
-        "damping": "hysteretic",
-        "stiffness_ratio": 2.0,
-        "tangential_ratio": 0.5,
-        "local_stiffness_ratio": 1.0,
-        "unevenness_um": 10.0,
-    },
+    "feet": {"tip_radius_um": 8.0, "rigid_tips": True, "tangential_ratio": 0.5, "unevenness_um": 10.0},
     "tether": {
         "stiffness_n_per_m": 1.0,
         "length_mm": 40.0,
@@ -216,9 +211,9 @@ def test_a_key_of_a_design_changes_the_motion(key):
 
 
 def test_keys_without_a_part_are_named_in_one_line():
-    scene = scene_of("relaxed", **{"feet.damping": "hysteretic", "arena.gap_mm": 9.0, "tether.length_mm": 20.0})
+    scene = scene_of("relaxed", **{"feet.rigid_tips": True, "arena.gap_mm": 9.0, "tether.length_mm": 20.0})
     line = planned(scene, Design().variant(**{"material.youngs_modulus_gpa": 2.0})).resolved.idle
-    for key in ("feet.damping", "arena.gap_mm (no walls)", "tether.length_mm", "material.youngs_modulus_gpa"):
+    for key in ("feet.rigid_tips", "arena.gap_mm (no walls)", "tether.length_mm", "material.youngs_modulus_gpa"):
         assert line.count(key) == 1
     assert "\n" not in line
 

@@ -46,8 +46,11 @@ def run(tmp_path, monkeypatch):
 
 
 REFUSED = {
-    "no stiffness": ({"feet": {"stiffness_ratio": 0.0}}, "feet.stiffness_ratio = 0"),
-    "stiffness 1e30": ({"feet": {"stiffness_ratio": 1e30}}, r"feet.stiffness_ratio = 1e\+30"),
+    "tips without extent": ({"feet": {"tip_radius_um": 0.0}}, "feet.tip_radius_um = 0"),
+    "tips of 1e30 um": ({"feet": {"tip_radius_um": 1e30}}, r"feet.tip_radius_um = 1e\+30"),
+    "a plate without stiffness": ({"plate": {"youngs_modulus_gpa": 0.0}}, "plate.youngs_modulus_gpa = 0"),
+    "a plate of no material": ({"plate": {"poisson_ratio": 0.6}}, "plate.poisson_ratio = 0.6"),
+    "a key that is gone": ({"feet": {"stiffness_ratio": 10.0}}, "feet.stiffness_ratio.*material.youngs_modulus_gpa"),
     "no tangential stiffness": ({"feet": {"tangential_ratio": 0.0}}, "feet.tangential_ratio = 0"),
     "label 0": ({"contact": {"restitution": 0.0}}, r"contact.restitution = 0: .* takes 0.02..1"),
     "label 0 of a wall": (
@@ -91,23 +94,20 @@ REFUSED = {
         "plate.noise_low_hz = 100, noise_high_hz = 100.1",
     ),
     "cliffs": ({"plate": {"roughness_um": 100.0, "roughness_length_mm": 0.1}}, "plate.roughness_um = 100"),
-    "steps over contacts": ({"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 7.*leave the key out"),
+    "steps over contacts": ({"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 69.*leave the key out"),
     "a plane for a planar model": ({"legs": {"model": "compliant"}}, "arena.kind = 'plane'"),
 }
 """Scenes, and what the one line says."""
 
 RUNS = {
-    "stiffness 1e-6": {"feet": {"stiffness_ratio": 1e-6}},
-    "stiffness 1e-3": {"feet": {"stiffness_ratio": 1e-3}},
-    "stiffness 1e6": {"feet": {"stiffness_ratio": 1e6}, "run": {"seconds": 0.01}},
-    "no local stiffness to speak of": {"feet": {"local_stiffness_ratio": 1e-6}},
+    "tips of 1 nm": {"feet": {"tip_radius_um": 1e-3}},
+    "tips of 1 m": {"feet": {"tip_radius_um": 1e6}},
+    "rigid tips": {"feet": {"rigid_tips": True}},
+    "a plate of 1 kPa": {"plate": {"youngs_modulus_gpa": 1e-6}},
+    "a plate of 1e4 GPa": {"plate": {"youngs_modulus_gpa": 1e4, "poisson_ratio": 0.0}},
     "label 1": {"contact": {"restitution": 1.0}},
     "smallest label": {"contact": {"restitution": 0.02}},
-    "smallest label, hysteretic": {
-        "contact": {"restitution": 0.02},
-        "feet": {"damping": "hysteretic"},
-        "run": {"seconds": 0.1},
-    },
+    "smallest label, rigid tips": {"contact": {"restitution": 0.02}, "feet": {"rigid_tips": True}},
     "friction 1e3": {"contact": {"friction": 1e3}},
     "no friction": {"contact": {"friction": 0.0}},
     "corners of a tenth of a leg": {"feet": {"unevenness_um": 750.0}},
@@ -121,7 +121,7 @@ RUNS = {
     "a plate of 10 mHz": {"drive": {"frequency_hz": 0.01, "gamma": 1.8}},
     "legs undamped": {"legs": {"damping_ratio": 0.0}},
     "legs overdamped": {"legs": {"damping_ratio": 10.0}},
-    "the coarsest step": {"run": {"step_us": 7.6}},
+    "the coarsest step": {"run": {"step_us": 68.0}},
 }
 """Scenes at the edge of what is allowed."""
 

@@ -71,22 +71,15 @@ def test_mass_on_a_viscous_foot_rebounds_with_its_label(label):
     assert feet.restitution(ratio) == pytest.approx(label, abs=1e-12)
 
 
-@pytest.mark.parametrize("damping", ["viscous", "hysteretic"])
+@pytest.mark.parametrize(("rigid", "speed", "step_us"), [(True, 1.0, 0.05), (False, 1e-3, 2.0)])
 @pytest.mark.parametrize("label", [0.05, 0.3, 0.8])
-def test_corner_alone_rebounds_with_its_label(damping, label):
-    """Braced, without friction: one mass on one foot, whichever corner lands."""
-    plan = weightless(
-        plan_of(
-            10,
-            "braced",
-            contact={"restitution": label, "friction": 0.0},
-            feet={"damping": damping},
-            run={"step_us": 0.05},
-        )
-    )
+def test_corner_alone_rebounds_with_its_label(rigid, speed, step_us, label):
+    """Braced, without friction: one mass on one foot, whichever corner lands. Soft tips are met slowly: alone."""
+    tables = {"contact": {"restitution": label, "friction": 0.0}, "feet": {"rigid_tips": rigid}}
+    plan = weightless(plan_of(10, "braced", run={"step_us": step_us}, **tables))
     W = mobility(plan.world.walker)
     for pitch, roll in ((1e-5, 2e-5), (-1e-5, 2e-5), (2e-5, -1e-5)):
-        _, events, _ = land(plan, (0.0, -1.0, 0.0), pitch, roll, clearance=1e-4)
+        _, events, _ = land(plan, (0.0, -speed, 0.0), pitch, roll, clearance=1e-4 * speed)
         corner, pressed, arrived = int(events[0, 1]), events[0, 3], events[0, 5]
         rebounds = -(arrived + W[3 * corner, 3 * corner] * pressed) / arrived
         # 5e-4: 1e-4 by the tilted pose; a landing seen late by a part of a step, 0.5 % of the
@@ -94,9 +87,10 @@ def test_corner_alone_rebounds_with_its_label(damping, label):
         assert rebounds == pytest.approx(label, abs=5e-4)
 
 
-def four_corners(label, step_us):
+def four_corners(label, step_us, rigid):
     """Errors of the rebound on four corners at once, over the places of a landing in a step."""
-    plan = weightless(plan_of(0, "braced", contact={"restitution": label, "friction": 0.0}, run={"step_us": step_us}))
+    tables = {"contact": {"restitution": label, "friction": 0.0}, "feet": {"rigid_tips": rigid}}
+    plan = weightless(plan_of(0, "braced", run={"step_us": step_us}, **tables))
     walker, H = plan.world.walker, mobility(plan.world.walker)[0::3, 0::3]
     # All corners move as one mass: M / 4 on each damper, which is made for the mass 1 / H_nn
     ratio = feet.damping_ratio(label) * math.sqrt(4.0 / (walker.mass * H[0, 0]))
@@ -109,30 +103,36 @@ def four_corners(label, step_us):
 
 
 @pytest.mark.parametrize(("label", "step_us"), [(0.02, 0.4), (0.05, 1.0), (0.3, 1.0), (0.8, 1.0)])
-def test_walker_on_four_corners_rebounds_as_its_mass_says_to_second_order(label, step_us):
-    """Wherever in a step it lands: the touch is located."""
-    coarse, fine = (np.abs(four_corners(label, step)).max() for step in (step_us, step_us / 4.0))
+@pytest.mark.parametrize(("rigid", "order"), [(True, 2.0), (False, 1.25)])
+def test_walker_on_four_corners_rebounds_as_its_mass_says(label, step_us, rigid, order):
+    """Wherever in a step it lands: the touch is located. Second order without tips.
+
+    The damper of a Hertzian tip begins as depth^(1/4): the middle of the first step stands for its mean with an error
+    of h^(5/4).
+    """
+    coarse, fine = (np.abs(four_corners(label, step, rigid)).max() for step in (step_us, step_us / 4.0))
     assert coarse < 5e-4
-    # 16 for second order; 4 for first, as without locating the touch
-    assert coarse / fine == pytest.approx(16.0, rel=0.15)
+    # 16 and 5.7; 4 for first order, as without locating the touch
+    assert coarse / fine == pytest.approx(4.0**order, rel=0.15)
 
 
 def elastic_errors(step_us):
-    """Relative changes of the energy in 18 elastic landings, from twelve heights."""
+    """Relative changes of the energy in a dozen elastic landings, from twelve heights."""
     plan = plan_of(10, contact={"restitution": 1.0, "friction": 0.0}, legs=SLIP_FREE, run={"step_us": step_us})
-    errors = []
+    errors, landings = [], 0
     for i in range(12):
         state = plan.start(0.2 + 0.0013 * i, 1e-4, 0.0, 1e-4)
         before, tally = plan.energy(state), record.new(len(state))
-        assert plan.advance(state, 0.02, tally) == OK
-        assert tally.counts[record.IMPACTS] > 10
+        assert plan.advance(state, 0.04, tally) == OK
+        landings += tally.counts[record.IMPACTS]
         errors.append(plan.energy(state) / before - 1.0)
+    assert landings > 100
     return np.array(errors)
 
 
 def test_energy_of_elastic_landings_is_kept_to_second_order_in_the_step():
-    coarse, fine = (np.sqrt(np.mean(elastic_errors(step) ** 2)) for step in (1.0, 0.25))
-    assert coarse < 4e-5  # 1.1e-5 measured, 18 landings
+    coarse, fine = (np.sqrt(np.mean(elastic_errors(step) ** 2)) for step in (4.0, 1.0))
+    assert coarse < 4e-5
     assert coarse / fine > 8.0  # 16 for second order; 19 measured, 4 is first order
 
 
@@ -174,8 +174,8 @@ def heading_by_euler(turns, steady, wobble):
 
 def check_top(turns, steady, wobble):
     change, energy, length, heading = spun(turns, steady, wobble)
-    # Rounding of 300 steps a turn; three passes of an implicit midpoint step leave 1e-8 a turn
-    assert change < 1e-11 * turns + 1e-9
+    # What the passes of an implicit midpoint step leave in 300 steps a turn, of 0.02 rad; three leave 1e-8
+    assert change < 1e-10 * turns + 1e-9
     assert energy < 1e-8 * turns
     assert length < 1e-12
     return heading
@@ -191,6 +191,20 @@ def test_free_top_turns_as_by_eulers_equations():
     # 1e-4: second order of steps of 0.02 rad
     found = spun(20, 100.0, 20.0)[-1]
     assert found == pytest.approx(heading_by_euler(20, 100.0, 20.0), rel=1e-4)
+
+
+@pytest.mark.parametrize(("spin", "momentum"), [(400.0, 1e-6), (1000.0, 3e-5), (5000.0, 3e-5)])
+def test_a_body_that_spins_fast_flies_by_parts_of_its_own_step(spin, momentum):
+    plan = plan_of(10, "braced")
+    state = plan.start(1e5, 0.0, 0.0, 0.0)
+    state[W_X : W_X + 3] = 30.0, spin, 10.0
+    before, turning = angular_momentum(plan, state), state[W_X : W_X + 3].copy()
+    inertia = plan.world.walker.inertia
+    assert plan.advance(state, 200.0 * math.pi / spin, record.new(len(state))) == OK
+    # A hundred turns in flights of 0.01 to 0.02 rad: second order in them, and bounded
+    now = state[W_X : W_X + 3]
+    assert now @ inertia @ now == pytest.approx(turning @ inertia @ turning, rel=1e-6)
+    assert np.abs(angular_momentum(plan, state) - before).max() < momentum * np.abs(before).max()
 
 
 def shown(plan, state):
@@ -239,8 +253,8 @@ def frozen(world, state, work):
     """
     work.near["number"] = np.arange(4)
     work.midway[:] = state
-    stiffen(world.walker, work, 1e-12, 0)
-    load(world, work, 0.0, 1e-12, 4, 1)
+    stiffen(world.walker, work, 1e-12)
+    load(world, work, 0.0, 1e-12, 4)
     forward = np.array([work.R[0, 0], 0.0, work.R[2, 0]])
     forward = forward / math.sqrt(forward @ forward)
     return np.array([UP, forward, np.cross(forward, UP)])
@@ -306,7 +320,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     frame = frozen(world, state, work)
     expected = rival.mobility(frame @ work.R)
     slanted = 1e-9 if tilt == 0 else 5e-5
-    np.testing.assert_allclose(work.H[0], expected, rtol=0, atol=slanted * abs(expected).max())
+    np.testing.assert_allclose(work.H, expected, rtol=0, atol=slanted * abs(expected).max())
 
 
 @pytest.mark.parametrize("tilt", [0, 10, 35])

@@ -143,7 +143,7 @@ def test_analyse_finds_in_the_tracks_what_simulate_says(run):
     words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate-hz", "500", "--trajectory", "t.csv")
     told = json.loads(run("simulate", *words, "--json"))
     found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
-    assert (told["model"], told["feet"], told["friction"]) == ("space", "viscous", 0.25)
+    assert (told["model"], told["tip_radius_um"], told["friction"]) == ("space", 5.0, 0.25)
     for name in ("speed", "lane_speed", "sideways_speed", "turning_bias", "rotational_diffusion"):
         unit = {"turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}.get(name, "mm_s")
         # The same functions on the same samples, but for the rounding of written times; the time for which
@@ -178,7 +178,7 @@ def test_places_every_44_ms_say_what_dense_samples_say():
 @pytest.mark.slow
 def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reason(run):
     text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").split())
-    assert "space, elastic feet (viscous), restitution 0.22, friction 0.25" in text
+    assert "space, tips of 5 um, restitution 0.8, friction 0.25" in text
     assert "poisson" not in text
     for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edges"):
         assert words in text, words

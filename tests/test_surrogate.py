@@ -18,19 +18,19 @@ TEN = Design().variant(tilt_deg=10.0)
 PLANE = {"arena.kind": "plane"}
 
 DIRECT = {
-    ("lane", 3.0): 6.6,
-    ("lane", 5.0): 21.9,
-    ("lane", 7.0): 33.6,
-    ("lane", 10.0): 56.4,
-    ("lane", 15.0): 33.7,
-    ("lane", 30.0): 5.2,
-    ("lane", 40.0): -1.5,
-    ("plane", 5.0): 25.3,
-    ("plane", 7.0): 37.5,
-    ("plane", 10.0): 60.2,
-    ("plane", 15.0): 40.2,
-    ("plane", 30.0): 6.2,
-    ("plane", 40.0): -0.45,
+    ("lane", 3.0): 18.7,
+    ("lane", 5.0): 31.9,
+    ("lane", 7.0): 42.9,
+    ("lane", 10.0): 53.7,
+    ("lane", 15.0): 52.3,
+    ("lane", 30.0): 11.5,
+    ("lane", 40.0): 4.0,
+    ("plane", 5.0): 39.5,
+    ("plane", 7.0): 51.5,
+    ("plane", 10.0): 59.6,
+    ("plane", 15.0): 56.2,
+    ("plane", 30.0): 13.1,
+    ("plane", 40.0): 5.0,
 }
 """Speeds of the paper's walker on its plate, mm/s, by 16 runs of 10 to 15 s."""
 
@@ -48,7 +48,7 @@ def nominal(design=TEN, **keys):
 def test_it_knows_the_papers_walker_in_its_lane_and_on_a_plane(arena, tilt):
     speed, se = nominal(Design().variant(tilt_deg=tilt), **{"arena.kind": arena})
     off = abs(speed - DIRECT[arena, tilt])
-    assert off <= max(0.12 * abs(DIRECT[arena, tilt]), 1.0)
+    assert off <= max(0.10 * abs(DIRECT[arena, tilt]), 1.0)
     assert off <= 3.0 * se
 
 
@@ -68,10 +68,9 @@ def test_speeds_are_continuous_where_the_table_before_had_seams():
 
 UNMET = {
     "drive.kind": "motor",
-    "feet.damping": "hysteretic",
-    "feet.stiffness_ratio": 2.0,
+    "feet.rigid_tips": True,
+    "feet.tip_radius_um": 1e5,
     "feet.tangential_ratio": 0.5,
-    "feet.local_stiffness_ratio": 1.0,
     "plate.roughness_um": 1.0,
     "plate.along_ratio": 0.01,
     "plate.across_ratio": 0.01,
@@ -104,7 +103,7 @@ def test_it_declines_what_it_has_not_met(key):
         {"legs.foot": "square"},
         {"legs.length_mm": 20.0},
         {"body.thickness_mm": 30.0},
-        {"material.density_g_cm3": 8.0},
+        {"material.density_g_cm3": 90.0},
     ],
 )
 def test_it_declines_walkers_that_it_has_not_met(keys):
@@ -128,6 +127,10 @@ READ = {
     "plate.noise_ratio": 0.02,
     "plate.slope_deg": 0.3,
     "feet.unevenness_um": 1.0,
+    "feet.tip_radius_um": 8.0,
+    "plate.material": "glass",
+    "plate.youngs_modulus_gpa": 4.0,
+    "plate.poisson_ratio": 0.3,
     "legs.damping_ratio": 0.06,
     "arena.gap_mm": 9.0,
     "arena.wall_friction": 0.5,
@@ -149,7 +152,13 @@ def test_keys_of_a_scene_are_read_or_declined():
     without_part = {
         *("arena.length_mm", "arena.width_mm"),  # where it walks, not how
         *("contact.prior", "contact.law", "contact.restitution_sd", "contact.friction_sd"),  # planar models; bounds
-        *("legs.damping_ratio_sd", "feet.unevenness_sd_um", "plate.roughness_length_mm", "arena.kind"),
+        *(
+            "legs.damping_ratio_sd",
+            "feet.unevenness_sd_um",
+            "feet.tip_radius_sd_factor",
+            "plate.roughness_length_mm",
+            "arena.kind",
+        ),
         *("plate.noise_low_hz", "plate.noise_high_hz"),  # of noise that there is not
         *("plate.along_phase_deg", "plate.across_phase_deg"),  # of what there is not either
         *("plate.gradient_toward_deg", "plate.rocking_toward_deg"),
@@ -170,6 +179,7 @@ def test_places_of_draws_are_those_of_walkers_so_built():
         "contact.restitution": 0.3,
         "material.youngs_modulus_gpa": 3.3,
         "feet.unevenness_um": 3.0,
+        "feet.tip_radius_um": 7.0,
         "legs.thickness_mm": 0.42,
     }
     scene, design, mass = uncertain.applied(Scene(), TEN, values)
@@ -202,7 +212,7 @@ def test_errors_told_are_those_of_rows_that_no_network_has_seen():
 
 def test_the_recipe_makes_rows_that_are_stored():
     stored = {tuple(row[name] for name in settings.KEYS) for row in simulate.read()}
-    made = [row for row, _ in zip(settings.rows(12, 44, held_out=False), range(8), strict=False)]
+    made = [row for row, _ in zip(settings.rows(12, settings.SEED, held_out=False), range(8), strict=False)]
     cells = [tuple(None if row[name] is None else float(f"{row[name]:.5g}") for name in settings.KEYS) for row in made]
     assert sum(cell in stored for cell in cells) == len(cells)
 

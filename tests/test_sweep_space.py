@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
+from one_corner import deepest_of
 from test_sweep import ENDINGS, check_refusal, decades
 
 from walkergen.errors import InputError
@@ -95,15 +96,19 @@ def walkers(draw, plates):
             "restitution": draw(st.one_of(st.sampled_from([0.02, 1.0]), st.floats(0.01, 1.0))),
             "friction": draw(st.one_of(st.just(0.0), st.floats(0.0, 1.0), decades(-3, 3))),
         },
-        "plate": {"slope_deg": draw(st.one_of(st.just(0.0), st.floats(-20.0, 20.0)))},
+        "plate": {
+            "youngs_modulus_gpa": draw(st.one_of(st.just(3.2), decades(-3, 3))),
+            "poisson_ratio": draw(st.floats(0.0, 0.5)),
+            "slope_deg": draw(st.one_of(st.just(0.0), st.floats(-20.0, 20.0))),
+        },
         "arena": {"kind": "lane" if lane else "plane"},
         "scene_legs": {
             "model": "space",
             "damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), st.floats(0.0, 2.0))),
         },
         "feet": {
-            "damping": draw(st.sampled_from(["viscous", "hysteretic"])),
-            "stiffness_ratio": draw(st.one_of(st.just(1.0), decades(-3, 3))),
+            "rigid_tips": draw(st.booleans()),
+            "tip_radius_um": draw(st.one_of(st.just(5.0), decades(-3, 3))),
             "tangential_ratio": draw(st.one_of(st.just(0.8), decades(-2, 1))),
             "unevenness_um": draw(st.one_of(st.just(0.0), st.floats(0.0, 100.0))),
         },
@@ -202,8 +207,7 @@ def check_motion(plan, result):
     fast = liveliest(plan, rows) + swayed * drive.peak_speed + (0.0 if noise is None else noise.fastest)
     drive_force = walker.mass * (GRAVITY + shaken)
     for k in range(len(walker.leg)):
-        sag = drive_force / walker.spring[k, 0]
-        allowed = sag + math.sqrt(sag**2 + walker.mass / walker.spring[k, 0] * (2.0 * fast) ** 2)
+        allowed = deepest_of(walker, k, drive_force, 2.0 * fast)
         deepest = -min(gaps_of(world, row)[k] for row in rows)
         assert deepest <= allowed, (k, deepest, allowed)
 

@@ -23,6 +23,7 @@ def test_quantiles_of_student_are_those_of_scipy(freedom: float) -> None:
 
 def test_many_degrees_of_freedom_are_normal_and_none_tell_nothing() -> None:
     assert student(math.inf, 0.975) == pytest.approx(special.ndtri(0.975), rel=1e-15)
+    assert [student(1e-3, 0.025), student(1e-300, 0.975)] == [-math.inf, math.inf]
     assert np.isnan([student(0.0, 0.975), student(math.nan, 0.975)]).all()
     assert np.isnan([fisher_tail(3.0, 0.0, 1.0), fisher_tail(3.0, 4.0, math.nan)]).all()
 

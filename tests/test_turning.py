@@ -100,6 +100,16 @@ def test_noise_of_headings_is_no_diffusion(lost):
         assert diffusion_of(tracks).value - one.value == pytest.approx(0.01 * 9 / 8)
 
 
+def test_turning_below_the_error_of_the_noise_is_refused_and_has_no_bounds():
+    """A variance with far less than one degree of freedom would have an infinite bound, which no report can hold."""
+    turnings = [turning.Turning(number, 0.1, 1e-9, 12, 3.0, 90.0) for number in range(4)]
+    for se in np.geomspace(1e-13, 1e-6, 50):
+        found = turning.diffusion(turnings, Quantity("noise", "rad2", 1e-12, float(se)), AT_ONCE)
+        assert (found.value is None) == ("headings turn less" in found.refused)
+        assert found.value is None or found.interval()[1] < 1e4 * found.value
+    assert found.value is None
+
+
 def test_turning_that_lasts_takes_its_time_off_each_piece():
     lasting = EXACT._replace(rate=1.0, turn_sd=0.0, turn_memory=0.2)
     tracks = film(7, 60, 8.0, lasting, INTERVAL)

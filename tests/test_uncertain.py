@@ -20,7 +20,7 @@ def _names(reader, design=DESIGN):
 def test_each_reader_is_given_what_it_reads():
     of_motor = {"drive.frequency_hz", "drive.eccentric_g_mm"}
     assert _names("space") == set(uncertain.READ_BY) - of_motor
-    assert _names("compliant") == _names("space") - {"feet.unevenness_um"}
+    assert _names("compliant") == _names("space") - {"feet.unevenness_um", "feet.tip_radius_um"}
     assert "leg mass" not in _names("rigid", DESIGN.variant(kind="braced"))
 
 

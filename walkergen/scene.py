@@ -17,9 +17,8 @@ from walkergen.files.config import Fraction, Friction, Name, Section
 if TYPE_CHECKING:
     from walkergen.dish import Dish
 
-LEAST_LABEL = 0.02
-"""Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
-need a damping ratio above 3.5, hysteretic feet above 2500 times the stiffness to unload."""
+LEAST_RESTITUTION = 0.02
+"""Least restitution of elastic feet and walls, whose dampers need a damping ratio of 3.5 for it."""
 
 
 class Prior(NamedTuple):
@@ -27,19 +26,21 @@ class Prior(NamedTuple):
 
     words: str
     restitution: float
-    """Label of the feet's damping in space, restitution of planar models."""
     restitution_sd: float
     friction: float
     friction_sd: float
+    tip_radius_sd_factor: float
+    """Factor by which the effective radius of the foot's tips may be off, one standard deviation."""
 
 
-PAPER_CONTACT = Prior("contact of the paper's plate", 0.22, 0.07, 0.25, 0.02)
-"""Contact with which the model in space meets what the paper states of its walkers' speeds, with
-the friction that it measured: by evidence/tables/contact.py."""
+PAPER_CONTACT = Prior("contact of the paper's plate", 0.8, 0.1, 0.25, 0.02, 2.0)
+"""Restitution and friction as the paper measured them on its plate. The tips' radius is inferred from its walkers'
+60 mm/s at 10 deg (evidence/tables/contact.py)."""
 
-UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.40, 0.25, 0.30, 0.12)
-"""Contact of which nothing was measured: plastics are seen to bounce with nearly nothing to 0.9,
-and to slide on plates with frictions of 0.1 to 0.5."""
+UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.70, 0.12, 0.25, 0.08, 3.0)
+"""Any printed plastic on any plate: restitution 0.5 to 0.9 and friction 0.1 to 0.4 are about two standard deviations to
+either side. Measured ones lie between: the paper's 0.8 and 0.25, and 0.87 and 0.25 of spheres of cellulose acetate
+(Foerster et al., Physics of Fluids 6, 1994, 1108). That others lie in these ranges is assumed."""
 
 PRIORS = {"paper": PAPER_CONTACT, "unknown": UNKNOWN_CONTACT}
 
@@ -61,7 +62,7 @@ class Contact(Section):
     def _supplied(self) -> "Contact":
         """Supply the prior's numbers, which remain "not given": another prior replaces them."""
         numbers = PRIORS[self.prior]._asdict()
-        del numbers["words"]
+        del numbers["words"], numbers["tip_radius_sd_factor"]
         if self.friction == 0.0 and "friction" in self.model_fields_set:
             numbers["friction_sd"] = 0.0  # a limit and no measurement: nothing scatters about it
         self.__dict__.update({k: v for k, v in numbers.items() if k not in self.model_fields_set})
@@ -81,9 +82,29 @@ Phase = Annotated[float, Field(ge=-360, le=360)]
 """Phase or direction, deg."""
 
 
+class Elastic(NamedTuple):
+    """Elastic constants of a plate's material."""
+
+    youngs_modulus_gpa: float
+    poisson_ratio: float
+
+
+PLATE_MATERIALS = {
+    "acrylic": Elastic(3.2, 0.37),
+    "glass": Elastic(70.0, 0.22),
+    "aluminium": Elastic(70.0, 0.33),
+    "steel": Elastic(200.0, 0.29),
+}
+
+
 class Plate(Section):
     """The vibrating plate."""
 
+    material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
+    youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] | None = None
+    """Young's modulus. None: the material's."""
+    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)] | None = None
+    """Poisson's ratio. None: the material's."""
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
     """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
@@ -122,6 +143,13 @@ class Plate(Section):
         return self
 
     @property
+    def elastic(self) -> Elastic:
+        """Elastic constants: those given, else the material's."""
+        own = PLATE_MATERIALS[self.material]
+        given = {"youngs_modulus_gpa": self.youngs_modulus_gpa, "poisson_ratio": self.poisson_ratio}
+        return own._replace(**{key: value for key, value in given.items() if value is not None})
+
+    @property
     def sways(self) -> bool:
         """Whether its points do not only move up and down alike."""
         return any((self.along_ratio, self.across_ratio, self.gradient_percent_per_mm, self.rocking_percent_per_mm))
@@ -141,7 +169,7 @@ class Arena(Section):
     lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
     wall_friction: Friction = 0.25
-    wall_restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
+    wall_restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
 
     @model_validator(mode="after")
     def _consistent(self) -> "Arena":
@@ -163,7 +191,7 @@ class Crowd(Section):
     """Area of their outlines over that of the dish."""
     arena_mm: str = "disc:120"
     """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
-    restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
+    restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
     friction: Friction = 0.3
     """Restitution and friction of body on body; those of the walls are the arena's."""
     touch_ms: Annotated[float, Field(ge=0.02, le=5)] = 0.6
@@ -202,15 +230,23 @@ class LegModel(Section):
 
 
 class Feet(Section):
-    """Elastic feet of the model in space; contact.restitution is the label of their damping."""
+    """Elastic feet of the model in space: a Hertzian tip at each point, in series with its leg's corner."""
 
-    damping: Literal["viscous", "hysteretic"] = "viscous"
-    stiffness_ratio: Annotated[float, Field(ge=1e-6, le=1e6)] = 1.0
-    """Normal stiffness of a corner over half of its leg's axial stiffness."""
+    gone: ClassVar[Mapping[str, str]] = {
+        "damping": "feet have one damper, which gives contact.restitution; leave the key out",
+        "stiffness_ratio": "a leg is as stiff as its material (material.youngs_modulus_gpa); leave the key out",
+        "local_stiffness_ratio": "the tip has a radius in place of a ratio: feet.tip_radius_um, 5 by default; "
+        "feet.rigid_tips = true for rigid tips",
+    }
+
+    tip_radius_um: Annotated[float, Field(ge=1e-3, le=1e6)] = 5.0
+    """Effective radius of a tip: that of a smooth sphere as stiff as the rough printed foot."""
+    tip_radius_sd_factor: Annotated[float, Field(ge=1, le=100)] | None = None
+    """Factor by which it may be off, one standard deviation of a log-normal distribution. None: the prior's."""
+    rigid_tips: bool = False
+    """True: tips do not give, only legs do: the limit of an infinite radius."""
     tangential_ratio: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.8
-    """Tangential stiffness of a corner over its normal stiffness."""
-    local_stiffness_ratio: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
-    """Stiffness of a foot's tip over that of its leg, in series with it. None: rigid tips."""
+    """Tangential stiffness of a point over its normal tangent stiffness (Mindlin: 0.8 for like materials)."""
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Standard deviation of the corners' heights; every run is another print."""
     unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
@@ -284,7 +320,6 @@ class Effects(Section):
     leg_twist: bool | None = None
     lane_walls: bool | None = None
     lid: bool | None = None
-    local_stiffness: bool | None = None
     unevenness: bool | None = None
     plate_noise: bool | None = None
     plate_along: bool | None = None
@@ -298,11 +333,12 @@ class Effects(Section):
 class Prediction(Section):
     """What predictions assume beside contact and print."""
 
-    model_sd: Annotated[float, Field(ge=0, le=3)] = 0.15
+    model_sd: Annotated[float, Field(ge=0, le=3)] = 0.10
     """Structural error of the model in space, one standard deviation, a share of the speed.
 
-    The default is the size of what that model leaves open (docs/physics.md section 4): feet three times as stiff or
-    soft, or damped along the plate too, change speeds by 8 to 9 % each, and independent programs differ by 3 to 35 %.
+    The default is measured from what that model leaves open (docs/physics.md section 4): another damper (Hunt and
+    Crossley's) changes the speed at 10 deg by 8 %, a leg's spring between the two that its shape allows by 6, four
+    points a foot for two by 5, half or 1.5 times the tangential stiffness by 1.
     """
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
     """Speed at which the theory's feet meet the plate over its peak speed (the paper: "of the same

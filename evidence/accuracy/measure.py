@@ -1,6 +1,6 @@
 """Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about five minutes of one core.
 
-The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and labels of CELLS: every model, and
+The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and restitutions of CELLS: every model, and
 every step of the model in space, beside a reference by a tenth of the finest step. Each has runs of its own random
 numbers (SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
 costs are those of the machine at that moment. Rows are added one by one; a second call goes on after the last.
@@ -31,12 +31,12 @@ LANE, PLANE = "lane-90hz", "plane-90hz"
 """Scenes of the cells; on the plane models in a plane are refused."""
 
 CELLS = (
-    (LANE, (5.0, 15.0, 1.0, 30.0), (0.22, 0.5, 0.1)),
-    (LANE, (10.0,), (0.22, 0.5, 0.1)),
-    (LANE, (20.0,), (0.22, 0.5, 0.1)),
-    (PLANE, (10.0, 5.0), (0.22,)),
+    (LANE, (5.0, 15.0, 1.0, 30.0), (0.8, 0.9, 0.5)),
+    (LANE, (10.0,), (0.8, 0.9, 0.5)),
+    (LANE, (20.0,), (0.8, 0.9, 0.5)),
+    (PLANE, (10.0, 5.0), (0.8,)),
 )
-"""Scenes, tilts and labels of the feet, of which the later ones were measured later."""
+"""Scenes, tilts and restitutions of the feet, of which the later ones were measured later."""
 
 SHARES = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet; the first is the reference's."""
@@ -50,12 +50,12 @@ since it is twenty times as dear."""
 CALM_DEG, CALM_SHARE = 1.0, 0.2
 """Tilt at which speeds scatter by little, and share of the time that is enough there."""
 
-MAIN_LABEL, ELSEWHERE_SHARE = 0.22, 0.5
-"""Label of the shipped scenes, and share of the time of the cells of other labels."""
+MAIN_RESTITUTION, ELSEWHERE_SHARE = 0.8, 0.5
+"""Restitution of the shipped scenes, and share of the time of the cells of others."""
 
 ALSO_WHOLE = ((LANE, 5.0, 0.5),)
-"""Cells (scene, tilt, label) of another label with all settings; the others have the step that feet take by themselves
-alone, which tells their speed, scatter and cost."""
+"""Cells (scene, tilt, restitution) of another restitution with all settings; the others have only the step that feet
+take by themselves, which gives their speed, scatter and cost."""
 
 LOOPS = 3
 """Loops of `pace` before each setting."""
@@ -66,7 +66,7 @@ class Setting(NamedTuple):
 
     scene: str
     tilt_deg: float
-    label: float
+    restitution: float
     model: ModelName
     share: float | None
 
@@ -76,23 +76,23 @@ def settings() -> list[Setting]:
     ways: list[tuple[ModelName, float | None]] = [("space", share) for share in SHARES]
     ways += [(model, None) for model in PLANAR]
     every = [
-        Setting(scene, tilt, label, *way)
-        for scene, tilts, labels in CELLS
-        for label, tilt, way in product(labels, tilts, ways)
+        Setting(scene, tilt, restitution, *way)
+        for scene, tilts, restitutions in CELLS
+        for restitution, tilt, way in product(restitutions, tilts, ways)
         if scene == LANE or way[0] == "space"
     ]
-    return [one for one in every if one.share == 1.0 or one.label == MAIN_LABEL or one[:3] in ALSO_WHOLE]
+    return [one for one in every if one.share == 1.0 or one.restitution == MAIN_RESTITUTION or one[:3] in ALSO_WHOLE]
 
 
 def walker(setting: Setting, seed: int) -> Walker:
     """The paper's walker in a shipped scene by a setting."""
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
     scene = templates.load(setting.scene, "scenes", Scene)
-    contact = scene.contact.model_copy(update={"restitution": setting.label})
+    contact = scene.contact.model_copy(update={"restitution": setting.restitution})
     legs = scene.legs.model_copy(update={"model": setting.model})
     seconds = REFERENCE_S if setting.share == REFERENCE else SECONDS
     seconds *= CALM_SHARE if setting.tilt_deg <= CALM_DEG else 1.0
-    seconds *= 1.0 if setting.label == MAIN_LABEL else ELSEWHERE_SHARE
+    seconds *= 1.0 if setting.restitution == MAIN_RESTITUTION else ELSEWHERE_SHARE
     timing = {"runs": RUNS, "seconds": seconds, "discard_seconds": DISCARD_S, "seed": seed}
     run = scene.run.model_copy(update=timing)
     asked = scene.model_copy(update={"contact": contact, "legs": legs, "run": run})

@@ -1,18 +1,19 @@
-"""Contact of the paper's plate: the label of its feet's damping, from all that the paper states.
+"""Effective radius of the tips of the paper's feet, from all that the paper states.
 
-`python -m evidence.tables.contact` prints it, for `scene.PAPER_CONTACT`. By
-Bayes' rule over draws of a prediction: labels are drawn evenly, friction as measured, thickness,
-modulus and feet as a print may have them, prints anew for each tilt. The model's own error is left
-out: the label takes up what it is for the paper's walkers, and predictions of others add it.
+`python -m evidence.tables.contact` prints it, for `feet.tip_radius_um` and `scene.PAPER_CONTACT`. By Bayes' rule over
+draws of a prediction: the radius is drawn evenly in its logarithm, or nearly so; restitution and friction as measured;
+thickness, modulus and feet as a print may have them, prints anew for each tilt. The model's own error is left out: the
+radius takes up what it is for the paper's walkers, and predictions of others add it.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.trust.published import FACTS
-from walkergen.scene import Contact, Prediction, Scene
+from walkergen.scene import Feet, Prediction, Scene
 from walkergen.theory import places, prediction, uncertain
 from walkergen.theory.prediction import PRINT
 from walkergen.theory.surrogate import Known
@@ -26,15 +27,20 @@ ENDS = 2.0
 
 DRAWS, SEED = 2**15, 60
 
+WIDE = 6.0
+"""Factor of a standard deviation of the radius beforehand: little is known."""
+
 TILTS_DEG = (2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 35.0)
 """Tilts between which the fastest is looked for."""
 
 
 class Posterior(NamedTuple):
-    """What the paper's speeds say of the label."""
+    """What the paper's speeds say of the radius."""
 
-    restitution: float
-    restitution_sd: float
+    radius_um: float
+    """Median."""
+    factor: float
+    """Factor of one standard deviation of its logarithm."""
     effective: float
     """Number of draws that the weighted ones are worth."""
     speed: Array
@@ -42,9 +48,8 @@ class Posterior(NamedTuple):
 
 
 def speeds() -> tuple[Array, Array]:
-    """Labels, shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
-    # So wide that a normal distribution is even between the least label and 1
-    scene = Scene(contact=Contact(restitution=0.5, restitution_sd=1.0), prediction=Prediction(model_sd=0.0))
+    """Return radii (um), shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
+    scene = Scene(feet=Feet(tip_radius_sd_factor=WIDE), prediction=Prediction(model_sd=0.0))
     rows = []
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
@@ -54,8 +59,7 @@ def speeds() -> tuple[Array, Array]:
         prints = drawn._replace(columns={**drawn.columns, PRINT.name: unevenness})
         known = Known(design, scene, places.of(scene, design, solids.mass_of(design)))
         rows.append(prediction.draws_of(known, prints))
-    labels = drawn.columns["contact.restitution"]
-    return labels, np.array(rows).T
+    return drawn.columns["feet.tip_radius_um"], np.array(rows).T
 
 
 def likelihood(speed: Array) -> Array:
@@ -73,24 +77,23 @@ def likelihood(speed: Array) -> Array:
 
 
 def posterior() -> Posterior:
-    """Mean and standard deviation of the label, given the paper's statements."""
-    labels, speed = speeds()
+    """Return the radius and its factor, given the paper's statements."""
+    radii, speed = speeds()
     weights = likelihood(speed)
     weights /= weights.sum()
-    mean = float(weights @ labels)
-    sd = float(np.sqrt(weights @ (labels - mean) ** 2))
+    logs = np.log(radii)
+    mean = float(weights @ logs)
+    sd = float(np.sqrt(weights @ (logs - mean) ** 2))
     order = np.argsort(speed, axis=0)
     middle = [float(speed[rows, k][np.searchsorted(np.cumsum(weights[rows]), 0.5)]) for k, rows in enumerate(order.T)]
-    return Posterior(mean, sd, float(1.0 / (weights @ weights)), np.array(middle))
+    return Posterior(math.exp(mean), math.exp(sd), float(1.0 / (weights @ weights)), np.array(middle))
 
 
 def main() -> None:
-    """Print the label, and the speeds that go with it."""
-    label = posterior()
-    print(
-        f"restitution {label.restitution:.3f} ± {label.restitution_sd:.3f}, from draws worth {label.effective:.0f} ones"
-    )
-    for tilt, speed in zip(TILTS_DEG, label.speed, strict=True):
+    """Print the radius, and the speeds that go with it."""
+    found = posterior()
+    print(f"radius {found.radius_um:.2f} um, factor {found.factor:.2f}, from draws worth {found.effective:.0f} ones")
+    for tilt, speed in zip(TILTS_DEG, found.speed, strict=True):
         print(f"{tilt:5.1f} deg {speed:6.1f} mm/s")
 
 

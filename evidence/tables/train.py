@@ -201,7 +201,8 @@ def of_kind(kind: Kind, every: Rows, pool: worker_pool.WorkerPool) -> tuple[dict
     ranges = {name: [float(a), float(b)] for name, a, b in zip(Place._fields, low, high, strict=True)}
     steepest = max(-ranges["slope_ratio"][0], ranges["slope_ratio"][1])  # mirror images, and upright ones between
     ranges |= {"slope_ratio": [-steepest, steepest], "root_tilt": [0.0, ranges["root_tilt"][1]]}
-    rest = np.flatnonzero(~learnt & np.isfinite(values) & np.isfinite(se))
+    # Upright walkers on a level plate have no speed by symmetry: nothing to test
+    rest = np.flatnonzero(~learnt & np.isfinite(values) & np.isfinite(se) & (np.abs(factors).sum(axis=1) > 0.0))
     run_sd = found.run_sd(terms, uneven)
     unseen = Unseen(inputs[rest], factors[rest], values[rest], se[rest], run_sd[rest])
     arrays[f"{kind}_error"] = _error(arrays, kind, unseen)

@@ -57,24 +57,23 @@ def paper_design(tilt_deg: float, kind: limbs.Kind = "flexible") -> Design:
 
 @cache
 def in_space(
-    tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8, kind: limbs.Kind = "flexible"
+    tilt_deg: float, effort: Effort, gamma: float = 1.8, frequency_hz: float = 90.0, kind: limbs.Kind = "flexible"
 ) -> Measured:
-    """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
-    keys = {"drive.gamma": gamma, "legs.model": "space"}
-    return _measured(_scene("plane-90hz", effort, restitution, keys), paper_design(tilt_deg, kind))
+    """Measure a walker on the plane of `plane-90hz`, in space, with the contact as the paper measured it."""
+    keys = {"drive.gamma": gamma, "drive.frequency_hz": frequency_hz, "legs.model": "space"}
+    return _measured(_scene("plane-90hz", effort, keys), paper_design(tilt_deg, kind))
 
 
 @cache
 def paper_model(tilt_deg: float, effort: Effort) -> Measured:
     """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
-    return _measured(_scene("lane-90hz-fitted", effort, None, {"legs.model": "relaxed"}), paper_design(tilt_deg))
+    return _measured(_scene("lane-90hz-fitted", effort, {"legs.model": "relaxed"}), paper_design(tilt_deg))
 
 
-def _scene(name: str, effort: Effort, restitution: float | None, keys: Mapping[str, object]) -> Scene:
-    """Shipped scene at a restitution, or its own, with other keys set anew, and the runs of an effort."""
+def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
+    """Return a shipped scene with some keys replaced, and the runs of an effort."""
     runs = {"run.seconds": effort.seconds, "run.discard_seconds": STARTED_S, "run.runs": effort.runs}
-    label = {} if restitution is None else {"contact.restitution": restitution}
-    return templates.load(name, "scenes", Scene).variant(**runs, **label, **keys)
+    return templates.load(name, "scenes", Scene).variant(**runs, **keys)
 
 
 def _measured(scene: Scene, design: Design) -> Measured:
@@ -100,12 +99,12 @@ def speed_of(point: experiments.Results) -> Quantity:
     return mean("speed", "mm_s", [result.speed for result in point.results])
 
 
-def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Quantity:
+def exponent(tilt_deg: float, effort: Effort, lag_s: float) -> Quantity:
     """Exponent of the mean square displacement between a lag and twice it, and its error.
 
     2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
     """
-    squares = _squares(tilt_deg, effort, restitution, lag_s)
+    squares = _squares(tilt_deg, effort, lag_s)
     total = squares.sum(axis=0)
     without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
     n = len(squares)
@@ -113,9 +112,9 @@ def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     return Quantity("exponent", "", float(np.log2(total[1] / total[0])), error, n - 1)
 
 
-def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Array:
+def _squares(tilt_deg: float, effort: Effort, lag_s: float) -> Array:
     """Mean square displacement of every run at a lag and at twice it, shape (runs, 2), mm^2."""
-    design, scene = paper_design(tilt_deg), _scene("plane-90hz", effort, restitution, {})
+    design, scene = paper_design(tilt_deg), _scene("plane-90hz", effort, {})
     experiment = experiments.Walker(scene, design, solids.mass_of(design), sample_interval=FRAME_S)
     point = simulated(experiment)
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
@@ -127,17 +126,12 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     return np.array(squares)
 
 
-def rebound(tilt_deg: float, restitution: float, drops: int) -> Quantity:
+def rebound(tilt_deg: float, drops: int) -> Quantity:
     """Speed after over before the first bounce of walkers dropped level by 1 mm on a plate at rest.
 
     Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
     """
-    tables = {
-        "drive": at_rest(90.0),
-        "contact": {"restitution": restitution, "friction": 0.25},
-        "arena": {"kind": "plane"},
-        "legs": {"model": "space"},
-    }
+    tables = {"drive": at_rest(90.0), "arena": {"kind": "plane"}, "legs": {"model": "space"}}
     design = paper_design(tilt_deg)
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
     fall, rebounds = math.sqrt(2.0 / GRAVITY), []

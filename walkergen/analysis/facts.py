@@ -13,6 +13,9 @@ from walkergen.numerics.quantity import Quantity
 OF_WALKERS = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""
 
+UNBOUNDED = "the data set no finite bounds: film for longer"
+"""Reason why a number with an error has no bounds."""
+
 
 def of(motion: Motion) -> dict[str, Any]:
     """All results for JSON: values, errors and reasons by keys that carry their unit."""
@@ -23,9 +26,9 @@ def of(motion: Motion) -> dict[str, Any]:
         facts[f"{name}_scale_se_{unit}"] = scale_se(estimate, motion)
     facts |= {
         "refused": {
-            estimate.column: estimate.refused
+            column: reason
             for estimate in map(motion.estimates.__getitem__, UNITS)
-            if estimate.refused
+            for column, reason in _reasons(estimate).items()
         },
         "walkers": [
             {"particle": walker.particle, "seen_s": walker.seconds}
@@ -84,6 +87,15 @@ def _keyed(name: str, estimate: Quantity) -> dict[str, float | None]:
     return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds
 
 
+def _reasons(estimate: Quantity) -> dict[str, str]:
+    """Return why a number, its error or its bounds are null, by the key of what is missing."""
+    if estimate.refused:
+        return {estimate.column: estimate.refused}
+    if estimate.interval() is not None:
+        return {}
+    return {f"{estimate.key}_{end}_95_{estimate.unit}": UNBOUNDED for end in ("low", "high")}
+
+
 def _fit(motion: Motion) -> dict[str, float | None] | None:
     """Parameters of the fit of the squared displacement, and its goodness."""
     fit = motion.msd_fit
@@ -93,7 +105,7 @@ def _fit(motion: Motion) -> dict[str, float | None] | None:
     spread = zip(fit.spreads[0]._asdict().items(), units, strict=True)
     values = {f"{name}_{unit}": value for (name, value), unit in spread}
     values |= {"misfit": fit.misfit, "p_value": fit.p_value}
-    return {name: None if math.isnan(value) else value for name, value in values.items()}
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
@@ -101,8 +113,10 @@ def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]
 
 
 def points(curve: Sequence[Array]) -> list[tuple[float | None, ...]]:
-    """Points of a curve; None where a number is not known."""
-    return [tuple(None if math.isnan(value) else float(value) for value in point) for point in zip(*curve, strict=True)]
+    """Points of a curve; None where a number is not known, or not finite."""
+    return [
+        tuple(float(value) if math.isfinite(value) else None for value in point) for point in zip(*curve, strict=True)
+    ]
 
 
 def scale_se(number: Quantity, motion: Motion) -> float | None:

@@ -149,6 +149,9 @@ def diffusion(turnings: Sequence[Turning], noise2: Quantity, memory: Quantity) -
     added = raised / turned * math.hypot(noise2.se, (variance - noise) * lasting_se)
     error = math.hypot(variance * math.sqrt(2.0 / free), added)
     freedom = 2.0 * (variance / error) ** 2 if error else free
+    if freedom < 1.0:  # the bounds of such a variance span a factor of 1000 and more, up to infinity
+        reason = "the headings turn less than the error of their noise, or of how long turning lasts: film for longer"
+        return refusal("rotational_diffusion", reason)
     return quantity("rotational_diffusion", variance - noise, error, freedom)._replace(noise=noise)
 
 

@@ -23,8 +23,8 @@ from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 
-LABELS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-"""Restitution labels of the feet at which the curve is simulated."""
+RESTITUTIONS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+"""Restitutions of the feet at which the curve is simulated."""
 
 SAMPLES = 300
 """Poses of a drop: their highest misses 1e-5 of the height."""
@@ -114,21 +114,21 @@ def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
-def by_label(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
-    """Rebounds of a walker at every one of LABELS, flat and from the hand."""
+def by_restitution(scene: Scene, design: Design, hand: Sequence[Let], progress: Progress) -> list[Rebounds]:
+    """Rebounds of a walker at every one of RESTITUTIONS, flat and from the hand."""
     rows = []
-    for number, label in enumerate(LABELS):
-        progress(f"restitution {label:g}", number, len(LABELS))
-        plan = resting.plan_of(resting.with_contact(scene, restitution=label), design)
+    for number, restitution in enumerate(RESTITUTIONS):
+        progress(f"restitution {restitution:g}", number, len(RESTITUTIONS))
+        plan = resting.plan_of(resting.with_contact(scene, restitution=restitution), design)
         rows.append(rebounds(plan, hand))
     return rows
 
 
 def curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
-    """Curve from LABELS to the rebound, flat or from the hand; None with fewer than two points."""
+    """Curve from RESTITUTIONS to the rebound, flat or from the hand; None with fewer than two points."""
     points = [
-        (label, row.flat, 0.0, 1) if flat else (label, row.mean, row.sd, row.tries)
-        for label, row in zip(LABELS, rows, strict=True)
+        (e, row.flat, 0.0, 1) if flat else (e, row.mean, row.sd, row.tries)
+        for e, row in zip(RESTITUTIONS, rows, strict=True)
         if (row.flat is not None if flat else row.tries > 1)
     ]
     columns = np.array(points, float)

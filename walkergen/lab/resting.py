@@ -59,7 +59,7 @@ def in_words(scene: Scene, design: Design) -> str:
     contact = scene.contact
     return (
         f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg; model space, "
-        f"{scene.feet.damping} feet, restitution {contact.restitution:g}, friction "
+        f"restitution {contact.restitution:g}, friction "
         f"{contact.friction:g}; plate at rest"
     )
 

@@ -82,24 +82,31 @@ class Quantity(NamedTuple):
         return f"{self.key}_{self.unit}" if self.unit else self.key
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
-        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None without an error.
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
 
-        A bias widens them in squares, by half of it below CONFIDENCE: as one standard deviation.
+        A number has no bounds without an error, or with one of no degrees of freedom. A bias widens them in squares,
+        by half of it below CONFIDENCE: as one standard deviation.
         """
         if self.value is None or self.se is None or math.isinf(self.bias):
             return None
+        ends = self._ends(self.value, self.se, confidence)
+        return ends if all(map(math.isfinite, ends)) else None
+
+    def _ends(self, value: float, se: float, confidence: float) -> tuple[float, float]:
+        """Lower and upper bound of a number with an error, which may be infinite or NaN."""
         if self.bias:
             half = self._replace(bias=0.0).half_width(confidence)
             wider = math.hypot(half, self.bias if confidence >= CONFIDENCE else 0.5 * self.bias)
-            return self.value - wider, self.value + wider
-        if self.se == 0.0 and self.noise is None:
-            return self.value, self.value
+            return value - wider, value + wider
+        if se == 0.0 and self.noise is None:
+            return value, value
         if self.noise is not None:
-            return self._of_variance(self.value, self.noise, confidence)
-        return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
+            with np.errstate(all="ignore"):
+                return self._of_variance(value, self.noise, confidence)
+        return statistics.Mean(value, se, self.freedom).interval(confidence)
 
     def half_width(self, confidence: float = CONFIDENCE) -> float:
-        """Half of the width of its bounds; infinite without an error."""
+        """Half of the width of its bounds; infinite without any."""
         ends = self.interval(confidence)
         return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
 
@@ -110,6 +117,8 @@ class Quantity(NamedTuple):
         free, tail = self.freedom, 0.5 - 0.5 * confidence
         total = (value**self.power + noise) * free
         scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
+        if not np.isfinite(scales).all():  # hardly any freedom
+            return math.nan, math.nan
         for _ in range(ROUNDS if self.least else 0):  # so that a larger one, given that it is told, has this chance
             if scales[0] > noise:
                 told = special.chdtrc(free, self.least * free / scales[0])

@@ -13,12 +13,18 @@ MANY = 1e4
 LARGE = 16.0
 """Argument from which on the five terms of Stirling's series are exact."""
 
+LARGEST = 1e150
+"""Quantile from which on its square is taken as infinite."""
+
 PASSES = 100
 """Steps of Newton and bisections after which a quantile is as exact as doubles are."""
 
 
 def student(freedom: float, probability: float) -> float:
-    """Quantile of Student's t of so many degrees of freedom, at a probability between 0 and 1."""
+    """Quantile of Student's t of so many degrees of freedom, at a probability between 0 and 1.
+
+    Infinite where its square is no double, as of 97.5 % and 0.005 degrees of freedom.
+    """
     if not freedom > 0.0:
         return math.nan
     z, tail = NormalDist().inv_cdf(probability), min(probability, 1.0 - probability)
@@ -30,6 +36,8 @@ def student(freedom: float, probability: float) -> float:
         return z * (1.0 + (q + 1.0) / n + ((5.0 * q + 16.0) * q + 3.0) / (6.0 * n * n) + third / (6.0 * n**3))
     a, t, low, high = 0.5 * freedom, abs(z), 0.0, math.inf
     for _ in range(PASSES):
+        if t > LARGEST:
+            return math.copysign(math.inf, z)
         whole = freedom + t * t
         x, y = freedom / whole, t * t / whole
         beyond = 0.5 * _beta(a, 0.5, x, y)

@@ -137,7 +137,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
             found = tried(variants.planar(whole, model))
     for rule in rules.every():
         effect = rule.judge(found.walker.plan().case)
-        if effect.on and "legs.model" not in rule.off and effect.switch and whole.scene.value(rule.switch) is not True:
+        if effect.on and rule.switch and "legs.model" not in rule.off and whole.scene.value(rule.switch) is not True:
             variant = variants.off(found.walker, rule)
             found = tried(None if variant is None else variant._replace(effect=effect.name))
     return found

@@ -23,7 +23,7 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     return (
         f"As designed: the model in space, by its surrogate where that is sure, else by a short simulation. As you "
         f"will get it: the median, with what is not known of contact, print and masses, and "
-        f"{100 * assumed.model_sd:g} % for the model itself. {origin}: restitution (the feet's label) "
+        f"{100 * assumed.model_sd:g} % for the model itself. {origin}: restitution "
         f"{contact.restitution:g} ± {contact.restitution_sd:g}, friction {contact.friction:g} ± "
         f"{contact.friction_sd:g}. Theory (eq. 15): {what} x impact speed, {assumed.impact_speed_factor:g} of the "
         f"{swing} peak speed; mode {mode}, law {contact.law}"
@@ -87,33 +87,51 @@ def lines(walkers: Sequence[Member]) -> list[str]:
 
 
 def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
-    """Columns of the table; a speed with a note carries its number, if `why`."""
+    """Columns of the table; a speed with a note carries its number, if `why`.
+
+    Where only the theory was requested they are what it takes and gives, without empty ones.
+    """
     simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
     by_theory = any(member.row.speed_by == "theory" for member in walkers)
 
+    def mark(note: str) -> str:
+        return f" [{notes.index(note) + 1}]" if note in notes and why else ""
+
     def designed(row: Any) -> str:
-        mark = f" [{notes.index(row.note) + 1}]" if row.note and why else ""
-        return (_outcome(row) or words.fixed(row.nominal_mm_s, 1)) + mark
+        return (_outcome(row) or words.fixed(row.nominal_mm_s, 1)) + mark(row.note)
+
+    def theory(row: Any) -> str:
+        return words.fixed(row.theory_mm_s, 1) + mark(row.theory_note)
 
     def speed(row: Any) -> str:
         return "" if row.speed_mm_s is None or prediction.stands(row) else words.fixed(row.speed_mm_s, 1)
 
+    alone = _has_theory_alone(walkers)
+    given = (report.number("tilt\n(deg)", "tilt_deg", 6), report.text("legs", "legs"))
+    masses = (
+        _mass_of("M\n(g)", "M_g", wide=not alone),
+        _mass_of("J\n(g mm²)", "J_g_mm2", wide=not alone),
+        _mass_of("m\n(g)", "m_g", wide=not alone),
+        _mass_of("j\n(g mm²)", "j_g_mm2", wide=not alone),
+    )
+    factors = (
+        _factor("back\n(v/w)", "factor_back", wide=not alone),
+        _factor("front\n(v/w)", "factor_front", wide=not alone),
+        _factor("mean\n(v/w)", "factor_mean", wide=True),
+    )
+    eq_15 = _explained(Column("eq. 15\n(mm/s)", theory, right=True, wide=not by_theory), "theory_mm_s")
+    if alone:
+        return (*given, *masses, *factors, eq_15)
     return (
-        report.number("tilt\n(deg)", "tilt_deg", 6),
-        report.text("legs", "legs"),
+        *given,
         _mass_of("mass\n(g)", "total_g"),
-        _mass_of("M\n(g)", "M_g", wide=True),
-        _mass_of("J\n(g mm²)", "J_g_mm2", wide=True),
-        _mass_of("m\n(g)", "m_g", wide=True),
-        _mass_of("j\n(g mm²)", "j_g_mm2", wide=True),
+        *masses,
         Column("as designed\n(mm/s)", designed, right=True),
         Column("your print\n(mm/s)", speed, right=True),
         _bounds("68 %\n(mm/s)", "68"),
         _bounds("95 %\n(mm/s)", "95", wide=simulated),
-        _explained(report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1, wide=not by_theory), "theory_mm_s"),
-        _factor("back\n(v/w)", "factor_back"),
-        _factor("front\n(v/w)", "factor_front"),
-        _factor("mean\n(v/w)", "factor_mean"),
+        eq_15,
+        *factors,
         *(RUNS if simulated else ()),
     )
 
@@ -131,8 +149,8 @@ def _mass_of(heading: str, key: str, wide: bool = False) -> Column:
     return _explained(report.number(heading, key, wide=wide), key)
 
 
-def _factor(heading: str, key: str) -> Column:
-    return _explained(report.fixed(heading, key, 3, wide=True), key)
+def _factor(heading: str, key: str, wide: bool) -> Column:
+    return _explained(report.fixed(heading, key, 3, wide=wide), key)
 
 
 def _explained(column: Column, key: str) -> Column:
@@ -157,7 +175,13 @@ def _notes(walkers: Sequence[Member]) -> list[str]:
     """Distinct notes of the walkers that the table shows, in order."""
     standing = {id(member) for member in _standing(walkers)}  # equality compares designs and meshes
     shown = [member.row for member in walkers if id(member) not in standing]
-    return list(dict.fromkeys(row.note for row in shown if row.note))
+    alone = _has_theory_alone(walkers)
+    return list(dict.fromkeys(filter(None, (row.theory_note if alone else row.note for row in shown))))
+
+
+def _has_theory_alone(walkers: Sequence[Member]) -> bool:
+    """Whether only the theory's speeds were requested."""
+    return all(member.row.has_theory_alone for member in walkers)
 
 
 def _bounds(heading: str, share: str, wide: bool = False) -> Column:

@@ -94,7 +94,8 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
     locked = orbits.shared(speeds, plate_speed) == orbits.ORBIT
     if locked:
         mean, outcomes[Outcome.ORBIT.value] = None, len(good)
-    bounds = [None] * 4 if mean is None else [*mean.interval(0.68), *mean.interval(0.95)]
+    ends = () if mean is None else (*mean.interval(0.68), *mean.interval(0.95))
+    bounds = [*ends] if ends and all(map(math.isfinite, ends)) else [None] * 4
     observed = observables.observe(results)
     table = functools.partial(observables.of_table, observed)
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)

@@ -26,8 +26,8 @@ PERIODS_PER_BLOCK = 4
 """Length of a block in periods of the drive: the time resolution of the speed's statistics."""
 
 FIRST_ROOM, MOST_ROOM = 1024, 2_000_000
-"""Impacts for which there is room at first, when all are kept: per period of the drive, in all. Hysteretic feet touch
-270 times a period, and a run without room for all is made again."""
+"""Impacts for which there is room at first, when all are kept: per period of the drive, in all. A run without room for
+all of them is made again."""
 
 
 class Outcome(Enum):

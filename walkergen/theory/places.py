@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import LEAST_LABEL, Scene
+from walkergen.scene import LEAST_RESTITUTION, Scene
+from walkergen.theory.hertz import contact_modulus
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -51,6 +52,9 @@ class Place(NamedTuple):
     """Unevenness of the feet over the plate's amplitude."""
     log_foot_ratio: float | Array
     """Logarithm of the frequency of the body on a leg's axial stiffness over the drive's."""
+    log_tip_ratio: float | Array
+    """Logarithm of the frequency of the walker on one tip over the drive's; the tip as stiff as where it has stopped
+    the walker, (E*^4 R^2 M v^2)^(1/5), v the plate's peak speed."""
     log_damping: float | Array
     """Logarithm of the damping ratio of a leg."""
     log_amplitude_ratio: float | Array
@@ -77,9 +81,13 @@ class Place(NamedTuple):
 
     def drawn(self, design: Design, scene: Scene, drawn: Drawn) -> "Place":
         """Places at drawn values of the inputs of a prediction."""
-        contact, modulus = scene.contact, design.material.youngs_modulus_gpa
+        contact, material = scene.contact, design.material
+        modulus = material.youngs_modulus_gpa
         friction = np.maximum(drawn.of("contact.friction", contact.friction), 1e-9)
         stiffness = drawn.of("material.youngs_modulus_gpa", modulus) / modulus
+        radius = drawn.of("feet.tip_radius_um", scene.feet.tip_radius_um) / scene.feet.tip_radius_um
+        part = contact_modulus(scene, material) * (1.0 - material.poisson_ratio**2) / material.youngs_modulus
+        harder = 1.0 / (1.0 - part + part / stiffness)  # E* over the nominal one
         thickness, leg, body = leg_thickness(design, drawn), leg_masses(design, drawn), drawn.of("body mass", 1.0)
         unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
         hinge = self.log_hinge_ratio + np.log(thickness * np.sqrt(stiffness * thickness / leg))
@@ -91,6 +99,7 @@ class Place(NamedTuple):
             log_hinge_ratio=hinge,
             log_mass_ratio=self.log_mass_ratio + np.log(leg / body),
             log_foot_ratio=self.log_foot_ratio + 0.5 * np.log(thickness * stiffness / body),
+            log_tip_ratio=self.log_tip_ratio + 0.4 * np.log(harder) + 0.2 * np.log(radius) - 0.4 * np.log(body),
             thickness_ratio=self.thickness_ratio * thickness,
             slope_ratio=self.slope_ratio * math.exp(float(self.log_friction)) / friction,
             unevenness_ratio=1e-3 * unevenness / scene.drive.amplitude,
@@ -120,7 +129,7 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Place:
         closeness = 1.0 / (1.0 + max(play, 0.0) / size.length / TURN)
     return Place(
         root_tilt=math.sqrt(abs(design.tilt_deg)),
-        restitution=max(scene.contact.restitution, LEAST_LABEL),
+        restitution=max(scene.contact.restitution, LEAST_RESTITUTION),
         log_friction=math.log(friction),
         gamma=drive.peak_gamma,
         log_hinge_ratio=math.log(hinge),
@@ -133,6 +142,7 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Place:
         fore_ratio=along * float(fore),
         unevenness_ratio=1e-3 * scene.feet.unevenness_um / drive.amplitude,
         log_foot_ratio=0.5 * math.log(axial / float(mass.M)) - math.log(drive.omega),
+        log_tip_ratio=_log_tip_ratio(scene, design, float(mass.M)),
         log_damping=math.log(max(scene.legs.damping_ratio, 1e-9)),
         log_amplitude_ratio=math.log(drive.amplitude / span),
         log_width_ratio=math.log(limb.width / span),
@@ -147,6 +157,13 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Place:
         log_body_ratio=math.log(size.length / span),
         log_depth_ratio=math.log(size.depth / span),
     )
+
+
+def _log_tip_ratio(scene: Scene, design: Design, mass: float) -> float:
+    """Logarithm of the frequency of a walker (g) on one tip over the drive's, as `Place` has it."""
+    modulus, radius, drive = contact_modulus(scene, design.material), 1e-3 * scene.feet.tip_radius_um, scene.drive
+    stiffness = (modulus**4 * radius**2 * mass * drive.peak_speed**2) ** 0.2
+    return 0.5 * math.log(stiffness / mass) - math.log(drive.omega)
 
 
 def _inertias(mass: MassProperties) -> tuple[float, float, float]:

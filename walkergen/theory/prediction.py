@@ -7,7 +7,7 @@ simulated (`points.speeds`).
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from walkergen.scene import Scene
 from walkergen.theory import places, standing, surrogate, uncertain
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
-from walkergen.theory.surrogate import NORMAL_95, Known, UnknownError
+from walkergen.theory.surrogate import NORMAL_95, FallsError, Known, UnknownError
 from walkergen.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -125,7 +125,7 @@ class Prediction(NamedTuple):
     mode: str
     law: str
     theory_note: str
-    """What is to be said of the theory's speed."""
+    """Reason why the theory's speed is not that of the paper's eq. 15; "" where it is, or nearly."""
     note: str
     """What is to be said of the speed."""
 
@@ -134,12 +134,17 @@ class Prediction(NamedTuple):
         """Speed with its bounds; its `se` is the standard deviation of the distribution."""
         return speed_of(self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s)
 
+    @property
+    def has_theory_alone(self) -> bool:
+        """Whether only the theory's speed was requested."""
+        return self.speed_by == "theory" and not self.note and self.falls == 0.0
+
 
 STANDS_MM_S = 1.0
 """Speed below which a walker stands, where zero lies within the error of its speed as designed."""
 
 FAR = 0.1
-"""Share of the speed by which that as designed differs, beyond which both are said."""
+"""Share of a speed by which another one of the walker differs, beyond which both are reported."""
 
 
 def stands(row: Prediction) -> bool:
@@ -154,6 +159,8 @@ def stands(row: Prediction) -> bool:
 def brief(row: Prediction) -> str:
     """What a walker does, in a few words: its speed, or that it stands, falls over or is to be simulated."""
     speed = row.speed_mm_s
+    if row.has_theory_alone:
+        return f"{words.fixed(row.theory_mm_s, 1)} mm/s (theory)"
     if speed is None:
         return "falls over" if row.falls > 0.0 else "no speed yet"
     if stands(row):
@@ -166,8 +173,10 @@ def sentence(row: Prediction) -> str:
     speed, nominal = row.speed_mm_s, row.nominal_mm_s
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
+    if row.has_theory_alone:
+        return f"{words.fixed(row.theory_mm_s, 1)} mm/s in the paper's theory (eq. 15)"
     if speed is None or nominal is None:
-        return falls if row.falls > 0.0 else "no speed: " + (row.note or "of the theory alone (eq. 15)")
+        return falls if row.falls > 0.0 else f"no speed: {row.note}"
     if stands(row):
         return "stands" if row.speed_by == "statics" else f"stands: {_as_designed(row)}"
     text = f"{'runs backward, ' if speed < 0.0 else ''}{words.with_error(abs(speed), row.speed_sd_mm_s or 0.0)} mm/s"
@@ -274,7 +283,10 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
     `mode` is the theory's. Members of a family share their random numbers. Raises UnknownError for a walker that
     is to be simulated, TheoryError when mode and law do not go together.
     """
-    return row_of(design, mass, scene, mode, spread(design, mass, scene))
+    try:
+        return row_of(design, mass, scene, mode, spread(design, mass, scene))
+    except FallsError as falling:
+        return row_of(design, mass, scene, mode, None, falls=falling.chance)
 
 
 def row_of(
@@ -316,27 +328,24 @@ def row_of(
         factor_mean=float(by_foot.factor),
         mode=mode,
         law=contact.law,
-        theory_note="; ".join(filter(None, (by_foot.note, *_notes(by_foot, contact.friction, mode)))),
+        theory_note=by_foot.note or _theory_note(design, mass, scene, mode, by_foot),
         note=note or ("" if speeds is None else speeds.note),
     )
 
 
-def _notes(by_foot: Stationary, friction: float, mode: Mode) -> Iterator[str]:
-    if friction == 0.0:
-        yield "friction 0: every speed is stationary; the limit friction -> 0 is given"
-        return
-    stuck = [place for place, slides in enumerate(by_foot.reverses) if not slides]
-    count = len(by_foot.reverses)
-    if not stuck:
-        return
-    if len(stuck) == count:
-        feet = "both feet" if count == 2 else "all feet"
-    else:
-        feet = f"the {('back', 'front')[stuck[0]]} foot" if count == 2 else f"{len(stuck)} feet"
-    if mode == "paper":
-        yield f"eq. 15 fails: {feet} would stick, not slide back"
-    else:
-        yield f"{feet} can stick, where the paper's eq. 15 fails"
+def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode, by_foot: Stationary) -> str:
+    """Return why the theory's speed is not that of the paper's eq. 15; "" where it nearly is, within `FAR`."""
+    contact = scene.contact
+    if contact.friction == 0.0:
+        return "friction 0: every speed is stationary; the limit friction -> 0 is given"
+    if all(by_foot.reverses) or contact.law != "poisson":
+        return ""
+    other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
+    own, others = float(by_foot.factor), float(other.factor)
+    if abs(own - others) <= FAR * abs(own):
+        return ""
+    which = "sticking feet (mode coulomb) give" if mode == "paper" else "eq. 15, in which feet always slide, gives"
+    return f"friction can hold the feet: {which} {words.fixed(others * _impact_speed(scene, mass), 1)} mm/s"
 
 
 POINTS = 91

@@ -8,6 +8,7 @@ than that holds. Without friction no foot ever pushes along a level plate.
 import math
 
 from walkergen.scene import GRAVITY, Scene
+from walkergen.theory.hertz import tip_stiffness
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties
@@ -44,15 +45,18 @@ def _largest_acceleration(scene: Scene) -> float:
 def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
     """Acceleration of a body on its legs over that of the plate; infinite beyond their resonance."""
     modulus = 1e9 * design.material.youngs_modulus_gpa
-    stiffness = sum(_upright_stiffness(limb, modulus) for limb in design.limbs)
+    load = float(mass.total) * GRAVITY / (2 * len(design.limbs))
+    tip = tip_stiffness(scene, design.material)
+    softer = 0.5 / (1.5 * tip ** (2.0 / 3.0) * load ** (1.0 / 3.0))  # of both tips of a foot at rest
+    stiffness = sum(1.0 / (_upright_softness(limb, modulus) + softer) for limb in design.limbs)
     fastest = scene.drive.omega * (2.0 if scene.drive.second_harmonic_ratio else 1.0)
     ratio = fastest**2 * float(mass.total) / stiffness
     return 1.0 / (1.0 - ratio) if ratio < 1.0 else math.inf
 
 
-def _upright_stiffness(limb: Limb, modulus: float) -> float:
-    """Vertical stiffness of a leg, g/s^2, whose foot slides: it bends as a cantilever and is pressed."""
+def _upright_softness(limb: Limb, modulus: float) -> float:
+    """Vertical compliance of a leg, s^2/g, whose foot slides: it bends as a cantilever and is pressed."""
     softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * limb.section.axial(limb))
     if not limb.rigid:
         softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * limb.section.second_moment(limb))
-    return 1.0 / softness
+    return softness

@@ -30,11 +30,12 @@ Array = npt.NDArray[np.float64]
 NORMAL_95 = NormalDist().inv_cdf(0.975)
 """Standard deviations on either side of the middle that hold 95 % of a normal distribution."""
 
-GOAL_SHARE, GOAL_MM_S = 0.12, 1.0
+GOAL_SHARE, GOAL_MM_S = 0.10, 1.0
 """Error (95 %) up to which the surrogate answers: the larger of a share of the speed and a speed."""
 
-MOST_FALLS = 0.04
-"""Chance that a run ends in a fall, by the networks, up to which the surrogate answers."""
+MOST_FALLS, SURE_FALLS = 0.04, 0.9
+"""Chance that a run ends in a fall, by the networks, up to which the surrogate answers with a speed; and from which it
+answers that the walker falls over. Walkers between are simulated."""
 
 EDGE = 0.02
 """Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
@@ -42,6 +43,14 @@ EDGE = 0.02
 
 class UnknownError(WalkergenError):
     """The surrogate does not know a walker; the text says why, in words that a table of many says once."""
+
+
+class FallsError(UnknownError):
+    """The surrogate knows no speed of a walker, since it falls over."""
+
+    def __init__(self, chance: float) -> None:
+        super().__init__(f"falls over in {100.0 * chance:.0f} % of its runs")
+        self.chance = chance
 
 
 class Known(NamedTuple):
@@ -83,15 +92,18 @@ class Known(NamedTuple):
 
 
 def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
-    """Walker that the surrogate knows. Raises UnknownError, which says why, for one that is to be simulated.
+    """Return a walker that the surrogate knows.
 
-    Whoever bears its error, as a fit does, asks for walkers that are not `within_goal` too.
+    Pass `within_goal=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
+    the reason, for a walker that has to be simulated, and FallsError for one that falls over.
     """
     for reason in _reasons(scene, design):
         raise UnknownError(reason)
     known = Known(design, scene, places.of(scene, design, mass))
     _check_ranges(design.kind, known.place)
     speeds = known.at(known.place)
+    if speeds.falls[0] >= SURE_FALLS:
+        raise FallsError(float(speeds.falls[0]))
     if speeds.falls[0] > MOST_FALLS:
         raise UnknownError("such walkers may fall over")
     speed, se = known.in_mm_s(speeds)
@@ -124,8 +136,8 @@ BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contac
 
 READ = {
     "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
-    "plate": {"slope_deg", "noise_ratio"},
-    "feet": {"unevenness_um", "unevenness_sd_um"},
+    "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa", "poisson_ratio"},
+    "feet": {"unevenness_um", "unevenness_sd_um", "tip_radius_um", "tip_radius_sd_factor"},
     "legs": {"model", "damping_ratio", "damping_ratio_sd"},
 }
 """Keys of other tables that the surrogate reads, or that it draws."""

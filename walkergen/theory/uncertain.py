@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.drive import MOTOR_HZ, Drive
-from walkergen.scene import LEAST_LABEL, Scene
+from walkergen.scene import LEAST_RESTITUTION, PRIORS, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import LONGEST_MM, SHORTEST_MM
@@ -36,6 +36,7 @@ READ_BY = {
     "body mass": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
     "leg mass": (PREDICTION, "relaxed", "compliant", "space"),
     "feet.unevenness_um": (PREDICTION, "space"),
+    "feet.tip_radius_um": (PREDICTION, "space"),
     FREQUENCY: (PREDICTION, "space"),
     MOMENT: (PREDICTION, "space"),
 }
@@ -52,7 +53,7 @@ error of the shares."""
 
 
 class Input(NamedTuple):
-    """Normal distribution of an uncertain input, cut off where it has no meaning."""
+    """Normal or log-normal distribution of an uncertain input, cut off where it has no meaning."""
 
     name: str
     """Key in design or scene; masses are ratios to those of the mesh or the balance."""
@@ -62,13 +63,15 @@ class Input(NamedTuple):
     high: float = math.inf
     folded: bool = False
     """True when the magnitude of the draws counts, as of a standard deviation itself uncertain."""
+    factor: bool = False
+    """True for a log-normal distribution of median `mean`, `sd` the logarithm of its standard factor."""
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     """Inputs with a standard deviation that `reader`, "prediction" or a model's name, reads."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    lowest = LEAST_LABEL if reader in (PREDICTION, "space") else 0.0
+    lowest = LEAST_RESTITUTION if reader in (PREDICTION, "space") else 0.0
     known = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
@@ -89,12 +92,23 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         Input("body mass", 1.0, mass_sd, 0.01),
         Input("leg mass", 1.0, mass_sd, 0.01),
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
+        _tip_radius(scene),
         *_of_motor(scene.drive),
     )
     off = {"leg mass"} if design.rigid else set()
+    if scene.feet.rigid_tips:
+        off.add("feet.tip_radius_um")
     if scene.effects.unevenness is False:
         off.add("feet.unevenness_um")
     return tuple(one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name])
+
+
+def _tip_radius(scene: Scene) -> Input:
+    """Effective radius of the tips, um, cut off at three standard deviations."""
+    radius, factor = scene.feet.tip_radius_um, scene.feet.tip_radius_sd_factor
+    factor = PRIORS[scene.contact.prior].tip_radius_sd_factor if factor is None else factor
+    ends = radius / factor**3, radius * factor**3
+    return Input("feet.tip_radius_um", radius, math.log(factor), *ends, factor=True)
 
 
 def _of_motor(drive: Drive) -> tuple[Input, ...]:
@@ -202,6 +216,9 @@ _of_standard = np.vectorize(STANDARD.inv_cdf, otypes=[float])
 
 def quantiles(law: Input, shares: Array) -> Array:
     """Quantiles of an input's distribution; shares in (0, 1), any shape."""
+    if law.factor:
+        normal = Input(law.name, math.log(law.mean), law.sd, math.log(law.low), math.log(law.high))
+        return np.asarray(np.exp(quantiles(normal, shares)))
     low = -math.inf if law.folded else (law.low - law.mean) / law.sd
     high = math.inf if law.folded else (law.high - law.mean) / law.sd
     bottom, top = STANDARD.cdf(low), STANDARD.cdf(high)

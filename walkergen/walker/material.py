@@ -19,6 +19,8 @@ class Material(Section):
     density_g_cm3: Annotated[float, Field(ge=1e-3, le=100)] = 1.24
     youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] = 3.0
     youngs_modulus_sd_gpa: Annotated[float, Field(ge=0, le=1e4)] = 0.35
+    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)] = 0.36
+    """Poisson's ratio; PLA's."""
     nozzle_deg_c: Annotated[int, Field(ge=100, le=500)] = 210
     bed_deg_c: Annotated[int, Field(ge=0, le=200)] = 60
     """Temperature of the bed; 0: it is not heated."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.errors import GeometryError
+from walkergen.files.config import Section
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Leg, Limb, limb_of
 from walkergen.walker.mass import Array, MassProperties
@@ -24,6 +25,13 @@ ROUNDING_MM = 1e-6
 """Largest error, mm, of a support that people draw."""
 
 
+class _Parts(Section):
+    """Tables that are read together, so that a mistake in one is told by its whole key: legs[2].friction."""
+
+    body: Body
+    legs: list[Leg]
+
+
 def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """Data of a design that stands as built, turned until it stands on two feet.
 
@@ -33,9 +41,8 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     for name in ("motor", "battery"):
         if data.get(name) is not None:
             raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
-    body = Body.model_validate(data.get("body", {}))
-    legs = [Leg.model_validate(leg) for leg in _listed(data)]
-    shape = body.shape
+    parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _listed(data)})
+    legs, shape = parts.legs, parts.body.shape
     if shape.side is None:
         raise GeometryError(
             "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the feet level"

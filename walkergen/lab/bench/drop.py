@@ -30,7 +30,7 @@ class Dropped(NamedTuple):
     """Rebounds of a walker by the restitution of its feet, and by all else that counts."""
 
     by_label: Sequence[Rebounds]
-    """Rebounds at drops.LABELS."""
+    """Rebounds at drops.RESTITUTIONS."""
     by: dict[str, list[tuple[float, Rebounds]]]
     """Rebounds at the scene's contact by tilt, friction and height."""
     by_turn: Sequence[tuple[float, float | None, float | None]]
@@ -61,7 +61,7 @@ def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: in
     resting.one_material(design, "restitution")
     own = resting.plan_of(scene, design)
     hand = drops.from_hand(height, turn_deg, tries, scene.run.seed)
-    by_label = drops.by_label(scene, design, hand, progress)
+    by_label = drops.by_restitution(scene, design, hand, progress)
     few = hand[:FEW]
     rows = [("tilt", tilt, resting.plan_of(scene, variant), few) for tilt, variant in _tilted(design)]
     for friction in FRICTIONS:

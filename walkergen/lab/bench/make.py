@@ -245,7 +245,7 @@ def _rows(name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[
 
 def _tables_of_drop(rebounds: Dropped) -> list[Table]:
     """Rebounds by restitution, by what else counts, and by the first turn."""
-    conditions = {"restitution": list(zip(drops.LABELS, rebounds.by_label, strict=True)), **rebounds.by}
+    conditions = {"restitution": list(zip(drops.RESTITUTIONS, rebounds.by_label, strict=True)), **rebounds.by}
     units = {"tilt": "tilt_deg", "height": "height_mm"}
     tables = []
     for what, table in conditions.items():

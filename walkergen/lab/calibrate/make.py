@@ -94,7 +94,7 @@ def _drop(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progr
     """What a rebound tells of the feet, by simulated drops with what else was measured."""
     resting.one_material(design, "restitution")
     hand = drops.from_hand(seen.height, job.turn_deg, job.drops, scene.run.seed)
-    curve = drops.curve(drops.by_label(scene, design, hand, progress), flat=job.turn_deg == 0.0)
+    curve = drops.curve(drops.by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
     if curve is None:
         return None
     # A hand may be less sure than the one that is simulated

@@ -1,5 +1,6 @@
 """Lessons of a posterior: what was learnt, what was not, and what only as a combination."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -19,6 +20,9 @@ TRADED = 0.5
 
 PART = 0.3
 """Component of a direction (of length 1) from which a parameter belongs to it."""
+
+DISAGREES = 2.0
+"""Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
 
 UNLIKELY = 1e-3
 """Probability of a misfit below which a model is said not to describe the speeds."""
@@ -103,6 +107,22 @@ def misfit(sampled: Posterior, count: int, model: str) -> list[str]:
         f"the model {model} does not describe these speeds: chi2 {sampled.chi2:.3g} for {count} "
         f"speeds at best (probability {chance:.1g}); bands and errors here suppose that it does"
     ]
+
+
+def disagreements(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
+    """Note each measured value from which the speeds lead more than `DISAGREES` standard deviations away."""
+    notes = []
+    for parameter, row in zip(parameters, rows, strict=True):
+        prior = parameter.prior
+        if parameter.flat or not prior.mean > 0.0:
+            continue
+        off = math.log(row.mean / prior.mean) if prior.factor else row.mean - prior.mean
+        if abs(off) > DISAGREES * prior.sd:
+            notes.append(
+                f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.told}. "
+                "Check both, or the model itself is off for this walker"
+            )
+    return notes
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -8,12 +8,13 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.lab.fit.least_squares import RANGES
 from walkergen.lab.fit.parameters import FLAT, PRIORS, TABLED_FROM
-from walkergen.scene import LEAST_LABEL, Scene
+from walkergen.scene import LEAST_RESTITUTION, Scene
 from walkergen.walker.design import Design
 
 OF_MODEL = {
-    "restitution": (LEAST_LABEL, 1.0),
+    "restitution": (LEAST_RESTITUTION, 1.0),
     "friction": (0.0, 5.0),
+    "tip_radius_um": (1e-3, 1e6),
     "thickness_mm": (1e-3, 100.0),
     "youngs_modulus_gpa": (1e-3, 1e4),
     "damping_ratio": (0.0, 10.0),
@@ -66,7 +67,6 @@ class Job(NamedTuple):
             parts += [f"mode {self.mode}", f"law {contact.law}"]
         else:
             parts.append(f"model {model}")
-            parts += [f"{self.scene.feet.damping} feet"] if model == "space" else []
             parts += [f"law {contact.law}"] if model == "compliant" else []
             parts.append(f"prior {self.prior}")
         held = ", ".join(f"{name} = {value:g}" for name, value in self.held.items())

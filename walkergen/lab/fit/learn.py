@@ -1,5 +1,6 @@
 """Fit of a model: measured speeds in, what they teach and what follows from it out."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -106,6 +107,7 @@ def learn(path: Path, job: Job, progress: Progress, expect: Expect = unheard) ->
         *identifiability.unlearnt(rows),
         *identifiability.trades(ground.unknown.simulated, sampled.draws),
         *identifiability.misfit(sampled, len(seen.speed), model),
+        *identifiability.disagreements(parameters, rows),
         *notes,
         *_caveats(ground),
     ]
@@ -259,7 +261,10 @@ def _scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -
     """Scene with what was learnt; held values keep the standard deviations of the scene."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
-        if row.name in OF_SCENE:
+        if row.name == "tip_radius_um":  # log-normal: the factor from the 68 % interval
+            factor = math.sqrt(row.high_68 / row.low_68)
+            data["feet"] |= {"tip_radius_um": math.sqrt(row.high_68 * row.low_68), "tip_radius_sd_factor": factor}
+        elif row.name in OF_SCENE:
             table, _, key = KEYS[row.name].partition(".")
             data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
         if row.name == "eccentric_g_mm":  # in place of a rating

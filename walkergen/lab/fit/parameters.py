@@ -1,5 +1,6 @@
 """Parameters that simulated speeds can teach: their ranges, what is known of them beforehand."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
@@ -8,7 +9,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import words
-from walkergen.scene import LEAST_LABEL, Scene
+from walkergen.scene import LEAST_RESTITUTION, Scene
 from walkergen.theory import uncertain
 from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design
@@ -16,8 +17,10 @@ from walkergen.walker.design import Design
 Array = npt.NDArray[np.float64]
 
 PriorName = Literal["flat", "scene"]
-PRIORS: tuple[PriorName, ...] = ("flat", "scene")
-"""Names of what may be assumed of restitution and friction: nothing, or what the scene says."""
+PRIORS: tuple[PriorName, ...] = ("scene", "flat")
+"""Names of what may be assumed of restitution and friction: what the scene states, as measured, or nothing. The first
+is the default.
+"""
 
 ModelName = Literal["prediction", "compliant", "space"]
 """Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
@@ -25,6 +28,7 @@ ModelName = Literal["prediction", "compliant", "space"]
 KEYS = {
     "restitution": "contact.restitution",
     "friction": "contact.friction",
+    "tip_radius_um": "feet.tip_radius_um",
     "thickness_mm": "legs.thickness_mm",
     "youngs_modulus_gpa": "material.youngs_modulus_gpa",
     "damping_ratio": "legs.damping_ratio",
@@ -34,7 +38,7 @@ KEYS = {
 """Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
 last two of a motor."""
 
-OF_SCENE = ("restitution", "friction", "damping_ratio", "frequency_hz", "eccentric_g_mm")
+OF_SCENE = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
 """Names of those that a scene holds; a design has the others."""
 
 PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
@@ -69,6 +73,8 @@ class Parameter(NamedTuple):
     def told(self) -> str:
         """Statement of the prior."""
         prior = self.prior
+        if prior.factor:
+            return f"{words.number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
         if prior.mean == 0.0:
             return f"half normal, {prior.sd:g}"
         if self.flat:
@@ -119,7 +125,7 @@ def unknown(
         if prior == "flat" and name in FLAT:
             low, high = FLAT[name]
             if name == "restitution" and model != "compliant":
-                low = LEAST_LABEL
+                low = LEAST_RESTITUTION
             if name == "friction" and model == "prediction":
                 low = TABLED_FROM
             middle, sd = 0.5 * (low + high), (high - low) / 12**0.5

@@ -51,7 +51,8 @@ class FitRequest(request.Request):
         ),
     ] = []
     prior: Annotated[
-        Literal["flat", "scene"] | None, Flag("Of restitution and friction: flat, or as in the scene (scene).", "PRIOR")
+        Literal["flat", "scene"] | None,
+        Flag("Of restitution and friction: as in the scene (scene, the default), or flat.", "PRIOR"),
     ] = None
     predict: Annotated[
         list[float] | None,

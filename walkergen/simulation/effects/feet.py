@@ -1,33 +1,37 @@
-"""Elastic feet: stiffness of a foot's corner, and the damper that a restitution label stands for.
+"""Elastic feet: the legs' corners, the Hertzian tips in series with them, and the damper that gives a restitution.
 
-A corner has half of its leg's axial stiffness, E D s / (2 l). Viscous feet have a damper such that
-one corner alone, without friction, rebounds with the label e; the force ends when it would pull, so
-that e = exp(-zeta t), t the time at which the force vanishes (Schwager and Poeschel, Granular
-Matter 9, 2007, 465). Hysteretic feet unload 1 / e^2 times as stiffly as they load (Walton and
-Braun, Journal of Rheology 30, 1986, 949), whatever the mass. Limit: e = 1 has no loss.
+A corner has half of its leg's axial stiffness, E D s / (2 l). A tip of effective radius R on the plate has Hertz's
+K (theory/hertz.py). The
+damper gives one corner alone, without friction, the restitution e at every speed (simulation/space/tips.py): as a
+linear oscillator whose force ends when it would pull, e = exp(-zeta t), t the time at which the force vanishes
+(Schwager and Poeschel, Granular Matter 9, 2007, 465). Limits: e = 1 has no loss; rigid tips leave the legs alone.
 """
 
 import math
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.simulation.effects import local_contact
+from walkergen.scene import GRAVITY, LEAST_RESTITUTION, Scene
 from walkergen.simulation.effects.effect import Case, Effect, Rule
+from walkergen.theory.hertz import landing_depth, tip_stiffness
 from walkergen.walker.limbs import Limb
+from walkergen.walker.material import Material
 
-NAME, SWITCH = "hysteretic feet", "feet.damping"
+NAME, KEY = "compliant tips", "feet.rigid_tips"
+
+LANDING_SPEED = 2.0
+"""Speed at which a corner lands, as the step and the surrogate take it, over the plate's peak speed."""
 
 
 class Foot(NamedTuple):
-    """Elastic contact of a corner; stiffnesses in g/s^2."""
+    """Elastic contact of a corner."""
 
-    normal: float
-    tangential: float
+    spring: float
+    """Axial stiffness of the leg behind it, g/s^2."""
+    tip: float
+    """Hertz stiffness of its tip, g/(mm^0.5 s^2); infinite: rigid."""
     damping_ratio: float
-    """Damping ratio of a corner alone; 0 for hysteretic feet."""
-    unloading: float
-    """Stiffness of unloading over that of loading; 1 for viscous feet."""
+    """Damping ratio of a corner alone."""
 
 
 def axial_stiffness(limb: Limb, modulus: float) -> float:
@@ -52,52 +56,42 @@ def restitution(damping_ratio: float) -> float:
     return math.exp(-z * time)
 
 
-def damping_ratio(label: float) -> float:
-    """Damping ratio whose `restitution` is `label`, 0 < label <= 1, by bisection."""
+def damping_ratio(wanted: float) -> float:
+    """Damping ratio whose `restitution` is the wanted one, 0 < wanted <= 1, by bisection."""
     low, high = 0.0, 1.0
-    while restitution(high) > label:
+    while restitution(high) > wanted:
         high *= 2.0
     for _ in range(80):
         middle = 0.5 * (low + high)
-        if restitution(middle) > label:
+        if restitution(middle) > wanted:
             low = middle
         else:
             high = middle
-    return 0.5 * (low + high) if label < 1.0 else 0.0
+    return 0.5 * (low + high) if wanted < 1.0 else 0.0
 
 
-def foot_of(scene: Scene, limb: Limb, modulus: float, local: bool) -> Foot:
-    """Elastic contact of a corner of a leg's foot; `local`: with the local contact.
-
-    `modulus`: Young's, Pa. Raises InputError.
-    """
-    label, feet = scene.contact.restitution, scene.feet
-    if limb.restitution is not None:
-        label = limb.restitution
-    if label < LEAST_LABEL:
+def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
+    """Elastic contact of a corner of a leg's foot. Raises InputError."""
+    e = scene.contact.restitution if limb.restitution is None else limb.restitution
+    if e < LEAST_RESTITUTION:
         raise InputError(
-            f"contact.restitution = {label:g}: an elastic foot always rebounds a little; the model "
-            f"'space' takes {LEAST_LABEL:g}..1 (legs.model = 'compliant' takes 0 as well)"
+            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; the model "
+            f"'space' takes {LEAST_RESTITUTION:g}..1 (legs.model = 'compliant' takes 0 as well)"
         )
-    normal = feet.stiffness_ratio * axial_stiffness(limb, modulus)
-    if local:
-        normal *= local_contact.series(feet.local_stiffness_ratio)
-    viscous = feet.damping == "viscous"
-    return Foot(
-        normal,
-        feet.tangential_ratio * normal,
-        damping_ratio(label) if viscous else 0.0,
-        1.0 if viscous else label**-2.0,
-    )
+    return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on in space when the scene asks for it. The number is a ratio of stiffnesses."""
-    scene, space = case.scene, case.model == "space"
-    number = max(scene.contact.restitution, LEAST_LABEL) ** -2.0
-    reason = f"feet.damping = {scene.feet.damping!r}" if space else f"the {case.model} model has rigid feet"
-    on = space and scene.feet.damping == "hysteretic"
-    return Effect(NAME, on, number, "stiffness of unloading over that of loading", reason, SWITCH)
+    """Rule: on in space unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
+    meaning = "stiffness of a leg's corner over that of its tip, at a landing"
+    if case.model != "space":
+        return Effect(NAME, False, 0.0, meaning, f"the {case.model} model has rigid feet", "")
+    rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
+    if not rigid:
+        tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
+        depth = landing_depth(tip, mass, LANDING_SPEED * case.shaken.peak_speed, GRAVITY * mass)
+        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / (1.5 * tip * math.sqrt(depth))
+    return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
 
 
-RULE = Rule(judge, SWITCH, usual={SWITCH: "hysteretic"}, without={SWITCH: "viscous"})
+RULE = Rule(judge, without={KEY: True})

@@ -6,8 +6,8 @@ from walkergen.scene import SHAPES
 from walkergen.simulation.effects.effect import LID, WALLS, Case
 
 OF_MODELS: Mapping[str, tuple[str, ...]] = {
-    **dict.fromkeys(("feet.damping", "feet.stiffness_ratio", "feet.tangential_ratio"), ("space",)),
-    "feet.local_stiffness_ratio": ("space",),
+    **dict.fromkeys(("feet.tip_radius_um", "feet.rigid_tips", "feet.tangential_ratio"), ("space",)),
+    **dict.fromkeys(("plate.material", "plate.youngs_modulus_gpa", "plate.poisson_ratio"), ("space",)),
     **dict.fromkeys(("legs.damping_ratio", "legs.spring", "run.step_us"), ("compliant", "space")),
     "material.youngs_modulus_gpa": ("compliant", "space"),
 }

@@ -145,7 +145,7 @@ def _check_elastic(scene: Scene, design: Design, model: ModelName) -> None:
     planar = "rigid" if design.rigid else "compliant"
     if model == "space" and scene.contact.law != "poisson":
         raise InputError(
-            f"contact.law = {scene.contact.law!r}: elastic feet have a damping in place of a law "
-            f"of impact (feet.damping); use legs.model {planar!r} for this law, or leave the law "
+            f"contact.law = {scene.contact.law!r}: elastic feet have a damper in place of a law "
+            f"of impact; use legs.model {planar!r} for this law, or leave the law "
             "at 'poisson'"
         )

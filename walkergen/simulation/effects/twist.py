@@ -8,11 +8,9 @@ Limits: without twist the foot is rigid along its edge; at infinite stiffness th
 from walkergen.simulation.effects.compliance import natural_frequency
 from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 from walkergen.walker.limbs import Limb
+from walkergen.walker.material import Material
 
 NAME, SWITCH = "leg twist", "effects.leg_twist"
-
-POISSON_RATIO = 0.36
-"""Poisson's ratio of PLA, assumed."""
 
 
 def judge(case: Case) -> Effect:
@@ -22,9 +20,9 @@ def judge(case: Case) -> Effect:
     """
     if case.design.rigid:
         return Effect(NAME, False, 0.0, f"legs are {case.design.kind}", absent(case, SWITCH, "no free leg"), "")
-    modulus = case.design.material.youngs_modulus
+    material = case.design.material
     frequencies = [
-        natural_frequency(stiffness(limb, modulus), float(leg.m) * limb.width**2 / 36.0)
+        natural_frequency(stiffness(limb, material), float(leg.m) * limb.width**2 / 36.0)
         for limb, leg in zip(case.design.limbs, case.mass.legs, strict=True)
         if leg.m > 0.0
     ]
@@ -39,10 +37,7 @@ def judge(case: Case) -> Effect:
 RULE = Rule(judge, SWITCH, planar=False, usual={SWITCH: True})
 
 
-def stiffness(limb: Limb, modulus: float) -> float:
-    """Torsional stiffness of a flexible leg about its long axis, g mm^2/s^2 per rad.
-
-    `modulus`: Young's, Pa.
-    """
-    shear = modulus / (2.0 * (1.0 + POISSON_RATIO))
+def stiffness(limb: Limb, material: Material) -> float:
+    """Torsional stiffness of a flexible leg about its long axis, g mm^2/s^2 per rad."""
+    shear = material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio))
     return shear * limb.section.torsion_constant(limb) / limb.length

@@ -20,6 +20,7 @@ from walkergen.simulation.space.state import (
     C_X,
     C_Y,
     C_Z,
+    HALVINGS,
     LEGS,
     MODE,
     NOISE,
@@ -37,7 +38,7 @@ PASSES = 6
 """Passes of the midpoint rule: each takes its error down by half the turn of a step."""
 
 TURN = 0.02
-"""Largest turn of the body in a step of flight, rad."""
+"""Largest turn of the body in a step of flight or in a frame, rad."""
 
 LEFT_BEHIND = 1.75
 """Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
@@ -80,12 +81,18 @@ def strongest_throw(world):
 
 
 @lean
+def longest_flight(world):
+    """Duration (s) of the longest tabulated flight."""
+    return world.options.step * 2.0 ** (len(world.walker.flights) - HALVINGS - 1)
+
+
+@lean
 def _strongest_pull(world, state, work, fall):
     """Upper bounds of force and torque of effects by the pose in the longest flight."""
     if not placed(world.acting):
         return 0.0, 0.0
     walker = world.walker
-    span = world.options.step * 2.0 ** (len(walker.flights) - 1)
+    span = longest_flight(world)
     speed, spin, arm = fall * span, 0.0, 0.0
     speed += math.sqrt(state[V_X] ** 2 + state[V_Y] ** 2 + state[V_Z] ** 2)
     for i in range(3):
@@ -191,7 +198,7 @@ def _swept(world, state, work, k, side, speed):
     z = state[C_Z] + R[2, 0] * at[0] + R[2, 1] * at[1] + R[2, 2] * at[2]
     _, lifted, _, _, _, _ = _sway_motion(sway, omega, state[PHASE], x, z)
     along = speed + omega * far
-    reach = math.sqrt(x * x + z * z) + along * world.options.step * 2.0 ** (len(world.walker.flights) - 1)
+    reach = math.sqrt(x * x + z * z) + along * longest_flight(world)
     faster = side * lifted + slope * (along + omega * far)
     return faster, omega * slope * (omega * (reach + far) + 2.0 * along)
 
@@ -248,7 +255,7 @@ def _swing(walker, work, state, level):
     """Swing the legs by the propagator `level`; returns the energy that their dampers take."""
     n = len(walker.stiffness)
     before = legs_energy(walker, state)
-    P = walker.flights[level]
+    P = walker.flights[level + HALVINGS]
     for i in range(2 * n):
         total = 0.0
         for j in range(2 * n):

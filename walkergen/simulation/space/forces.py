@@ -15,10 +15,17 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.space.slider import dragged
-from walkergen.simulation.space.state import MODE, OPEN, ROW, SET, SLIDE, STICK
+from walkergen.simulation.space.state import MODE, OPEN, ROW, SHEAR, SLIDE, STICK
+from walkergen.simulation.space.tips import response
 
 PASSES = 8
 """Corrections of the modes after which forces are cut to their limits as they are."""
+
+BENT = 0.2
+"""Four times the share of a normal force by which the tangent of a tip's spring may be off: F''/2 is k / (4 d)."""
+
+SHALLOWEST = 1e-3
+"""Least depth about which a tip's spring is linearised, of the depths that a contact passes in a step."""
 
 NEAR = 4.0
 """Steps at its speed within which a contact is tried as landing; others that land are seen by
@@ -36,11 +43,48 @@ faster than the step, and the foot is taken to stick."""
 
 
 @lean
-def _resist(near, i, h, k_n):
-    """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
-    near[i].stiff, near[i].offset, near[i].share = k_n, 0.0, 1.0
-    near[i].b_n = near[i].c_n + 0.5 * h * k_n
+def _linearise(near, i, h, depth):
+    """Set the tangent of the normal spring of contact i at a depth (mm) in the middle of its share of the step.
+
+    The force in the middle is then F(depth) + k_n (depth' - depth), at the depth' that the step finds.
+    """
+    contact = near[i]
+    depth = max(depth, SHALLOWEST * (abs(contact.gap[0]) + h * abs(contact.speed[0])) + 1e-300)
+    force, k_n, viscous = response(contact.spring, contact.tip, depth)
+    share = contact.share
+    contact.about, contact.k_n, contact.c_n = depth, k_n, contact.damper * math.sqrt(viscous)
+    contact.push = force
+    contact.b_n = share * (contact.c_n + 0.5 * share * h * k_n)
+
+
+@lean
+def _depth_in_middle(near, i, h):
+    """Depth (mm) of contact i in the middle of its share of a step of h seconds."""
+    return max(-near[i].gap[0], 0.0) - 0.5 * near[i].share * h * near[i].middle[0]
+
+
+@lean
+def _push_at_start(near, i):
+    """Normal force (g mm/s^2) by the tangent of contact i at the depth with which its share of the step begins."""
+    contact = near[i]
+    return contact.share * (contact.push + contact.k_n * (max(-contact.gap[0], 0.0) - contact.about))
+
+
+@lean
+def _resist(near, i, h, held):
+    """Set stiffness and resistances of near contact i, closed in the whole step of h seconds.
+
+    Its tangential spring, so far of stiffness `held`, follows the normal one (Mindlin): pressed on it keeps its
+    force, relieved it keeps its stretch, so that it never gains energy.
+    """
+    near[i].share = 1.0
+    _linearise(near, i, h, _depth_in_middle(near, i, h))
+    near[i].k_t = near[i].shear * near[i].k_n
     near[i].b_t = 0.5 * h * near[i].k_t
+    e_1, e_2 = near[i].gap[1], near[i].gap[2]
+    near[i].strain = 0.5 * held * (e_1 * e_1 + e_2 * e_2)
+    if near[i].k_t > held:
+        near[i].gap[1], near[i].gap[2] = e_1 * held / near[i].k_t, e_2 * held / near[i].k_t
 
 
 @lean
@@ -49,9 +93,9 @@ def _touch(near, i, h, share):
 
     Its springs are relaxed at touch. Its force is the mean over the whole step.
     """
-    near[i].stiff, near[i].offset = share * near[i].k_n, -near[i].gap[0]
-    near[i].share = share
-    near[i].b_n = share * (near[i].c_n + 0.5 * share * h * near[i].k_n)
+    near[i].share, near[i].strain = share, 0.0
+    _linearise(near, i, h, _depth_in_middle(near, i, h))
+    near[i].k_t = near[i].shear * near[i].k_n
     near[i].b_t = 0.5 * share * share * h * near[i].k_t
 
 
@@ -67,16 +111,16 @@ def _closed_share(near, i, u, h):
 
 
 @lean
-def guess(state, near, H, m, h, unloading, first):
+def guess(state, near, H, m, h, first):
     """Set first guesses of the modes of m near contacts; returns how many are closed.
 
     Their velocities in the middle of the step are those expected by the forces of the last one.
-    `unloading` is the stiffness of unloading over that of loading, `first` the state's first row.
+    `first` is the state's first row.
     """
     closed = 0
     for i in range(m):
         at = first + ROW * near[i].number
-        mode = _guess_of(state, near, H, i, h, unloading, at)
+        mode = _guess_of(state, near, H, i, h, at)
         near[i].tried = mode
         if mode != OPEN:
             closed += 1
@@ -84,7 +128,7 @@ def guess(state, near, H, m, h, unloading, first):
 
 
 @lean
-def _guess_of(state, near, H, i, h, unloading, at):
+def _guess_of(state, near, H, i, h, at):
     """First guess of the mode of contact i, whose row in the state is at `at`."""
     gap = near[i].gap[0]
     if gap > 0.0:
@@ -95,17 +139,10 @@ def _guess_of(state, near, H, i, h, unloading, at):
             return OPEN
         _touch(near, i, h, share)
     else:
-        middle = gap + 0.5 * h * near[i].speed[0]
-        if middle >= 0.0:
+        if gap + 0.5 * h * near[i].speed[0] >= 0.0:
             return OPEN
-        _resist(near, i, h, near[i].k_n)
-        if unloading > 1.0:
-            stiff, offset = unloading * near[i].k_n, state[at + SET]
-            if stiff * (-middle - offset) < -near[i].k_n * middle:
-                _resist(near, i, h, stiff)
-                near[i].offset = offset
-    press = -near[i].stiff * (gap + near[i].offset)
-    press = max(press - near[i].b_n * near[i].middle[0], 0.0)
+        _resist(near, i, h, state[at + SHEAR])
+    press = max(_push_at_start(near, i) - near[i].b_n * near[i].middle[0], 0.0)
     mode = int(state[at + MODE])
     if mode == OPEN:
         t_1 = near[i].k_t * near[i].gap[1] + near[i].b_t * near[i].speed[1]
@@ -158,7 +195,7 @@ def _assemble(near, H, A, m, h):
         for p in range(3 if near[i].tried == STICK else 1):
             r, a = 3 * i + p, near[i].unknown + p
             if p == 0:
-                b, pull = near[i].b_n, near[i].stiff * (near[i].gap[0] + near[i].offset)
+                b, pull = near[i].b_n, -_push_at_start(near, i)
             else:
                 b, pull = near[i].b_t, near[i].k_t * near[i].gap[p]
             half = 0.5 * h * b
@@ -239,6 +276,12 @@ def _correct(near, H, m, h):
         if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
             changed += 1
             continue
+        if near[i].tried != OPEN and near[i].tip != math.inf:
+            depth = _depth_in_middle(near, i, h)
+            off = depth - near[i].about
+            if near[i].k_n * off * off > BENT * near[i].about * near[i].force[0]:
+                _linearise(near, i, h, depth)
+                changed += 1
         press = near[i].force[0]
         limit = near[i].friction * press
         if near[i].tried == STICK:

@@ -22,12 +22,12 @@ _motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torqu
 
 
 @lean
-def stiffen(walker, work, h, kind):
-    """Fill the legs' inverse inertia for steps (kind 0) or leaps (1) of h seconds, by Gauss and Jordan."""
-    n, swing, A = len(walker.stiffness), work.swing[kind], work.A
-    if work.swung[kind] == h:
+def stiffen(walker, work, h):
+    """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
+    n, swing, A = len(walker.stiffness), work.swing, work.A
+    if work.swung[0] == h:
         return
-    work.swung[kind] = h
+    work.swung[0] = h
     for i in range(n):
         for j in range(n):
             A[i, j] = walker.hinge_inertia[i, j]
@@ -98,20 +98,19 @@ def _bend(state, now, points, side, leg, f, n, k):
 
 
 @lean
-def _move_by(J, MJ, ML, swing, mass, inverse, rows, kinds):
-    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block for as many kinds of steps."""
+def _move_by(J, MJ, ML, swing, mass, inverse, rows):
+    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
     n = J.shape[1] - 6
     for r in range(rows):
         t_x, t_y, t_z = J[r, 3], J[r, 4], J[r, 5]
         for i in range(3):
             MJ[r, i] = mass[i] * J[r, i]
             MJ[r, 3 + i] = inverse[i, 0] * t_x + inverse[i, 1] * t_y + inverse[i, 2] * t_z
-        for kind in range(kinds):
-            for i in range(n):
-                total = 0.0
-                for j in range(n):
-                    total += swing[kind, i, j] * J[r, 6 + j]
-                ML[kind, r, i] = total
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += swing[i, j] * J[r, 6 + j]
+            ML[r, i] = total
 
 
 @lean
@@ -146,13 +145,13 @@ def _thrown_about(now, thrown):
 
 
 @lean
-def _directions(world, state, work, near, lifted, t, m, kinds):
+def _directions(world, state, work, near, lifted, t, m):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
     """
     walker, R, J, points = world.walker, work.R, work.J, work.points
     lifting = plate_acceleration(world, state)
-    spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
+    friction, place = walker.friction, walker.place
     shift, lock, leg, f, upward = (walker.shift, walker.lock, walker.leg, walker.freedoms, walker.upward)
     roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
     sway, tilted = _sways(world.acting.sway), swayed(world, state)
@@ -192,9 +191,9 @@ def _directions(world, state, work, near, lifted, t, m, kinds):
             if sway:
                 _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z)
         near[i].friction = friction[k]
-        near[i].k_n, near[i].k_t = spring[k, 0], spring[k, 1]
-        near[i].c_n = damper[k]
-    _move_by(J, work.MJ, work.ML, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m, kinds)
+        near[i].spring, near[i].tip = walker.spring[k], walker.tip[k]
+        near[i].shear, near[i].damper = walker.shear[k], walker.damper[k]
+    _move_by(J, work.MJ, work.ML, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 
 
 @lean
@@ -225,15 +224,15 @@ def sway_work(near, m, t):
 
 
 @lean
-def load(world, work, lifted, t, m, kinds):
+def load(world, work, lifted, t, m):
     """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
 
-    It lasts t seconds, in steps (2 kinds: and leaps), and starts with the plate at the velocity `lifted` (mm/s).
+    It lasts t seconds, and starts with the plate at the velocity `lifted` (mm/s).
     """
     state = work.midway
     near, J = work.near, work.J
     n = J.shape[1] - 6
-    _directions(world, state, work, near, lifted, t, m, kinds)
+    _directions(world, state, work, near, lifted, t, m)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
@@ -249,23 +248,21 @@ def load(world, work, lifted, t, m, kinds):
             near[i].speed[p], near[i].drift[p] = u, drift
             near[i].impulse[p] = near[i].carried[p] = 0.0
             near[i].free[p] = near[i].middle[p] = 0.0
-    _join(J, work.MJ, work.ML, work.H, 3 * m, kinds)
+    _join(J, work.MJ, work.ML, work.H, 3 * m)
 
 
 @lean
-def _join(J, MJ, ML, H, rows, kinds):
-    """Fill J M^-1 J^T for as many kinds of steps."""
+def _join(J, MJ, ML, H, rows):
+    """Fill J M^-1 J^T."""
     n = J.shape[1] - 6
     for r in range(rows):
         for c in range(r + 1):
             whole = 0.0
             for j in range(6):
                 whole += J[r, j] * MJ[c, j]
-            for kind in range(kinds):
-                total = whole
-                for j in range(n):
-                    total += J[r, 6 + j] * ML[kind, c, j]
-                H[kind, r, c] = H[kind, c, r] = total
+            for j in range(n):
+                whole += J[r, 6 + j] * ML[c, j]
+            H[r, c] = H[c, r] = whole
 
 
 @lean

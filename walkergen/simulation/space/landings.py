@@ -18,7 +18,7 @@ from walkergen.simulation.space.state import (
     LANDED,
     MODE,
     OPEN,
-    SET,
+    SHEAR,
     SLIDING,
     STICK,
     STOP,
@@ -26,6 +26,7 @@ from walkergen.simulation.space.state import (
     U_C,
     U_N,
 )
+from walkergen.simulation.space.tips import elastic_energy
 from walkergen.theory.impact import II_MIRRORED, III_MIRRORED, TYPE_I, TYPE_II, TYPE_III, TYPE_IV
 
 TYPES_FORWARD = (TYPE_I, TYPE_II, TYPE_III)
@@ -58,88 +59,61 @@ def leave(state, at, k, on_plate, tally):
 
 
 @lean
-def _released(near, i, state, at, unloading):
-    """Energies (normal, tangential) of the springs of near contact i, which its force leaves."""
-    depth = max(-near[i].gap[0] - state[at + SET], 0.0)
-    stretch = state[at + ALONG] * state[at + ALONG] + state[at + ACROSS] * state[at + ACROSS]
-    return (0.5 * unloading * near[i].k_n * depth * depth, 0.5 * near[i].k_t * stretch)
-
-
-@lean
-def settle(state, near, i, at, unloading, t, h, sums):
+def settle(state, near, i, at, t, h, sums):
     """Move the springs of near contact i over a step of h seconds that ends at t, and book it.
 
     Its row in the state starts at `at`. Returns True when a landing has ended.
     """
     gap, u_n = near[i].gap[0], near[i].middle[0]
     before, mode = int(state[at + MODE]), near[i].tried
+    spring, tip = near[i].spring, near[i].tip
     if mode == OPEN:
-        if before != OPEN:
-            normal, tangential = _released(near, i, state, at, unloading)
-            sums[record.IMPACT_LOSS] += normal
-            sums[record.FRICTION_LOSS] += tangential
+        if before != OPEN:  # its damper pulls: what its springs still hold is lost
+            stretch = state[at + ALONG] * state[at + ALONG] + state[at + ACROSS] * state[at + ACROSS]
+            sums[record.IMPACT_LOSS] += elastic_energy(spring, tip, -gap)
+            sums[record.FRICTION_LOSS] += 0.5 * state[at + SHEAR] * stretch
             state[at + ALONG] = state[at + ACROSS] = 0.0
             near[i].gap[1] = near[i].gap[2] = 0.0
         near[i].gap[0] = gap + h * u_n
-        if near[i].gap[0] >= 0.0:
-            state[at + SET] = 0.0
         return before != OPEN
     share = near[i].share
     if before == OPEN:
         _land(state, at, t - share * h, near[i].speed[0], near[i].speed[1], near[i].speed[2])
-        normal, _ = _released(near, i, state, at, unloading)
-        sums[record.IMPACT_LOSS] -= normal
+        sums[record.IMPACT_LOSS] -= elastic_energy(spring, tip, -gap)
     near[i].gap[0] = gap + h * u_n
     if share < 1.0:  # what its springs and damper took is not what the mean force gave
         work = -h * near[i].force[0] * u_n - share * h * near[i].c_n * u_n * u_n
-        depth = min(near[i].gap[0], 0.0)
-        sums[record.IMPACT_LOSS] += work - 0.5 * near[i].k_n * depth * depth
+        sums[record.IMPACT_LOSS] += work - elastic_energy(spring, tip, -near[i].gap[0])
     for axis in range(3):
         state[at + J_N + axis] += h * near[i].force[axis]
     if state[at + STOP] == SLIDING and near[i].middle[1] * state[at + U_A] <= 0.0:
         state[at + STOP] = IN_COMPRESSION if u_n < 0.0 else IN_RESTITUTION
     sums[record.IMPACT_LOSS] += share * h * near[i].c_n * u_n * u_n
-    if unloading > 1.0:
-        state[at + SET], lost = _pressed(near, i, unloading, state[at + SET])
-        sums[record.IMPACT_LOSS] += lost
     sums[record.FRICTION_LOSS] += _rub(near, i, h)
     state[at + ALONG], state[at + ACROSS] = near[i].gap[1], near[i].gap[2]
-    state[at + MODE] = mode
+    state[at + MODE], state[at + SHEAR] = mode, near[i].k_t
     return False
 
 
 @lean
-def _pressed(near, i, unloading, lasting):
-    """Lasting compression (mm) of a hysteretic foot after a step, and the energy that it took."""
-    lost, after = 1.0 - 1.0 / unloading, near[i].gap[0]
-    if (near[i].offset != 0.0 and near[i].share == 1.0) or -after * lost <= lasting:
-        return lasting, 0.0
-    deepest = lasting / lost
-    return -after * lost, 0.5 * lost * near[i].k_n * (after * after - deepest * deepest)
-
-
-@lean
 def _rub(near, i, h):
-    """Move the tangential springs of a contact; returns the energy that the slider takes."""
+    """Move the tangential springs of a contact; returns the energy that slider and changes of stiffness take."""
     share, k_t = near[i].share, near[i].k_t
     e_1, e_2 = near[i].gap[1], near[i].gap[2]
     u_1, u_2 = near[i].middle[1], near[i].middle[2]
     work = -h * (near[i].force[1] * u_1 + near[i].force[2] * u_2)
-    before = e_1 * e_1 + e_2 * e_2
     if near[i].tried == STICK:
         e_1, e_2 = e_1 + share * h * u_1, e_2 + share * h * u_2
     else:  # dragged along, the spring carries what friction allows at the end of the step
         radius = near[i].friction * _press_at_end(near, i) / k_t
         e_1, e_2 = radius * near[i].end[0], radius * near[i].end[1]
     near[i].gap[1], near[i].gap[2] = e_1, e_2
-    return work - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
+    return work + near[i].strain - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2)
 
 
 @lean
 def _press_at_end(near, i):
-    """Normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
-    stiff, offset = near[i].stiff, near[i].offset
-    if near[i].share < 1.0:
-        stiff, offset = near[i].k_n, 0.0
+    """Normal force of a contact at the end of a step, g mm/s^2, by its tangent; its gap is that at the end."""
     u = 2.0 * near[i].middle[0] - near[i].speed[0]
-    return max(-stiff * (near[i].gap[0] + offset) - near[i].c_n * u, 0.0)
+    force = near[i].k_n * (-near[i].gap[0] - near[i].about) + near[i].push
+    return max(force - near[i].c_n * u, 0.0)

@@ -34,7 +34,7 @@ from walkergen.simulation.space.state import (
     Q_Y,
     Q_Z,
     ROW,
-    SET,
+    SHEAR,
     SHOWN_X,
     SHOWN_Y,
     U_A,
@@ -49,6 +49,7 @@ from walkergen.simulation.space.state import (
     size_of,
     work_for,
 )
+from walkergen.simulation.space.tips import elastic_energy
 from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 
@@ -121,11 +122,9 @@ def energy(world, state):
     for k in range(len(walker.leg)):
         at = row + ROW * k
         if state[at + MODE] != OPEN:
-            depth = max(-work.points[k].gap - state[at + SET], 0.0)
-            stiff = walker.unloading if state[at + SET] > 0.0 else 1.0
-            total += 0.5 * stiff * walker.spring[k, 0] * depth * depth
+            total += elastic_energy(walker.spring[k], walker.tip[k], -work.points[k].gap)
             stretch = state[at + ALONG] ** 2 + state[at + ACROSS] ** 2
-            total += 0.5 * walker.spring[k, 1] * stretch
+            total += 0.5 * state[at + SHEAR] * stretch
     return total
 
 

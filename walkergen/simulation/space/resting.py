@@ -20,16 +20,9 @@ STANDING = 3
 
 
 @lean
-def doze(world, state, t, period):
-    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
-    walker, stuck = world.walker, 0
-    n, first = len(walker.stiffness), first_row(walker)
-    for k in range(len(walker.leg)):
-        mode = state[first + ROW * k + MODE]
-        if mode == STICK:
-            stuck += 1
-        elif mode != OPEN:
-            stuck = -len(walker.leg)
+def _energy_over_plate(world, state):
+    """Kinetic energy of a walker as seen from the plate, g mm^2/s^2."""
+    walker, n = world.walker, len(world.walker.stiffness)
     v = state[V_X + 1] - plate_velocity(world, state)
     twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)
     for i in range(3):
@@ -37,16 +30,41 @@ def doze(world, state, t, period):
             twice += walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
     for i in range(n):
         for j in range(n):
-            rate = state[LEGS + n + i]
-            twice += walker.hinge_inertia[i, j] * rate * state[LEGS + n + j]
+            twice += walker.hinge_inertia[i, j] * state[LEGS + n + i] * state[LEGS + n + j]
+    return 0.5 * twice
+
+
+@lean
+def doze(world, state, t, period):
+    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
+    walker, stuck = world.walker, 0
+    first = first_row(walker)
+    for k in range(len(walker.leg)):
+        mode = state[first + ROW * k + MODE]
+        if mode == STICK:
+            stuck += 1
+        elif mode != OPEN:
+            stuck = -len(walker.leg)
     resting = RESTING * across(world.acting) * period
-    calm = stuck >= STANDING and twice < walker.mass * resting * resting
+    calm = stuck >= STANDING and _energy_over_plate(world, state) < 0.5 * walker.mass * resting * resting
     state[QUIET] = state[QUIET] + t if calm else 0.0
+
+
+@lean
+def _halt(world, state, sums):
+    """Take a walker's rates over the plate away: its dampers have the energy."""
+    n, v = len(world.walker.stiffness), plate_velocity(world, state)
+    sums[record.DAMPING_LOSS] += _energy_over_plate(world, state)
+    sums[record.PLATE_WORK] += world.walker.mass * v * (v - state[V_X + 1])
+    state[V_X], state[V_X + 1], state[V_X + 2] = 0.0, v, 0.0
+    state[W_X : W_X + 3] = 0.0
+    state[LEGS + n : LEGS + 2 * n] = 0.0
 
 
 @lean
 def ride(world, state, t, sums):
     """Ride on the plate for t seconds, at rest."""
+    _halt(world, state, sums)
     mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
     before = plate_height(world, state)
     pass_time(world, state, t)

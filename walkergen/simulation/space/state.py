@@ -27,11 +27,14 @@ LEGS = 22
 COLUMNS = ("x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
 """Names, with units, of the entries that a trajectory shows: of O; headings count whole turns."""
 
-# A contact's row: mode; stretch of its tangential spring along both tangents (mm); lasting
-# compression of a hysteretic foot (mm); and of the landing under way: its time (s, since the record
-# began), velocity (normal, along, across, mm/s), impulses (g mm/s), and when the slip stopped.
-MODE, ALONG, ACROSS, SET, LANDED, U_N, U_A, U_C, J_N, J_A, J_C, STOP = range(12)
+# A contact's row: mode; stretch of its tangential spring along both tangents (mm) and that spring's
+# stiffness (g/s^2); and of the landing under way: its time (s, since the record began), velocity
+# (normal, along, across, mm/s), impulses (g mm/s), and when the slip stopped.
+MODE, ALONG, ACROSS, SHEAR, LANDED, U_N, U_A, U_C, J_N, J_A, J_C, STOP = range(12)
 ROW = 12
+
+HALVINGS = 4
+"""Halvings of a step after which the shortest flight is left: that of a body that spins by 7 000 rad/s."""
 
 OPEN, STICK, SLIDE = range(3)
 """Modes of an elastic contact."""
@@ -92,19 +95,21 @@ class Walker(NamedTuple):
     friction: Array
     """Friction coefficients of the contacts, shape (k,)."""
     spring: Array
-    """Stiffness of the contacts: normal, tangential, shape (k, 2), g/s^2."""
+    """Axial stiffness of the leg's corner behind each tip, shape (k,), g/s^2."""
+    tip: Array
+    """Hertz stiffness K of each tip, force K depth^1.5, shape (k,), g/(mm^0.5 s^2); infinite: rigid."""
+    shear: Array
+    """Tangential stiffness of the contacts over their normal tangent stiffness, shape (k,)."""
     damper: Array
-    """Normal damping of the contacts, shape (k,), g/s; 0 for hysteretic feet."""
-    unloading: float
-    """Stiffness in unloading over that in loading, 1 for viscous feet."""
+    """Normal damping over the root of the `tips.press` damping stiffness, shape (k,), g^0.5."""
     corners: Array
     """Corners of the body, or points of its hull, shape (c, 3)."""
     forced: Array
     """Coordinates of the legs in flight as a motor shakes them, times the cosine and the sine of
     its phase, shape (2, n), rad."""
     flights: Array
-    """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i, shape
-    (levels, 2 n, 2 n)."""
+    """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i with i from -HALVINGS,
+    shape (levels, 2 n, 2 n)."""
 
 
 class Options(NamedTuple):
@@ -114,8 +119,6 @@ class Options(NamedTuple):
     """Longest step while a foot may touch, s."""
     frame: int
     """Steps for which pose and contact directions are frozen."""
-    leap: int
-    """Steps that are taken as one while contacts stay as they are."""
 
 
 # A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
@@ -132,18 +135,24 @@ NEAR = np.dtype(
             ("number", np.int64),  # among all points
             ("tried", np.int64),  # its mode in the step
             ("unknown", np.int64),  # its first unknown in the equations
-            # what does not change: friction coefficient, normal and tangential stiffness, normal damping
+            # what does not change: friction coefficient, and the numbers of the same names of `Walker`
             ("friction", np.float64),
+            ("spring", np.float64),
+            ("tip", np.float64),
+            ("shear", np.float64),
+            ("damper", np.float64),
+            # depth about which its normal spring is linearised, force and tangent stiffness there; tangential
+            # stiffness, normal damping; resistances c + h k / 2, the share of the step, up to its end, in which it
+            # touches; elastic energy of its stretch as the step begins
+            ("about", np.float64),
+            ("push", np.float64),
             ("k_n", np.float64),
             ("k_t", np.float64),
             ("c_n", np.float64),
-            # stiffness and lasting compression of the branch it is on (loading, unloading), resistances
-            # c + h k / 2, and the share of the step, up to its end, in which it touches
-            ("stiff", np.float64),
-            ("offset", np.float64),
             ("b_n", np.float64),
             ("b_t", np.float64),
             ("share", np.float64),
+            ("strain", np.float64),
             # directions of its stretch as it slides, in the middle and at the end of the step, and the
             # slip (mm/s) that they follow from
             ("toward", np.float64, 2),
@@ -189,9 +198,9 @@ class Work(NamedTuple):
     MJ: Array
     """Inverse mass of the whole times its transpose, by rows as well, shape (3 k, 6)."""
     ML: Array
-    """Inverse inertia of the legs in steps and leaps times the transpose of their columns, shape (2, 3 k, n)."""
+    """Inverse inertia of the legs in a step times the transpose of their columns, shape (3 k, n)."""
     H: Array
-    """Inverse mass at the contacts in steps and leaps, J M^-1 J^T, shape (2, 3 k, 3 k), 1/g."""
+    """Inverse mass at the contacts, J M^-1 J^T, shape (3 k, 3 k), 1/g."""
     A: Array
     """Equations of the forces, shape (3 k, 3 k + 1)."""
     pull: Array
@@ -203,9 +212,9 @@ class Work(NamedTuple):
     left: Array
     """Torques by which effects that turn the body leave legs behind, shape (n,)."""
     swing: Array
-    """Inverse inertia of the coordinates in a step and in a leap, their springs included, shape (2, n, n)."""
+    """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
     swung: Array
-    """Lengths for which `swing` is, shape (2,), s."""
+    """Length of the step for which `swing` is, shape (1,), s."""
     thrown: Array
     """By how much a motor's unbalanced mass leads C away, its rate and its second derivative, body
     axes, shape (3, 3)."""
@@ -229,15 +238,15 @@ def work_for(walker, state):
         np.zeros(k, NEAR),
         np.zeros((m, 6 + n)),
         np.zeros((m, 6)),
-        np.zeros((2, m, n)),
-        np.zeros((2, m, m)),
+        np.zeros((m, n)),
+        np.zeros((m, m)),
         np.zeros((m, m + 1)),
         np.zeros(n),
         np.zeros(2 * n),
         np.zeros(2 * n),
         np.zeros(n),
-        np.zeros((2, n, n)),
-        np.zeros(2),
+        np.zeros((n, n)),
+        np.zeros(1),
         np.zeros((3, 3)),
         np.zeros_like(state),
     )

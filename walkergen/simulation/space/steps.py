@@ -27,13 +27,13 @@ from walkergen.simulation.space.frame import (
     sway_work,
 )
 from walkergen.simulation.space.landings import leave, settle
-from walkergen.simulation.space.leaps import STIRRED, changes, is_calm
 from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
 from walkergen.simulation.space.resting import DOZE, doze, ride
 from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,
     C_X,
+    HALVINGS,
     LANDED,
     LEGS,
     MODE,
@@ -41,12 +41,12 @@ from walkergen.simulation.space.state import (
     PITCH,
     QUIET,
     ROW,
-    SET,
     V_X,
     W_X,
     first_row,
     work_for,
 )
+from walkergen.simulation.space.tips import response
 from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
 INSTANT = 9e-11
@@ -76,7 +76,6 @@ def _gather(walker, state, work, t):
     for k in range(len(walker.leg)):
         at = first + ROW * k
         if state[at + MODE] == OPEN and work.points[k].clear > t:
-            state[at + SET] = 0.0
             continue
         work.near[m].number, work.near[m].gap[0] = k, work.points[k].gap
         work.near[m].gap[1], work.near[m].gap[2] = state[at + ALONG], state[at + ACROSS]
@@ -85,12 +84,12 @@ def _gather(walker, state, work, t):
 
 
 @lean
-def _swing_freely(state, near, J, work, swing, springs, dampers, m, h, before):
+def _swing_freely(state, near, J, work, swing, springs, dampers, m, h):
     """Fill the legs' accelerations and the mid-step velocities of m contacts without contact, for a step of h seconds.
 
-    Those with contact become the ones expected by the forces of the step `before`, so many seconds long.
+    Those with contact become the ones expected by the forces of the step before.
     """
-    n, pull, left, longer = len(springs), work.pull, work.left, h / before
+    n, pull, left = len(springs), work.pull, work.left
     for i in range(n):
         pull[i] = 0.0
     for j in range(n):
@@ -104,7 +103,7 @@ def _swing_freely(state, near, J, work, swing, springs, dampers, m, h, before):
             for j in range(n):
                 total += J[3 * i + p, 6 + j] * pull[j]
             free = near[i].speed[p] + 0.5 * h * total
-            near[i].middle[p] = free + longer * (near[i].middle[p] - near[i].free[p])
+            near[i].middle[p] += free - near[i].free[p]
             near[i].free[p] = free
 
 
@@ -127,13 +126,13 @@ def _move_legs(state, near, ML, pull, dampers, m, h):
 
 
 @lean
-def _move_contacts(state, near, m, first, unloading, upward, t, h, lifted, tally):
+def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
     """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
     sums = tally.sums
     for i in range(m):
         k = near[i].number
         at = first + ROW * k
-        if settle(state, near, i, at, unloading, t, h, sums):
+        if settle(state, near, i, at, t, h, sums):
             leave(state, at, k, upward[k, 0] > 0.0, tally)
         for p in range(3):
             sums[record.PLATE_WORK] += h * lifted * upward[k, p] * near[i].force[p]
@@ -177,54 +176,40 @@ def _closed_time(state, near, m, first, h):
         if near[i].tried != OPEN:
             begin, end = min(begin, 1.0 - near[i].share), 1.0
         elif state[first + ROW * near[i].number + MODE] != OPEN:
-            k, c = near[i].stiff, near[i].c_n
-            now = -k * (near[i].gap[0] + near[i].offset) - c * near[i].speed[0]
-            falls = k * near[i].speed[0] + 2.0 * c * (near[i].middle[0] - near[i].speed[0]) / h
+            depth = -near[i].gap[0]
             begin = 0.0
+            if not depth > 0.0:
+                end = max(end, 0.0)
+                continue
+            now, k, viscous = response(near[i].spring, near[i].tip, depth)
+            c = near[i].damper * math.sqrt(viscous)
+            now -= c * near[i].speed[0]
+            falls = k * near[i].speed[0] + 2.0 * c * (near[i].middle[0] - near[i].speed[0]) / h
             end = max(end, min(max(now / (falls * h), -0.5), 1.0) if falls > 0.0 else 0.0)
     return h * (end - begin) if begin < 1.0 else 0.0
 
 
 @lean
-def _steps(walker, state, work, m, h, count, leap, stir, begin, lifted, lifting, tally):
-    """Take `count` steps of h seconds from `begin` on, `leap` of them as one while contacts are calm (leaps.py).
+def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
+    """Take `count` steps of h seconds from `begin` on.
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
     near, J, A, springs, dampers = work.near, work.J, work.A, walker.stiffness, walker.damping
-    unloading, upward, sums, first = walker.unloading, walker.upward, tally.sums, first_row(walker)
-    done, single, last = 0, 0, h
-    while done < count:
-        size = leap if single == 0 and count - done >= leap else 1
-        kind = 1 if size > 1 else 0
-        H, ML, span = work.H[kind], work.ML[kind], size * h
-        _swing_freely(state, near, J, work, work.swing[kind], springs, dampers, m, span, last)
-        last = span
-        closed = guess(state, near, H, m, span, unloading, first)
-        if size > 1 and changes(state, near, m, first):
-            single = leap
-            continue
-        if closed > 0:
-            solve(near, H, A, m, span)
+    H, ML, sums, first = work.H, work.ML, tally.sums, first_row(walker)
+    for done in range(count):
+        _swing_freely(state, near, J, work, work.swing, springs, dampers, m, h)
+        if guess(state, near, H, m, h, first) > 0:
+            solve(near, H, A, m, h)
         else:
             for i in range(m):
                 for p in range(3):
                     near[i].force[p], near[i].middle[p] = 0.0, near[i].free[p]
-        calm = leap > 1 and is_calm(state, near, m, first, span, size / leap, stir)
-        if size > 1 and not calm:
-            single = leap
-            continue
-        if size == 1:
-            sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, span)
-        elif closed > 0:
-            sums[record.CONTACT_TIME] += span
-        sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, span)
-        t, speed = begin + (done + size) * h, lifted + (done + 0.5 * size) * h * lifting
-        _move_contacts(state, near, m, first, unloading, upward, t, span, speed, tally)
-        if size == 1:
-            _touched_late(state, near, H, ML, len(springs), m, span)
-        done += size
-        single = max(single - 1, 0 if calm else 1)
+        sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
+        sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, h)
+        t, speed = begin + (done + 1) * h, lifted + (done + 0.5) * h * lifting
+        _move_contacts(state, near, m, first, walker.upward, t, h, speed, tally)
+        _touched_late(state, near, H, ML, len(springs), m, h)
 
 
 @lean
@@ -255,20 +240,17 @@ def _move_body(walker, motor, state, work, m, t, sums):
 @lean
 def _frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
-    walker, t, leap = world.walker, count * h, min(world.options.leap, count)
-    m, kinds = _gather(walker, state, work, t), 2 if leap > 1 else 1
+    walker, t = world.walker, count * h
+    m = _gather(walker, state, work, t)
     for j in range(len(walker.stiffness)):
         work.before[j] = state[LEGS + j]
     lifted = plate_velocity(world, state)
     halfway(world, state, work, t)
-    stiffen(walker, work, h, 0)
-    if kinds > 1:
-        stiffen(walker, work, leap * h, 1)
+    stiffen(walker, work, h)
     accelerate(world, work.midway, work)
-    load(world, work, lifted, t, m, kinds)
+    load(world, work, lifted, t, m)
     lifting = plate_acceleration(world, work.midway)
-    stir = STIRRED * across(world.acting) * TWO_PI / world.drive.omega
-    _steps(walker, state, work, m, h, count, leap, stir, begin, lifted, lifting, tally)
+    _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
     if _sways(world.acting.sway):
         tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
     _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)
@@ -276,15 +258,24 @@ def _frame(world, state, work, begin, h, count, tally):
 
 
 @lean
+def _spin(state):
+    """Rate at which the body turns, rad/s, never zero."""
+    return math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2) + 1e-300
+
+
+@lean
 def _level(world, state, clear):
-    """Level of the longest tabulated flight within `clear` seconds, -1 if none is."""
-    step, levels = world.options.step, len(world.walker.flights)
-    spin = math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2)
-    longest = min(clear, TURN / (spin + 1e-300))
+    """Level of the longest tabulated flight within `clear` seconds, less than -HALVINGS if none is.
+
+    Flights shorter than a step are for a body that spins fast: close to a surface a frame of steps costs less.
+    """
+    step, longest = world.options.step, min(clear, TURN / _spin(state))
     if _motor_acts(world.acting.motor):
         longest = min(longest, TURN_OF_MOTOR / world.acting.motor.omega)
-    level = -1
-    while level + 1 < levels and step * 2.0 ** (level + 1) <= longest:
+    level = -HALVINGS - 1
+    if clear < step:
+        return level
+    while level + 1 < len(world.walker.flights) - HALVINGS and step * 2.0 ** (level + 1) <= longest:
         level += 1
     return level
 
@@ -332,12 +323,12 @@ def advance_in(world, state, work, duration, tally):
         if state[QUIET] > patience:
             passed = longest
             ride(world, state, passed, sums)
-        elif level >= 0:
+        elif level >= -HALVINGS:
             state[QUIET] = 0.0
             passed = step * 2.0**level
             fly(world, state, work, passed, level, sums)
         else:
-            passed = min(longest, world.options.frame * step)
+            passed = min(longest, world.options.frame * step, max(TURN / _spin(state), instant))
             count = max(math.ceil(passed / step - 1e-9), 1)
             _frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:

@@ -9,48 +9,42 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.scene import Scene
-from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist
+from walkergen.scene import GRAVITY, Scene
+from walkergen.simulation.effects import compliance, feet, turning, twist
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects.effect import LID, WALLS, Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
-from walkergen.simulation.space.state import Array, Options, Walker
+from walkergen.simulation.space.state import HALVINGS, Array, Options, Walker
 from walkergen.simulation.world import World
+from walkergen.theory.hertz import landing_depth
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import LegMass, MassProperties, Spatial, joined
 
-LEVELS = 8
-"""Tabulated flights: the longest takes 2^(LEVELS - 1) steps."""
+LEVELS = 5
+"""Tabulated flights of a step and longer: the longest takes 2^(LEVELS - 1) steps, 0.4 ms of the paper's walker."""
 
 LARGEST_TERM, TERMS = 0.5, 14
 """Norm of a matrix up to which so many terms of its exponential's series are exact to rounding."""
 
-RESOLVED, SIDEWAYS, DAMPED = 0.6, 1.5, 0.9
-"""Length of a step times the largest frequency of the feet along the normal, and sideways (where
-they stick and slip), and times the largest rate at which their dampers stop them."""
+RESOLVED, RESOLVED_UP, RESOLVED_SIDEWAYS = 0.23, 1.6, 2.4
+"""Length of a step times the frequency of a corner that bears its share of the walker, pressed as deep as a landing
+presses it; and times the largest frequencies of all feet at that depth, along the normal and sideways: those of light
+legs. At 3.3 sideways a thin leg's twist gained energy."""
 
-COARSEST = 1.0
-"""Length of a step times the largest normal frequency beyond which steps are refused: at 1.3 speeds
-are 20 % low."""
+COARSEST = 3.0
+"""Length of a step over the feet's own beyond which steps are refused."""
 
-LONGEST, FINEST = 9e-4, 1 / 64
-"""Longest step of soft feet, of the plate's period (10 us at 90 Hz): drive and legs are held for a frame of steps; and
+LONGEST, FINEST = 5e-3, 1 / 64
+"""Longest step of soft feet, of the plate's period (56 us at 90 Hz): drive and legs are held for a frame of steps; and
 the least part of what resolves the feet that a step is, however fast the plate."""
 
-LONGEST_LEAP, MOST_LEAPT = 1.5e-3, 8
-"""Longest time that is taken as one step while contacts stay as they are, of the plate's period (17 us at 90 Hz), and
-most steps: feet ten times as stiff, of label 0.02, ran by 24 of them at 39.8 ± 0.3 for 37.1 ± 0.2 mm/s, by 8 at 37.4.
-"""
-
-STEPS_OF_FRAME, LONGEST_FRAME = 24, 5.85e-3
-"""Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (65 us at 90
-Hz): where feet are stiff, what the plate's height errs by in twice that is as much as they give at rest.
-"""
+STEPS_OF_FRAME, LONGEST_FRAME = 24, 2.2e-2
+"""Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (240 us at
+90 Hz)."""
 
 Z = np.array([0.0, 0.0, 1.0])
 
@@ -101,9 +95,10 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         **points,
         upward=_upward(points["place"]),
         friction=np.array([_friction(scene, design, foot) for foot in feet]),
-        spring=np.zeros((0, 2)),
+        spring=np.zeros(0),
+        tip=np.zeros(0),
+        shear=np.zeros(0),
         damper=np.zeros(0),
-        unloading=1.0,
         corners=corners_of(design, mass, centre),
         forced=np.zeros((2, n)),
         flights=np.zeros((0, n, n)),
@@ -111,7 +106,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     rotor = resolved.acting.motor
     if rotor is not None and motors.acts(rotor) and n > 0:
         walker = walker._replace(forced=_forced(walker, rotor))
-    return _with_feet(walker, case, feet, resolved.on(local_contact.NAME))
+    return _with_feet(walker, case, feet)
 
 
 def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
@@ -151,7 +146,7 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
         axis = axis_of(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
-        stiff = compliance.stiffness(limb, modulus, legs.spring), twist.stiffness(limb, modulus)
+        stiff = compliance.stiffness(limb, modulus, legs.spring), twist.stiffness(limb, design.material)
         springs += stiff[:freedoms]
         dampers += [
             2.0 * legs.damping_ratio * math.sqrt(k * inertia)
@@ -187,51 +182,56 @@ def _friction(scene: Scene, design: Design, foot: int) -> float:
     return scene.contact.friction if own is None else own
 
 
-def _with_feet(walker: Walker, case: Case, feet_of_points: Array, local: bool) -> tuple[Walker, Options]:
+def _with_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
     """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
-    modulus = case.design.material.youngs_modulus
-    of_legs = [feet.foot_of(case.scene, limb, modulus, local) for limb in case.design.limbs]
-    if len({foot.unloading for foot in of_legs}) > 1:
-        raise InputError(
-            "feet.damping = 'hysteretic': feet of unlike restitution unload unlike, which this "
-            "model has not; use 'viscous', or one restitution for all legs"
-        )
-    n, H = len(walker.stiffness), mobility(walker)
-    wall, label = walker.place != 0.0, case.scene.arena.wall_restitution
+    scene, material = case.scene, case.design.material
+    of_legs = [feet.foot_of(scene, limb, material) for limb in case.design.limbs]
+    H, wall = mobility(walker), walker.place != 0.0
     # Walls and lid are as stiff as the first leg's corners
     of_points = [of_legs[max(number, 0)] for number in feet_of_points]
-    ratio = np.where(wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points]))
-    spring = np.array([[foot.normal, foot.tangential] for foot in of_points])
-    # The label is that of a frictionless impact: there is no tangential damper
+    wall_ratio = feet.damping_ratio(scene.arena.wall_restitution)
+    ratio = np.where(wall, wall_ratio, np.array([foot.damping_ratio for foot in of_points]))
+    # Restitution is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
-    damper = 2.0 * ratio * np.sqrt(spring[:, 0] / np.where(own > 0.0, own, np.inf))
-    period = 2.0 * math.pi / case.scene.drive.omega
-    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, of_legs[0].unloading, LONGEST * period)
-    step = _step(
-        case.scene.run.step_us, own_step, min(COARSEST / fastest, max(10.0 * LONGEST * period, own_step)), fastest
+    walker = walker._replace(
+        spring=np.array([foot.spring for foot in of_points]),
+        tip=np.array([foot.tip for foot in of_points]),
+        shear=np.full(len(of_points), scene.feet.tangential_ratio),
+        damper=2.0 * ratio / np.sqrt(np.where(own > 0.0, own, np.inf)),
     )
-    return walker._replace(
-        spring=spring, damper=damper, unloading=of_legs[0].unloading, flights=_flights(walker, step, n, period)
-    ), _options(step, own_step, period, of_legs[0].unloading)
+    period = 2.0 * math.pi / scene.drive.omega
+    own_step = _own_step(walker, H, feet.LANDING_SPEED * case.shaken.peak_speed, LONGEST * period)
+    step = _step(scene.run.step_us, own_step)
+    frame = min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1))
+    return walker._replace(flights=_flights(walker, step, len(walker.stiffness), period)), Options(step, frame)
 
 
-def _own_step(
-    H: Array, on_plate: npt.NDArray[np.int64], spring: Array, damper: Array, unloading: float, longest: float
-) -> tuple[float, float]:
-    """Step (s), at most `longest`, that resolves all modes of the feet at rest on the plate, and their largest normal
-    frequency (rad/s).
+def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
+    """Step (s), at most `longest`, that resolves feet that land at a speed (mm/s).
 
-    `H`: mobility of all contacts, shape (3 k, 3 k), 1/g; `on_plate`: numbers of those of the feet.
+    `H`: mobility of all contacts, shape (3 k, 3 k), 1/g.
     """
-    up = 3 * on_plate
-    sideways = np.concatenate([up + 1, up + 2])
-    normal = H[np.ix_(up, up)]
-    fastest = math.sqrt(_largest(normal, unloading * spring[on_plate, 0]))
-    slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(spring[on_plate, 1], 2)))
-    stop = _largest(normal, damper[on_plate])
-    own = min(RESOLVED / fastest, SIDEWAYS / slip)
-    own = min(own, DAMPED / stop) if stop > 0.0 else own
-    return min(own, max(longest, FINEST * own)), fastest
+    corners = np.flatnonzero(walker.place == 0.0)
+    share = walker.mass / len(corners)
+    stiff = np.array([_landing_stiffness(walker, int(k), share, speed) for k in corners])
+    sideways = np.concatenate([3 * corners + 1, 3 * corners + 2])
+    up = math.sqrt(_largest(H[np.ix_(3 * corners, 3 * corners)], stiff))
+    slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
+    own = min(RESOLVED / math.sqrt(stiff.max() / share), RESOLVED_UP / up, RESOLVED_SIDEWAYS / slip)
+    return _rounded(min(own, max(longest, FINEST * own)), longest)
+
+
+def _rounded(step: float, unit: float) -> float:
+    """Step in six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
+    return unit * float(f"{step / unit:.6g}")
+
+
+def _landing_stiffness(walker: Walker, k: int, mass: float, speed: float) -> float:
+    """Tangent stiffness (g/s^2) of point k at the greatest depth to which a mass (g) presses it as it lands."""
+    if math.isinf(walker.tip[k]):
+        return float(walker.spring[k])
+    depth = landing_depth(walker.tip[k], mass, speed, GRAVITY * mass)
+    return float(1.0 / (1.0 / walker.spring[k] + 1.0 / (1.5 * walker.tip[k] * math.sqrt(depth))))
 
 
 def _largest(block: Array, factors: Array) -> float:
@@ -242,31 +242,16 @@ def _largest(block: Array, factors: Array) -> float:
     return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
 
 
-def _step(given_us: float | None, own: float, longest: float, fastest: float) -> float:
-    """Length of a step, s: the feet's own, or a given one.
-
-    Raises InputError for one beyond the `longest`, which would step over whole contacts, whose normal oscillation is
-    `fastest` rad/s.
-    """
+def _step(given_us: float | None, own: float) -> float:
+    """Length of a step, s: the feet's own, or a given one. Raises InputError for one that steps over whole contacts."""
     if given_us is None:
         return own
-    if 1e-6 * given_us > longest:
+    if 1e-6 * given_us > COARSEST * own:
         raise InputError(
-            f"run.step_us = {given_us:g}: steps over the contacts of these feet, which oscillate "
-            f"at {1e-3 * fastest / (2.0 * math.pi):.3g} kHz; at most {1e6 * longest:.3g}, or leave "
-            f"the key out ({1e6 * own:.3g})"
+            f"run.step_us = {given_us:g}: steps over the contacts of these feet. Give at most "
+            f"{1e6 * COARSEST * own:.3g}, or leave the key out ({1e6 * own:.3g})."
         )
     return 1e-6 * given_us
-
-
-def _options(step: float, own_step: float, period: float, unloading: float) -> Options:
-    """Lengths of frames and leaps in steps.
-
-    Feet that unload along another line than they are loaded take every step by itself.
-    """
-    frame = min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1))
-    leap = min(int(LONGEST_LEAP * period / max(step, own_step)), MOST_LEAPT, frame) if unloading == 1.0 else 1
-    return Options(step, frame, max(leap, 1))
 
 
 def coarser(world: World, factor: float) -> World:
@@ -302,17 +287,17 @@ def mobility(walker: Walker) -> Array:
 
 
 def _flights(walker: Walker, step: float, n: int, period: float) -> Array:
-    """Propagators of the legs in flight for step 2^i seconds, shape (LEVELS, 2 n, 2 n).
+    """Propagators of the legs in flight for step 2^i seconds, i from -HALVINGS, shape (HALVINGS + LEVELS, 2 n, 2 n).
 
     The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
     """
     if n == 0:
-        return np.zeros((LEVELS, 0, 0))
+        return np.zeros((HALVINGS + LEVELS, 0, 0))
     unit, rates = 2.0 ** math.frexp(period / 512.0)[1], np.zeros((2 * n, 2 * n))
     rates[:n, n:] = np.eye(n)
     rates[n:, :n] = -walker.hinge_mobility * walker.stiffness * unit**2
     rates[n:, n:] = -walker.hinge_mobility * walker.damping * unit
-    flights = np.array([exponential(step / unit * 2.0**level * rates) for level in range(LEVELS)])
+    flights = np.array([exponential(step / unit * 2.0**level * rates) for level in range(-HALVINGS, LEVELS)])
     flights[:, :n, n:] *= unit
     flights[:, n:, :n] /= unit
     return flights

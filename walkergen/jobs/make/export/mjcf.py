@@ -1,7 +1,12 @@
 """Walkers as models of MuJoCo: MJCF with the mass properties, hinges, feet and plate of ours.
 
-Units are those of this program: mm, g, s. Frame: x along the run, y to the left, z up. Two things
-differ, and the file says so: legs do not twist, and friction has a damper in place of its spring.
+Units are those of this program: mm, g, s. Frame: x along the run, y to the left, z up. Three things
+differ, and the file lists them: legs do not twist, friction has a damper in place of its spring, and tips are linear.
+
+A Hertzian tip, F = K d^1.5, is replaced by the linear spring with the same contact time. A mass m that lands at a
+speed v stays for I d/v, d its greatest depth, with I = 2 sqrt(pi) Gamma(7/5) / Gamma(9/10) = 2.943. On a linear spring
+it stays for pi sqrt(m/k). With K d^2.5 = 1.25 m v^2 both are equal for k = pi^2 / (1.25 I^2) K sqrt(d), which is
+k = 1.20 (E*^4 R^2 m v^2)^(1/5).
 """
 
 import math
@@ -14,11 +19,13 @@ from walkergen.errors import InputError
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import GRAVITY, Drive, Scene
 from walkergen.shapes.mesh import Mesh
-from walkergen.simulation.effects import compliance, local_contact, turning
+from walkergen.simulation.effects import compliance, feet, turning
 from walkergen.simulation.effects.effect import LID, WALLS
+from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import Walker
 from walkergen.simulation.space.walker import mobility
+from walkergen.theory.hertz import landing_depth
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
@@ -45,7 +52,10 @@ PLATE = 1e9
 """Mass of the plate, g: walkers do not move it."""
 
 
-ALLOWED = {compliance.NAME, local_contact.NAME, turning.NAME, WALLS, LID}
+HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+"""Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
+
+ALLOWED = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
 """Effects that have a switch and that the file holds."""
 
 
@@ -56,21 +66,35 @@ def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
     """
     name, built = names.part(design), solids.build(design)
     mass = solids.weigh(design, built)
-    walker, step = _walker_of(design, scene, mass)
-    yield f"{name}.xml", _text(name, design, scene, mass, walker, step).encode()
+    plan = _plan_of(design, scene, mass)
+    walker = plan.world.walker
+    yield f"{name}.xml", _text(name, plan).encode()
     for part, mesh in _meshes(design, mass, walker, built):
         yield f"{name}_{part}.stl", stl_bytes(mesh, f"{name} {part}")
 
 
-def _walker_of(design: Design, scene: Scene, mass: MassProperties) -> tuple[Walker, float]:
-    """Walker in space without twist, and the step (s) of ours. Raises InputError."""
+def linear_springs(plan: Plan) -> Array:
+    """Return the stiffness (g/s^2) of each point of contact in the file, shape (k,).
+
+    The leg's corner is in series with the tip's linear spring. A corner lands with its share of the mass at the speed
+    that the step and the surrogate take. A plate that hardly moves is replaced by the weight that rests on a corner.
+    """
+    walker = plan.world.walker
+    share = walker.mass / np.count_nonzero(walker.place == 0.0)
+    speed = feet.LANDING_SPEED * plan.shaken.peak_speed
+    depths = np.array([landing_depth(tip, share, speed, GRAVITY * share) for tip in walker.tip])
+    depths[np.isinf(walker.tip)] = 1.0  # any: rigid tips are infinitely stiff
+    tips = math.pi**2 / (1.25 * HERTZ_TIME**2) * walker.tip * np.sqrt(depths)
+    return np.asarray(1.0 / (1.0 / walker.spring + 1.0 / tips))
+
+
+def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
+    """Plan of a walker in space without twist. Raises InputError."""
     effects = scene.effects.model_copy(update={"leg_twist": False})
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
     if resolved.model != "space":
         raise InputError(f"legs.model = {resolved.model!r}: MJCF is of the model 'space'")
-    if scene.feet.damping != "viscous":
-        raise InputError(f"feet.damping = {scene.feet.damping!r}: MJCF has viscous feet only")
     if not resolved.on(turning.NAME):
         raise InputError(f"{turning.SWITCH} = false: MJCF is of walkers that are free to turn")
     for effect in resolved.effects:
@@ -78,7 +102,7 @@ def _walker_of(design: Design, scene: Scene, mass: MassProperties) -> tuple[Walk
             raise InputError(
                 f"{effect.name} ({effect.reason}): MJCF leaves it out; write --set scene.{effect.switch}=false"
             )
-    return plan.world.walker, plan.world.options.step
+    return plan
 
 
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
@@ -97,11 +121,12 @@ def _turned(mesh: Mesh, offset: Array) -> Mesh:
     return mesh._replace(vertices=(mesh.vertices + offset) @ UP.T)
 
 
-def _text(name: str, design: Design, scene: Scene, mass: MassProperties, walker: Walker, step: float) -> str:
+def _text(name: str, plan: Plan) -> str:
     """MJCF of a walker, let go an amplitude over the plate, which is at its highest."""
+    scene, design, mass, walker = plan.scene, plan.case.design, plan.case.mass, plan.world.walker
     drive, called = scene.drive, names.legs(design)
     period = 2.0 * math.pi / drive.omega
-    own = period / math.ceil(FINER * period / step)
+    own = period / math.ceil(FINER * period / plan.world.options.step)
     height = 2.0 * drive.amplitude - float((walker.root + _on_foot(walker))[:, 1].min())
     free = [k for k, leg in enumerate(mass.legs) if float(leg.m) > 0.0]
     legs = "".join(_leg(number, called[k], mass, walker, k) for number, k in enumerate(free))
@@ -114,7 +139,11 @@ def _text(name: str, design: Design, scene: Scene, mass: MassProperties, walker:
     assert mass.spatial is not None
     return f"""<!-- {name} by walkergen: units mm, g, s (forces in uN, energies in nJ); x along the
   run, y to the left, z up. Masses and inertias are walkergen's, not the meshes', which are only
-  seen. Left out: the twist of the legs, and the spring of friction, for which a damper stands in.
+  seen. Left out: the twist of the legs, and the spring of friction, which a damper replaces.
+  Feet have linear springs. walkergen's tips are Hertzian, stiffer the deeper they are pressed. A
+  linear spring here has the same contact time for a quarter of the mass at twice the plate's peak
+  speed (four corners; in general an equal share), in series with the leg. The damper gives the
+  scene's restitution. With small gamma, below about 1.4, walkers run slower than on Hertzian tips.
   The plate, heavy enough not to feel the walker, swings on a spring: {drive.frequency:g} Hz,
   {drive.peak_gamma:g} g, amplitude {1e3 * drive.amplitude:.6g} um, at its highest at time 0.
   solref of the feet: stiffness and damping of a corner in g/s^2 and g/s, times MuJoCo's inverse
@@ -134,7 +163,7 @@ def _text(name: str, design: Design, scene: Scene, mass: MassProperties, walker:
       {_corners(walker, -1)}{legs}
     </body>
   </worldbody>
-  <contact>{_pairs(mass, walker, free)}
+  <contact>{_pairs(mass, walker, free, linear_springs(plan))}
   </contact>
 </mujoco>
 """
@@ -195,15 +224,15 @@ def _plate(drive: Drive, walker: Walker, height: float) -> str:
     </body>"""
 
 
-def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int]) -> str:
-    """Contacts of corners with the plate, and of the body's points with both walls, or with a lid."""
+def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
+    """Contacts of corners with the plate, and of the body's points with both walls, or with a lid, of these springs."""
     H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
     pairs = ""
     for k, friction in enumerate(walker.friction):
         unit = (1.0 - IMPEDANCE) * inverse[k]
         slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
-        sideways = 2.0 * math.sqrt(walker.spring[k, 1] / slip) * unit / IMPRATIO
-        normal = _numbers(-unit * walker.spring[k, 0], -unit * walker.damper[k])
+        sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * unit / IMPRATIO
+        normal = _numbers(-unit * springs[k], -unit * walker.damper[k] * math.sqrt(springs[k]))
         for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
             pairs += f'''
     <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"

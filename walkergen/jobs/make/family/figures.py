@@ -15,7 +15,7 @@ from walkergen.theory.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
 BOUNDS = "68 and 95 %"
-THEORY = "eq. 15, dotted outside 95 %"
+THEORY = "theory (eq. 15): all landings alike"
 
 BAND, CORE = 0.16, 0.3
 """Shades of the bounds of 95 and 68 %."""
@@ -45,7 +45,7 @@ def speed_figure(
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    Thin lines are the theory, dotted where it leaves the 95 % bounds. Kinds without a curve have
+    One dashed line is the theory, of flexible legs where there are any. Kinds without a curve have
     their bounds as bars, as walkers that only runs know. Walkers whose legs follow no common tilt
     stand side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
@@ -57,6 +57,7 @@ def speed_figure(
     legend: dict[str, Any] = {}
     for kind, curve in chart_data.curves.items():
         legend |= _draw_curve(axes, kind, curve)
+    legend |= _draw_theory(axes, chart_data.curves)
     for legs in dict.fromkeys(row.legs for row in rows):
         own = [walker for walker in walkers if walker.row.legs == legs]
         between = next((curve for kind, curve in chart_data.curves.items() if kind == legs), None)
@@ -91,10 +92,7 @@ def _limit(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
 
 
 def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
-    """Draw a kind's predicted speed between the members with its bounds, and the theory.
-
-    The theory is a thin line, dotted where it leaves the bounds of 95 %.
-    """
+    """Draw a kind's predicted speed between the members, with its bounds."""
     look = STYLES[kind]
     (middle,) = axes.plot(curve.tilt_deg, curve.speed, look.line, color=look.colour)
     bands = [
@@ -103,11 +101,15 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
         )
         for low, high, a in ((0, 3, BAND), (1, 2, CORE))
     ]
-    inside = (curve.bounds[0] <= curve.theory) & (curve.theory <= curve.bounds[3])
-    thin: Any = {"color": INK, "linewidth": 0.7}
-    axes.plot(curve.tilt_deg, curve.theory, ":", **thin)
-    (solid,) = axes.plot(curve.tilt_deg, np.where(inside, curve.theory, np.nan), "-", **thin)
-    return {f"{kind}, {BOUNDS}": (*bands, middle), THEORY: solid}
+    return {f"{kind}, {BOUNDS}": (*bands, middle)}
+
+
+def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
+    """Draw the theory as one dashed line: of flexible legs where there are any, since braced ones stand."""
+    curve = curves.get("flexible", next(iter(curves.values()), None))
+    if curve is None:
+        return {}
+    return {THEORY: axes.plot(curve.tilt_deg, curve.theory, "--", color=INK, linewidth=0.9)[0]}
 
 
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:

@@ -90,7 +90,7 @@ def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
     )
     return (
-        f"{name} in {scene.name}: {shaken}, {scene.feet.damping} feet of restitution "
+        f"{name} in {scene.name}: {shaken}, feet of restitution "
         f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
         f"{motion.times[-1]:.3g} s{ended}"
     )

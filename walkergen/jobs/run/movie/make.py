@@ -332,7 +332,7 @@ def settings(scene: Scene, models: Sequence[str]) -> str:
     drive, contact = scene.drive, scene.contact
     law = f"({contact.law})"
     if "space" in models:
-        law = f"(label of {scene.feet.damping} feet)"
+        law = "(elastic feet)"
     shaken = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
         if 1e3 * drive.amplitude > AT_REST_UM

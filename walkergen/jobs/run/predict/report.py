@@ -52,9 +52,9 @@ def of(
 ) -> PredictReport:
     """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`.
 
-    Notes are told, too, where an accepted error may have left something out.
+    Notes are shown, too, where an accepted error may have left something out, and where the theory is all there is.
     """
-    noted = why or scene.run.accepted_error is not None
+    noted = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
     tables = speed_table.tables("prediction", design.name, walkers, noted)
     rows = list(tables[0])
     for row, member, own in zip(rows, walkers, shares, strict=False):

@@ -66,8 +66,13 @@ def plate_in_words(scene: Scene) -> str:
 def model_in_words(simulated: Simulated, scene: Scene) -> str:
     """Model of a simulation, and what it assumes of the contact."""
     contact, model = scene.contact, simulated.point.model
-    law = f"elastic feet ({scene.feet.damping})" if model == "space" else f"law of impact {contact.law}"
+    law = feet_in_words(scene) if model == "space" else f"law of impact {contact.law}"
     return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
+
+
+def feet_in_words(scene: Scene) -> str:
+    """Tips of the feet, as reports name them."""
+    return "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
 
 
 def model_as_dict(simulated: Simulated, scene: Scene) -> dict[str, Any]:
@@ -76,8 +81,8 @@ def model_as_dict(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     contact = scene.contact
     if simulated.point.model != "space":
         return named | {"law": contact.law}
-    label = {"label": contact.restitution, "friction": contact.friction}
-    return named | {"feet": scene.feet.damping} | label
+    radius = None if scene.feet.rigid_tips else scene.feet.tip_radius_um
+    return named | {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
 
 
 def motion_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:

@@ -1,6 +1,6 @@
 """Advice from what is shipped: which model, step, runs and seconds an error takes, before anything is simulated.
 
-For the paper's walker on its plate at a tilt and a label that were measured, speed, scatter and cost are those of
+For the paper's walker on its plate at a tilt and a restitution that were measured, speed, scatter and cost are those of
 the cell; for any other they are scaled: read between cells, and from the plate's speed, its frequency, the walker's
 own step and its number of legs. Biases by the step are the law's, of all cells together (`step_law`).
 """
@@ -40,7 +40,7 @@ START_S = 1.2
 LANE = "lane-90hz"
 """Scene of the cells between which is read."""
 
-SCALED_WITHIN = 2.8
+SCALED_WITHIN = 1.3
 """Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
 out scatters otherwise, for its speed, than is read between its neighbours."""
 
@@ -104,12 +104,12 @@ def place(plan: Plan) -> Place:
     """What the shipped data say of a plan of a walker in space."""
     scene, design = plan.scene, plan.case.design
     every, measured = cells.read(), _measured(plan)
-    tilt, label = abs(design.tilt_deg), scene.contact.restitution
+    tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
     own_s, drive = resolution.own_step(plan), plan.shaken
-    cell = tuple(row for row in every if row.cell == (measured, tilt, label))
+    cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
     cell = cell if any(row.share == REFERENCE for row in cell) else ()
     rows = [row for row in every if row.scene == (measured if cell else LANE)]
-    measured_us = _between(rows, lambda of: of[1.0].step_us or math.nan, tilt, label)
+    measured_us = _between(rows, lambda of: of[1.0].step_us or math.nan, tilt, restitution)
     harder = measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
     if cell:
         harder = 1.0
@@ -117,12 +117,12 @@ def place(plan: Plan) -> Place:
     slower = MEASURED_DRIVE[0] / drive.frequency
 
     def work(step: float) -> float:
-        return harder * _between(rows, lambda of: _work(of, step), tilt, label, logarithmic=True)
+        return harder * _between(rows, lambda of: _work(of, step), tilt, restitution, logarithmic=True)
 
     return Place(
         drive.peak_speed,
-        scale * _between(rows, lambda of: abs(of[1.0].speed_mm_s or 0.0), tilt, label),
-        scale**2 * slower * _between(rows, _scatter, tilt, label, logarithmic=True),
+        scale * _between(rows, lambda of: abs(of[1.0].speed_mm_s or 0.0), tilt, restitution),
+        scale**2 * slower * _between(rows, _scatter, tilt, restitution, logarithmic=True),
         work,
         1e6 * own_s,
         scene.run.discard_seconds,
@@ -144,7 +144,7 @@ def _scatter(steps: dict[float, Row]) -> float:
 
 
 def _measured(plan: Plan) -> str:
-    """Name of the cells' scene that a plan has, but for its label; "" for others, and for another walker."""
+    """Name of the cells' scene that a plan has, but for its restitution; "" for others, and for another walker."""
     from walkergen.files import templates
     from walkergen.jobs.trust.accuracy.pace import WALKER
     from walkergen.scene import Scene
@@ -162,18 +162,26 @@ def _measured(plan: Plan) -> str:
 
 
 def _between(
-    rows: Sequence[Row], of: Callable[[dict[float, Row]], float], tilt: float, label: float, logarithmic: bool = False
+    rows: Sequence[Row],
+    of: Callable[[dict[float, Row]], float],
+    tilt: float,
+    restitution: float,
+    logarithmic: bool = False,
 ) -> float:
-    """Number of a cell, linear in the tilt and the logarithm of the label between cells, constant beyond them."""
+    """Number of a cell, linear in the tilt and the logarithm of the restitution between cells, constant beyond them."""
     by_cell = {cell[0][1:3]: {row.share or 0.0: row for row in cell} for cell in step_law.in_space(rows)}
-    tilts, labels = (sorted({key[at] for key in by_cell}) for at in (0, 1))
+    tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
-    def number(own_tilt: float, own_label: float) -> float:
-        found = of(by_cell[own_tilt, own_label])
+    def number(own_tilt: float, own_restitution: float) -> float:
+        found = of(by_cell[own_tilt, own_restitution])
         return math.log(found) if logarithmic else found
 
     by_tilt = [
-        float(np.interp(math.log(max(label, 1e-3)), np.log(labels), [number(own, one) for one in labels]))
+        float(
+            np.interp(
+                math.log(max(restitution, 1e-3)), np.log(restitutions), [number(own, one) for one in restitutions]
+            )
+        )
         for own in tilts
     ]
     found = float(np.interp(tilt, tilts, by_tilt))
@@ -214,12 +222,12 @@ def _planar_bound(row: Row, at: Place) -> float | None:
     In one cell errors of opposite signs may happen to cancel.
     """
     rows = [one for one in cells.read() if one.model == row.model]
-    tilts, labels = sorted({one.tilt_deg for one in rows}), sorted({one.label for one in rows})
+    tilts, restitutions = sorted({one.tilt_deg for one in rows}), sorted({one.restitution for one in rows})
     shares = [
         _bias(other, at.peak)
         for other in rows
         if abs(tilts.index(other.tilt_deg) - tilts.index(row.tilt_deg)) <= 1
-        and abs(labels.index(other.label) - labels.index(row.label)) <= 1
+        and abs(restitutions.index(other.restitution) - restitutions.index(row.restitution)) <= 1
     ]
     return None if None in shares else max(filter(None, shares)) * step_law.unit(at.speed, at.peak)
 

@@ -1,7 +1,7 @@
 """Cells: what each model and step gave for the paper's walker on its plate, as measured and shipped.
 
-cells.csv has a row a setting and a cell: a scene, a tilt and a label of the feet. `python -m evidence.accuracy.measure`
-makes it again.
+cells.csv has a row for each setting of each cell: a scene, a tilt and a restitution of the feet.
+`python -m evidence.accuracy.measure` makes it again.
 """
 
 import csv
@@ -23,8 +23,8 @@ class Row(NamedTuple):
 
     scene: str
     tilt_deg: float
-    label: float
-    """Restitution that labels the feet's damping."""
+    restitution: float
+    """Restitution of the feet."""
     model: ModelName
     share: float | None
     """Step over that which resolves the feet; None for planar models, which have their own."""
@@ -42,8 +42,8 @@ class Row(NamedTuple):
 
     @property
     def cell(self) -> tuple[str, float, float]:
-        """Scene, tilt and label, which name the cell."""
-        return self.scene, self.tilt_deg, self.label
+        """Scene, tilt and restitution, which name the cell."""
+        return self.scene, self.tilt_deg, self.restitution
 
     @property
     def variance_time(self) -> float:
@@ -75,7 +75,7 @@ def _row(cells: dict[str, str]) -> Row:
     return Row(
         cells["scene"],
         float(cells["tilt_deg"]),
-        float(cells["label"]),
+        float(cells["restitution"]),
         cells["model"],  # type: ignore[arg-type]  # a name of a model
         number("share"),
         number("step_us"),

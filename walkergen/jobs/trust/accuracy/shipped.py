@@ -106,9 +106,9 @@ def lines(place: Place) -> Sequence[str]:
     of = "the speed" if size == place.speed else f"{words.number(size, 3)} mm/s, a fifth of the plate's speed"
     known = {
         "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
-        "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and labels of 0.1 to 0.5, by "
-        f"the plate and what a second of this one gives: its scatter is known to a factor of {advice.SCALED_WITHIN:g}, "
-        "as cells are from their neighbours; --budget measures it, simulate --error meets it",
+        "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
+        "by the plate and what a second of this one gives: its scatter is known to a factor of "
+        f"{advice.SCALED_WITHIN:g}, as cells are from neighbours; --budget measures it, simulate --error meets it",
     }[place.known]
     return [
         known,

@@ -44,7 +44,7 @@ class Findings(NamedTuple):
     peaks: Sequence[Range]
     tilts: Sequence[Point]
     """Ensembles along the tilt, of all series but that on a noisy plate."""
-    labels: Mapping[float, Sequence[Point]] = {}
+    restitutions: Mapping[float, Sequence[Point]] = {}
     """Ensembles along the tilt in space, with the measured friction, by restitution."""
     drives: Sequence[Point] = ()
     """Ensembles along the plate's speed, of all series of flexible legs."""
@@ -103,8 +103,8 @@ def _stated(findings: Findings) -> Iterator[Row]:
         yield Row("plate speed", "sinusoidal drive", name, exact("plate", "mm_s", scene.drive.peak_speed))
         if name == FITTED:
             yield Row("friction", "the paper's best fit", name, exact("friction", "", scene.contact.friction))
-    if findings.labels:
-        restitution = curves.restitution_of_peak(findings.labels, FACTS["peak speed"].value)
+    if findings.restitutions:
+        restitution = curves.restitution_of_peak(findings.restitutions, FACTS["peak speed"].value)
         yield Row("restitution", "space, measured friction", findings.assumptions[0].name, restitution)
 
 

@@ -26,14 +26,14 @@ def series_of(points: Sequence[Point]) -> list[list[Point]]:
     return list(series.values())
 
 
-def labels_of(points: Sequence[Point]) -> dict[float, list[Point]]:
+def restitutions_of(points: Sequence[Point]) -> dict[float, list[Point]]:
     """Series in space by restitution, those with the friction of the first, each restitution once."""
-    labels = dict[float, list[Point]]()
+    restitutions = dict[float, list[Point]]()
     for series in series_of([point for point in points if point.model == "space"]):
         contact = series[0].assumption.scene.contact
         if contact.friction == points[0].assumption.scene.contact.friction:
-            labels.setdefault(contact.restitution, series)
-    return dict(sorted(labels.items()))
+            restitutions.setdefault(contact.restitution, series)
+    return dict(sorted(restitutions.items()))
 
 
 def size(quantity: Quantity) -> float:
@@ -103,13 +103,13 @@ def _known(places: Sequence[float], series: Sequence[Point]) -> tuple[Array, lis
     return np.array([place for place, _ in pairs]), [speed for _, speed in pairs]
 
 
-def restitution_of_peak(labels: Mapping[float, Sequence[Point]], stated: float) -> Quantity:
+def restitution_of_peak(restitutions: Mapping[float, Sequence[Point]], stated: float) -> Quantity:
     """Restitution with which the peak has the stated speed (mm/s), between those simulated."""
-    tops = [(label, peak(series).height) for label, series in sorted(labels.items())]
-    heights = [(label, top.value, top.se or 0.0) for label, top in tops if top.value is not None]
+    tops = [(restitution, peak(series).height) for restitution, series in sorted(restitutions.items())]
+    heights = [(restitution, top.value, top.se or 0.0) for restitution, top in tops if top.value is not None]
     for (low, below, below_se), (high, above, above_se) in pairwise(heights):
         if below <= stated <= above and below < above:
             step, share = (high - low) / (above - below), (stated - below) / (above - below)
             error = step * math.hypot((1.0 - share) * below_se, share * above_se)
             return Quantity("restitution", "", low + (high - low) * share, error)
-    return Quantity("restitution", "", None, refused="no two labels with the peak between")
+    return Quantity("restitution", "", None, refused="no two restitutions with the peak between")

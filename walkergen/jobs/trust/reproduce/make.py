@@ -86,8 +86,8 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
         target.claim()
         found = Findings(parts.assumptions, theories, peaks, points("figure2"))
         _write(found, target, "figure2")
-        found = found._replace(labels=curves.labels_of([*found.tilts, *points("figure2-labels")]))
-        _write(found, target, "figure2-labels")
+        found = found._replace(restitutions=curves.restitutions_of([*found.tilts, *points("figure2-restitutions")]))
+        _write(found, target, "figure2-restitutions")
         found = found._replace(drives=points("figure5"))
         _write(found, target, "figure5")
         found = found._replace(plane=motion.simulated(parts.assumptions, parts.plane, shares["figure6"]))
@@ -117,13 +117,13 @@ def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> P
     of_flexible = _cases(assumptions, flexible, "relaxed", "compliant", "space")
     tilted = of_flexible + _cases(assumptions, braced, "rigid", "space, braced")
     driven = [*of_flexible, *_cases(assumptions, flexible, "space, noisy plate")]
-    labels, tilts_of_labels = runs.swept("figure2-labels")
-    labelled = [_with(f"e = {label:g}", assumptions[0].scene, {"restitution": label}) for label in labels]
-    in_space = _cases(labelled, flexible, "space")
+    restitutions, tilts_of_restitutions = runs.swept("figure2-restitutions")
+    varied = [_with(f"e = {e:g}", assumptions[0].scene, {"restitution": e}) for e in restitutions]
+    in_space = _cases(varied, flexible, "space")
     ways = [Case(assumptions[0], mechanisms.MODEL, design) for _, design in mechanisms.designs(job.design)]
     cases = {
         "figure2": [_tilted(case, tilt) for case in tilted for tilt in tilts_deg],
-        "figure2-labels": [_tilted(case, tilt) for case in in_space for tilt in tilts_of_labels],
+        "figure2-restitutions": [_tilted(case, tilt) for case in in_space for tilt in tilts_of_restitutions],
         "figure5": [_tilted(case, TILT_OF_DRIVES)._replace(gamma=gamma) for case in driven for gamma in gammas],
         "mechanisms": ways,
     }

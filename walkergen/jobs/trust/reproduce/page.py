@@ -51,7 +51,7 @@ def _settings(findings: Findings) -> Iterator[str]:
     )
     yield (
         "In a plane Poisson's law of restitution. In space walkers run on elastic feet "
-        f"({scene.feet.damping}), of whose damping e is the label, on an open plane: a lane without walls."
+        f"with tips of {scene.feet.tip_radius_um:g} um, on an open plane: a lane without walls."
     )
     yield (
         f"Theory with impact speed w = {factor:g} x the plate's peak speed: calibrated on the paper's 60 mm/s at "
@@ -73,11 +73,11 @@ def _notes(findings: Findings) -> Iterator[str]:
             f"maximum lies between {peaks.low_deg:g} and {peaks.high_deg:g} deg; below {below.value:g} deg: "
             f"{below.verdict(exact('tilt', 'deg', peaks.high_deg)).value}."
         )
-    tops = [(label, curves.peak(series)) for label, series in findings.labels.items()]
-    known = [f"e = {label:g}: {number(h)} mm/s at {number(at)} deg" for label, (at, h) in tops if at.value]
+    tops = [(e, curves.peak(series)) for e, series in findings.restitutions.items()]
+    known = [f"e = {e:g}: {number(h)} mm/s at {number(at)} deg" for e, (at, h) in tops if at.value]
     if known:
         friction = findings.assumptions[0].scene.contact.friction
-        yield f"Peak in space with μ = {friction:g}, by the feet's label: {'; '.join(known)}."
+        yield f"Peak in space with μ = {friction:g}, by restitution: {'; '.join(known)}."
     for runs in findings.plane:
         yield _moved(runs)
     for series in curves.series_of(findings.drives):

@@ -97,10 +97,10 @@ def theory(findings: Findings) -> Table:
     return Table("figure2_theory", rows, keys)
 
 
-def labels(series: Mapping[float, Sequence[Point]]) -> Table:
+def restitutions(series: Mapping[float, Sequence[Point]]) -> Table:
     """Speeds in space, a row per restitution and tilt."""
-    rows = [(label, p.tilt_deg, *_pair(p.speed), p.outcomes) for label, points in series.items() for p in points]
-    return Table("figure2_labels", rows, ("restitution", "tilt_deg", *SPEED, "outcomes"))
+    rows = [(e, p.tilt_deg, *_pair(p.speed), p.outcomes) for e, points in series.items() for p in points]
+    return Table("figure2_restitutions", rows, ("restitution", "tilt_deg", *SPEED, "outcomes"))
 
 
 def on_plane(plane: Sequence[Runs]) -> list[Table]:
@@ -173,7 +173,7 @@ def mechanisms(measured: Sequence[Mechanism]) -> Table:
 
 TABLES: Mapping[str, Callable[[Findings], Sequence[Table]]] = {
     "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings), types(findings.tilts)],
-    "figure2-labels": lambda findings: [labels(findings.labels)],
+    "figure2-restitutions": lambda findings: [restitutions(findings.restitutions)],
     "figure5": lambda findings: [speeds("figure5", findings.drives)],
     "figure6": lambda findings: on_plane(findings.plane),
     "mechanisms": lambda findings: [mechanisms(findings.mechanisms)],

@@ -120,7 +120,10 @@ def _disc(model: str) -> Iterator[Check]:
     plan = _plan(_design(_on_disc(), body=DISC))
     reach = float(np.abs(plan.world.walker.corners[:, [0, 2]]).max())
     wide = np.hypot(*plan.world.walker.corners[:, [0, 2]].T).max()
-    yield Check("farthest point of its hull, over its radius", wide / 11.0, 1.01, "C is off O")
+    off = float(np.hypot(*plan.world.walker.centre[[0, 2]]))
+    yield Check(
+        "farthest point of its hull from C beyond its radius, mm", wide - 11.0, 2.0 * off, "twice C's way off O"
+    )
     yield exactly("its hull is as wide as long", abs(reach / wide - 1.0) < 0.02)
     state = thrown(plan)
     turned = quarter_turned(state)

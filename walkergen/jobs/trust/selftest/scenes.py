@@ -87,7 +87,7 @@ def plan_of(model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, *
 
 
 def scaled(model: str, scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
-    """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's modulus x s keeps springs similar."""
+    """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's moduli x s keep springs similar."""
     one = design_of(model, 10.0)
     lengths = {
         name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
@@ -95,7 +95,12 @@ def scaled(model: str, scale: float, run: Mapping[str, float] | None = None, **t
     }
     design = Design.model_validate(lengths | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     drive = {"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}
-    return prepare(scene_of(model, drive=drive, run=run or {}, **tables), design, masses(design))
+    scene = Scene()
+    similar = {
+        "plate": {"youngs_modulus_gpa": scene.plate.elastic.youngs_modulus_gpa * scale},
+        "feet": {"tip_radius_um": scene.feet.tip_radius_um * scale},
+    }
+    return prepare(scene_of(model, drive=drive, run=run or {}, **(similar | tables)), design, masses(design))
 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:

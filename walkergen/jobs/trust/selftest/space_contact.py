@@ -2,13 +2,23 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.trust.selftest.scenes import STILL, advance, design_of, masses, scene_of, shaken
-from walkergen.jobs.trust.selftest.space_scenes import apart, in_space, reflected, survives, thrown, unslowed
-from walkergen.simulation.model import Plan
+from walkergen.jobs.trust.selftest.space_scenes import (
+    apart,
+    deepest_of,
+    in_space,
+    reflected,
+    survives,
+    thrown,
+    unslowed,
+)
+from walkergen.scene import GRAVITY, PAPER_CONTACT
+from walkergen.simulation import record
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
 from walkergen.simulation.space.walker import mobility, walker_of
@@ -17,7 +27,15 @@ from walkergen.walker.mass import as_rigid
 RUN = 0.3
 """Duration, s: some hundred landings of corners."""
 
-BALANCE = 1e-2, "second order in the steps, of landings inside a step; soft feet come to 4e-3"
+TOUCHED, GAP = 2e-5, 8.5
+"""Time (s) of the first touch of a wall and the plate, and the gap (mm) of the lane."""
+
+BOUNCED = 0.5
+"""Duration (s) of free bounces: a hundred landings of corners and more."""
+
+BALANCE = 1e-2, "second order in the steps, of landings inside a step; up to 2e-3 at the feet's own step"
+
+CUT = 0.1, "where no modes of the contacts agree in a step, forces are cut to the cone: some percent in one step"
 
 
 def _smooth(model: str) -> Iterator[Check]:
@@ -30,7 +48,7 @@ def _rough(model: str) -> Iterator[Check]:
         for label in (0.02, 0.5, 1.0):
             plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
             title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
-            yield from survives(plan, thrown(plan), RUN, title, BALANCE)
+            yield from survives(plan, thrown(plan), RUN, title, CUT if friction > 1.0 else BALANCE)
 
 
 def _without_slip(model: str) -> Iterator[Check]:
@@ -54,54 +72,66 @@ def _without_slip(model: str) -> Iterator[Check]:
 
 
 def _lossless(model: str) -> Iterator[Check]:
-    """Check that free bounces of undamped smooth feet keep their energy, at the order of a step."""
-    changes = []
-    for part in (4.0, 8.0, 16.0):
-        step = 1e6 * in_space().world.options.step / part
-        plan = in_space(
-            drive=STILL,
-            contact={"friction": 0.0, "restitution": 1.0},
-            legs={"damping_ratio": 0.0},
-            run={"step_us": step},
+    """Check that free bounces of undamped smooth feet gain no energy, and lose little of it by the step."""
+    for tilt in (5.0, 10.0, 20.0, 35.0):
+        own = 1e6 * in_space(tilt, drive=shaken(1.8)).world.options.step
+        whole, fine = _changes(tilt, own), _changes(tilt, own / 16.0)
+        gained = max(max(change for change, _ in whole), 0.0)
+        yield Check(
+            f"{tilt:g} deg: energy gained in {BOUNCED:g} s, relative", gained, 0.02, "steps of second order lose it"
         )
-        # The mean over drops: each errs with a sign and size of its own
-        drops = np.linspace(-1.0, 1.0, 12)
-        changes.append(float(np.sqrt(np.mean([_change(plan, drop) ** 2 for drop in drops]))))
-    yield Check("change at a quarter of the step, rms of 12 drops", changes[0], 1e-2, "h^2")
-    yield Check(
-        "change at a sixteenth over that at a quarter",
-        changes[2] / changes[0],
-        0.2,
-        "h^2 would be 1/16; landings inside a step scatter it",
-    )
+        lost = max(-math.log1p(change) / landings for change, landings in whole)
+        yield Check(
+            f"{tilt:g} deg: energy lost in a landing, relative",
+            lost,
+            0.02 * (1.0 - PAPER_CONTACT.restitution**2),
+            "the step takes less than a fiftieth of what the damper of the paper's restitution takes",
+        )
+        lost_by_fine = max(abs(change) / landings for change, landings in fine)
+        yield Check(
+            f"{tilt:g} deg: at a sixteenth of the step, over that",
+            lost_by_fine / lost,
+            1.0 / 16.0,
+            "of more than first order",
+        )
 
 
-def _change(plan: Plan, place: float) -> float:
-    """Relative change of energy over some 20 landings of a drop, `place` -1..1 telling them apart.
+def _changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
+    """Relative change of energy over the bounces of ten drops that differ, and the landings of corners in each.
 
     Energies count from the walker that stands.
     """
-    state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
-    at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
-    before = plan.energy(state) - at_rest
-    advance(plan, state, 0.05)
-    return (plan.energy(state) - at_rest) / before - 1.0
+    plan = in_space(
+        tilt,
+        drive=STILL,
+        contact={"friction": 0.0, "restitution": 1.0},
+        legs={"damping_ratio": 0.0},
+        run={"step_us": step_us},
+    )
+    changes = []
+    for place in np.linspace(-1.0, 1.0, 10):
+        state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
+        at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+        before = plan.energy(state) - at_rest
+        _, tally = advance(plan, state, BOUNCED)
+        changes.append(((plan.energy(state) - at_rest) / before - 1.0, int(tally.counts[record.IMPACTS])))
+    return changes
 
 
 def _stiffness(model: str) -> Iterator[Check]:
-    for ratio in (1e-2, 1e2, 1e4):
-        for damping in ("viscous", "hysteretic"):
-            plan = in_space(
-                drive=shaken(1.8), contact={"restitution": 0.5}, feet={"stiffness_ratio": ratio, "damping": damping}
-            )
-            title = f"{damping}, stiffness x {ratio:g}"
-            seconds = RUN if ratio <= 1e2 else 0.1 * RUN
-            yield from survives(plan, thrown(plan), seconds, title, BALANCE)
+    tips: dict[str, dict[str, Any]] = {
+        "tips a hundred times softer": {"plate": {"youngs_modulus_gpa": 0.0167}},
+        "tips a hundred times stiffer": {"feet": {"tip_radius_um": 5e4}},
+        "rigid tips": {"feet": {"rigid_tips": True}},
+    }
+    for title, tables in tips.items():
+        plan = in_space(drive=shaken(1.8), contact={"restitution": 0.5}, **tables)
+        yield from survives(plan, thrown(plan), RUN, title, BALANCE)
 
 
 def _frozen(model: str) -> Iterator[Check]:
-    """Check joints without give: inverse mass and motion of the same walker without joints."""
-    tilt, feet, modulus = 20.0, 1e-6, 9000.0
+    """Check joints without give: inverse mass and motion of the same walker without joints, on a soft plate."""
+    tilt, modulus = 20.0, 9000.0
     design = design_of("space", tilt)
     stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
     scene = scene_of(
@@ -109,12 +139,13 @@ def _frozen(model: str) -> Iterator[Check]:
         drive=STILL,
         arena={"kind": "plane"},
         contact={"restitution": 0.5},
-        feet={"stiffness_ratio": feet, "damping": "hysteretic"},
+        plate={"youngs_modulus_gpa": 0.1},
         run={"step_us": 1.0},
     )
     loose = prepare(scene, stiff, masses(stiff))
     case = loose.case._replace(mass=as_rigid(masses(stiff)))
     joined, _ = walker_of(case, loose.resolved)
+    joined = joined._replace(damper=loose.world.walker.damper)  # given for a corner of its own leg's mass
     braced = loose._replace(world=loose.world._replace(walker=joined))
     walker = loose.world.walker
     frozen = mobility(walker._replace(hinge_mobility=0.0 * walker.hinge_mobility))
@@ -133,8 +164,8 @@ def _frozen(model: str) -> Iterator[Check]:
     yield Check(
         "velocities after five landings against those without joints, mm/s and rad/s",
         float(np.abs(ends[0] - ends[1]).max()),
-        0.1,
-        "give of the joints, 1/3000 of that of the feet; the walker falls at 31 mm/s",
+        0.2,
+        "give of the joints, some thousandth of that of the tips; the walker falls at 31 mm/s",
     )
 
 
@@ -143,7 +174,7 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
     for label in (0.02, 0.5, 1.0):
         plan = in_space(
             drive=STILL,
-            arena={"kind": "lane", "gap_mm": 8.5, "wall_restitution": label},
+            arena={"kind": "lane", "gap_mm": GAP, "wall_restitution": label},
             contact={"restitution": label},
         )
         state = plan.start(0.0, 0.0, 0.0)
@@ -151,20 +182,21 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
         state[[V_X, V_Y, V_Z]] = 10.0, -20.0, 30.0
         other = reflected(state)
         touched = state.copy()
-        advance(plan, touched, 2e-5)
-        yield exactly(f"e = {label:g}: wall and plate push at once", bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0))
+        advance(plan, touched, TOUCHED)
+        pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * TOUCHED)
+        yield exactly(f"e = {label:g}: wall and plate push at once", pushed)
         title = f"e = {label:g}: both walls, alike, mm"
         direct = state.copy()
         advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
         yield Check(title, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
         yield from survives(plan, state, RUN, f"e = {label:g}", BALANCE)
-        half = 0.5 * plan.scene.arena.gap_mm if plan.scene.arena.gap_mm else math.inf
+        play = 0.5 * (GAP - plan.case.design.size.depth)
         yield Check(
-            f"e = {label:g}: middle of the walker between the walls, mm",
-            abs(float(state[C_Z])),
-            half - 4.0 + 0.05,
-            "half of the play, and what a wall gives",
+            f"e = {label:g}: middle of the walker beyond its play between the walls, mm",
+            max(abs(float(state[C_Z])) - play, 0.0),
+            deepest_of(plan, math.hypot(10.0, 20.0, 30.0)),
+            "all of the walker on one corner against a wall, at the speed of its start",
         )
 
 

@@ -83,12 +83,29 @@ def apart(a: Array, b: Array) -> float:
 def deepest_of(plan: Plan, speed: float) -> float:
     """Upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
 
-    All of the walker on one corner's spring; other corners, hinges and dampers take their part.
+    All of the walker on one corner: its leg and its tip each take all of the energy, and the most that the weight gains
+    on the other, half of m g sag or 0.6 of it. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before
+    d = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
     """
+    walker, on_plate = plan.world.walker, plan.world.walker.place == 0.0
+    k, tip = float(walker.spring[on_plate].min()), float(walker.tip[on_plate].min())
+    weight = walker.mass * GRAVITY
+    leg_sag, tip_sag = weight / k, (weight / tip) ** (2.0 / 3.0)
+    leg = leg_sag + math.sqrt(leg_sag**2 + walker.mass / k * (speed**2 + 1.2 * GRAVITY * tip_sag))
+    pressed = (1.25 * walker.mass * (speed**2 + GRAVITY * leg_sag) / tip) ** 0.4
+    return float(leg + pressed + (2.5 * weight / tip) ** (2.0 / 3.0))
+
+
+def wound_up(plan: Plan) -> float:
+    """Return how far (mm) friction can wind up a corner on which the walker stands: its tip, hinge and twist."""
     walker = plan.world.walker
-    k = float(walker.spring[walker.place == 0.0, 0].min())
-    sag = float(walker.mass) * GRAVITY / k
-    return sag + math.sqrt(sag**2 + float(walker.mass) / k * speed**2)
+    load = walker.mass * GRAVITY / np.count_nonzero(walker.place == 0.0)
+    depth = (load / float(walker.tip[0])) ** (2.0 / 3.0)
+    tangent = 1.0 / (1.0 / float(walker.spring[0]) + 1.0 / (1.5 * float(walker.tip[0]) * math.sqrt(depth)))
+    gives = 1.0 / (float(walker.shear[0]) * tangent)
+    hinge, twist = float(walker.stiffness[0]), float(walker.stiffness[1])
+    gives += 2.0 * (float(np.hypot(*walker.reach[0])) ** 2 / hinge + float(walker.side[0]) ** 2 / twist)
+    return float(walker.friction[0] * load * gives)
 
 
 def unslowed(plan: Plan, seconds: float) -> Check:

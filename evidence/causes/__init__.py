@@ -1,1 +1,0 @@
-"""What could bring the facts that the model misses, one cause at a time."""
