@@ -1,0 +1,146 @@
+"""The core runs alone: from a design to a part, its masses, its predicted and its simulated speed.
+
+The core is what CORE imports, and what that imports, at the top of a module or later, but for the imports in LATER.
+A change that makes the core larger belongs elsewhere. Where it does not, the same commit raises the limit and says why.
+"""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "walkergen"
+
+CORE = (
+    "walkergen.walker.solids",
+    "walkergen.theory.prediction",
+    "walkergen.printing.checks",
+    "walkergen.printing.export",
+    "walkergen.printing.plates",
+    "walkergen.simulation.ensemble",
+    "walkergen.simulation.plan",
+    "walkergen.simulation.run",
+    "walkergen.points.measure",
+)
+
+LATER = {
+    "walkergen.printing.plates": {"walkergen.printing.plate_map"},
+    "walkergen.simulation.plan": {"walkergen.simulation.compliant.model", "walkergen.simulation.relaxed.model"},
+    "walkergen.walker.body": {"walkergen.walker.forming"},
+    "walkergen.walker.design": {
+        "walkergen.walker.marks",
+        "walkergen.walker.placing",
+        "walkergen.walker.stance",
+        "walkergen.walker.view",
+        "walkergen.walker.whole_mesh",
+    },
+    "walkergen.walker.solids": {
+        "walkergen.shapes.lettering",
+        "walkergen.walker.caps",
+        "walkergen.walker.marks",
+        "walkergen.walker.stance",
+    },
+}
+"""Imports from the core of what it does without: drawings, meshes, letters, legs that place themselves, planar models.
+The table may only shrink."""
+
+MOST_MODULES, MOST_LINES = 128, 18_600
+"""Limits of the core, which may only fall."""
+
+STORY = """
+from walkergen.scene import Scene
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import simulate
+from walkergen.theory import prediction
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+design = Design.model_validate({"legs": {"tilt_deg": 10.0}})
+scene = Scene.model_validate({"legs": {"model": "space"}, "run": {"seconds": 0.02, "discard_seconds": 0.0, "runs": 1}})
+mass = solids.mass_of(design)
+predicted = prediction.predict(design, mass, scene)
+run = simulate(prepare(scene, design, mass), 0)
+print(len(solids.build(design).walker.triangles), mass.total, predicted.nominal_mm_s, run.outcome.value)
+"""
+
+
+def module_paths() -> dict[str, Path]:
+    """Return the file of each module of the package by the module's name."""
+    paths = {}
+    for path in PACKAGE.rglob("*.py"):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        paths[name.removesuffix(".__init__")] = path
+    return paths
+
+
+PATHS = module_paths()
+
+
+def imports(name: str) -> Iterator[str]:
+    """Yield modules of the package that a module imports, also later, but not for types alone."""
+    for_types = set()
+    tree = ast.parse(PATHS[name].read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            for_types |= {inner for part in node.body for inner in ast.walk(part)}
+    for node in ast.walk(tree):
+        if node in for_types:
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in PATHS)
+        elif isinstance(node, ast.ImportFrom) and node.module in PATHS:
+            inner = {f"{node.module}.{alias.name}" for alias in node.names}
+            yield from inner & PATHS.keys() or {node.module}
+
+
+def core_modules() -> set[str]:
+    """Return the names of the modules of the core, with the packages that hold them."""
+    found: set[str] = set()
+    todo = list(CORE)
+    while todo:
+        name = todo.pop()
+        if name not in found:
+            found.add(name)
+            todo += set(imports(name)) - LATER.get(name, set())
+            if "." in name:
+                todo.append(name.rpartition(".")[0])
+    return found
+
+
+def test_the_core_stays_small():
+    core = core_modules()
+    lines = sum(len(PATHS[name].read_text(encoding="utf-8").splitlines()) for name in core)
+    assert len(core) <= MOST_MODULES
+    assert lines <= MOST_LINES
+
+
+def test_what_the_core_does_without_is_outside_of_it():
+    core = core_modules()
+    for name, others in LATER.items():
+        assert others <= set(imports(name)), f"{name}: an import that is gone stays in the table"
+        assert not others & core
+
+
+@pytest.mark.slow
+def test_the_core_runs_alone(tmp_path):
+    for name in core_modules():
+        target = tmp_path / PATHS[name].relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(PATHS[name], target)
+    shutil.copy(PACKAGE / "theory" / "surrogate.npz", tmp_path / "walkergen" / "theory")
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", STORY], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    triangles, total, speed, outcome = done.stdout.split()
+    assert int(triangles) > 20
+    assert float(total) == pytest.approx(0.8928, abs=1e-4)
+    assert float(speed) == pytest.approx(52.3, abs=3.0)
+    assert outcome == "ok"
