@@ -4,14 +4,13 @@ The core is what CORE imports, and what that imports, at the top of a module or 
 A change that makes the core larger belongs elsewhere. Where it does not, the same commit raises the limit and says why.
 """
 
-import ast
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
+import grimp
 import pytest
 
 ROOT = Path(__file__).parent.parent
@@ -70,33 +69,14 @@ print(len(solids.build(design).walker.triangles), mass.total, predicted.nominal_
 """
 
 
-def module_paths() -> dict[str, Path]:
-    """Return the file of each module of the package by the module's name."""
-    paths = {}
-    for path in PACKAGE.rglob("*.py"):
-        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-        paths[name.removesuffix(".__init__")] = path
-    return paths
+GRAPH = grimp.build_graph("walkergen", exclude_type_checking_imports=True, cache_dir=None)
+"""Imports between all modules of the package, also later ones, but not those for types alone."""
 
 
-PATHS = module_paths()
-
-
-def imports(name: str) -> Iterator[str]:
-    """Yield modules of the package that a module imports, also later, but not for types alone."""
-    for_types = set()
-    tree = ast.parse(PATHS[name].read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-            for_types |= {inner for part in node.body for inner in ast.walk(part)}
-    for node in ast.walk(tree):
-        if node in for_types:
-            continue
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in PATHS)
-        elif isinstance(node, ast.ImportFrom) and node.module in PATHS:
-            inner = {f"{node.module}.{alias.name}" for alias in node.names}
-            yield from inner & PATHS.keys() or {node.module}
+def path_of(name: str) -> Path:
+    """Return the file of a module."""
+    path = ROOT.joinpath(*name.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 def core_modules() -> set[str]:
@@ -107,7 +87,7 @@ def core_modules() -> set[str]:
         name = todo.pop()
         if name not in found:
             found.add(name)
-            todo += set(imports(name)) - LATER.get(name, set())
+            todo += GRAPH.find_modules_directly_imported_by(name) - LATER.get(name, set())
             if "." in name:
                 todo.append(name.rpartition(".")[0])
     return found
@@ -115,7 +95,7 @@ def core_modules() -> set[str]:
 
 def test_the_core_stays_small():
     core = core_modules()
-    lines = sum(len(PATHS[name].read_text(encoding="utf-8").splitlines()) for name in core)
+    lines = sum(len(path_of(name).read_text(encoding="utf-8").splitlines()) for name in core)
     assert len(core) <= MOST_MODULES
     assert lines <= MOST_LINES
 
@@ -123,16 +103,17 @@ def test_the_core_stays_small():
 def test_what_the_core_does_without_is_outside_of_it():
     core = core_modules()
     for name, others in LATER.items():
-        assert others <= set(imports(name)), f"{name}: an import that is gone stays in the table"
+        direct = GRAPH.find_modules_directly_imported_by(name)
+        assert others <= direct, f"{name}: an import that is gone stays in the table"
         assert not others & core
 
 
 @pytest.mark.slow
 def test_the_core_runs_alone(tmp_path):
     for name in core_modules():
-        target = tmp_path / PATHS[name].relative_to(ROOT)
+        target = tmp_path / path_of(name).relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(PATHS[name], target)
+        shutil.copy(path_of(name), target)
     shutil.copy(PACKAGE / "theory" / "surrogate.npz", tmp_path / "walkergen" / "theory")
     environment = os.environ | {"PYTHONPATH": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run(
