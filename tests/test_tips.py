@@ -119,7 +119,7 @@ def test_law_gives_its_restitution_by_a_second_program(ratio, e):
     assert velocity[0] == pytest.approx(e * SPEED, rel=1e-6)
 
 
-@pytest.mark.parametrize("e", [0.3, 0.8])
+@pytest.mark.parametrize("e", [0.02, 0.1, 0.3, 0.8])
 def test_own_step_keeps_the_restitution(e):
     """At the step that the simulator takes, for a corner that bears its share of the walker."""
     plan = weightless(plan_of(0, "braced", contact={"restitution": e, "friction": 0.0}))

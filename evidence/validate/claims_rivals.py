@@ -33,9 +33,8 @@ SAME_FEET = 0.1
 that rule planar speeds are 5 and 8 % higher (benchmarks/rivals.py)."""
 
 SLIP_AND_FEET = (
-    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the feet: ours are as stiff as a "
-    "printed leg, and feet ten times as stiff ran at 20.6, 37.8, 18.5 mm/s. MuJoCo's are damped along the plate as "
-    "well. What they give back is not set but found."
+    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the feet: MuJoCo's are damped "
+    "along the plate as well, ours are not. What MuJoCo's give back is not set but found."
 )
 TURNED = (
     "Within an impact our friction turns round with the slip (Routh, Keller); an engine "

@@ -50,9 +50,6 @@ IN_SPACE, IN_SPACE_FLOOR = 0.03, 0.01
 """The same for the speed, as shares of itself and of the plate's peak speed, which add: found are 2 % at 10 deg, and at
 most 1.4 ± 0.8 mm/s."""
 
-PLASTIC, PLASTIC_SHARE = 0.15, 0.09
-"""Restitution below which the first of them is this: at 5 deg and 0.1 the speed was lower by 5.6 ± 1.7 %."""
-
 SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
 IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}
 """Largest errors in a plane at the walker's own step: of the speed, as shares of itself and of the
@@ -142,8 +139,7 @@ def _in_space(plan: Plan, part: float, name: str, value: float) -> StepError:
     """Error by a step that is `part` (at most 1) of the walker's own."""
     if name == observables.SPEED:
         floor = IN_SPACE_FLOOR * plan.shaken.peak_speed
-        share = PLASTIC_SHARE if plan.scene.contact.restitution < PLASTIC else IN_SPACE
-        return StepError(part**2 * (share * abs(value) + floor))
+        return StepError(part**2 * (IN_SPACE * abs(value) + floor))
     if name in LIMITS:
         return StepError(part**2 * LIMITS[name] * abs(value))
     return StepError(part**2 * SHARES[name.partition(".")[2]] if value > 0.0 else 0.0)

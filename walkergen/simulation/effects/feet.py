@@ -81,6 +81,11 @@ def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
     return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
 
 
+def landing_stiffness(tip: float, mass: float, speed: float) -> float:
+    """Tangent stiffness (g/s^2) of a tip alone at the depth to which a mass (g) presses it as it lands (mm/s)."""
+    return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
+
+
 def judge(case: Case) -> Effect:
     """Rule: on in space unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
@@ -89,8 +94,8 @@ def judge(case: Case) -> Effect:
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
         tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
-        depth = landing_depth(tip, mass, LANDING_SPEED * case.shaken.peak_speed, GRAVITY * mass)
-        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / (1.5 * tip * math.sqrt(depth))
+        pressed = landing_stiffness(tip, mass, LANDING_SPEED * case.shaken.peak_speed)
+        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed
     return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
 
 

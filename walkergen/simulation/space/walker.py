@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.scene import GRAVITY, Scene
+from walkergen.scene import Scene
 from walkergen.simulation.effects import compliance, feet, turning, twist
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects.effect import LID, WALLS, Case
@@ -19,7 +19,6 @@ from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
 from walkergen.simulation.space.state import HALVINGS, Array, Options, Walker
 from walkergen.simulation.world import World
-from walkergen.theory.hertz import landing_depth
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import LegMass, MassProperties, Spatial, joined
@@ -213,25 +212,21 @@ def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
     """
     corners = np.flatnonzero(walker.place == 0.0)
     share = walker.mass / len(corners)
-    stiff = np.array([_landing_stiffness(walker, int(k), share, speed) for k in corners])
+    pressed = np.array([feet.landing_stiffness(tip, share, speed) for tip in walker.tip[corners]])
+    stiff = 1.0 / (1.0 / walker.spring[corners] + 1.0 / pressed)
     sideways = np.concatenate([3 * corners + 1, 3 * corners + 2])
     up = math.sqrt(_largest(H[np.ix_(3 * corners, 3 * corners)], stiff))
     slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
     own = min(RESOLVED / math.sqrt(stiff.max() / share), RESOLVED_UP / up, RESOLVED_SIDEWAYS / slip)
+    # An overdamped corner settles in its damper's time, 1 / (2 zeta omega)
+    damped = walker.damper[corners] * np.sqrt(np.diag(H)[3 * corners])
+    own /= max(1.0, float(damped.max()))
     return _rounded(min(own, max(longest, FINEST * own)), longest)
 
 
 def _rounded(step: float, unit: float) -> float:
     """Step in six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
     return unit * float(f"{step / unit:.6g}")
-
-
-def _landing_stiffness(walker: Walker, k: int, mass: float, speed: float) -> float:
-    """Tangent stiffness (g/s^2) of point k at the greatest depth to which a mass (g) presses it as it lands."""
-    if math.isinf(walker.tip[k]):
-        return float(walker.spring[k])
-    depth = landing_depth(walker.tip[k], mass, speed, GRAVITY * mass)
-    return float(1.0 / (1.0 / walker.spring[k] + 1.0 / (1.5 * walker.tip[k] * math.sqrt(depth))))
 
 
 def _largest(block: Array, factors: Array) -> float:
