@@ -9,7 +9,6 @@ from walkergen.jobs.run.movie import shot
 from walkergen.jobs.run.simulate import tables
 from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.lab import resting
-from walkergen.lab.bench import pluck
 from walkergen.scene import Scene
 from walkergen.simulation import experiments, poses
 from walkergen.simulation.effects import compliance
@@ -147,15 +146,8 @@ def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():
     assert by_draw.factor[0] == pytest.approx(float(kept.factor), rel=1e-12)
 
 
-def test_the_bench_plucks_the_first_free_leg_and_asks_for_one_material():
-    design = design_of(MIXED[::-1])
-    assert pluck.plucked_leg(design) == 1
-    assert pluck.which(design) == " (front)"
-    alone = pluck.cantilever(design, 0.02)
-    assert alone == pytest.approx(pluck.cantilever(Design(), 0.02), rel=1e-12)
-    with pytest.raises(InputError, match="braced legs do not swing"):
-        pluck.plucked_leg(design_of({"kind": "braced"}))
-    two = design_of([TWO[0], TWO[1] | {"friction": 0.4}])
-    with pytest.raises(InputError, match=r"legs\[2\].friction is that foot's own"):
-        resting.one_material(two, "friction")
-    resting.one_material(two, "restitution")
+def test_a_measurement_asks_for_one_material():
+    two = design_of([TWO[0], TWO[1] | {"restitution": 0.4}])
+    with pytest.raises(InputError, match=r"legs\[2\].restitution is that foot's own"):
+        resting.one_material(two)
+    resting.one_material(design_of([TWO[0], TWO[1] | {"friction": 0.4}]))

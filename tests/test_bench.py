@@ -1,26 +1,21 @@
-"""Bench tests: what a drop, an incline and a plucked leg show, and what follows from it."""
+"""Drops of a walker: what they show, and what follows from it."""
 
 import math
 
-import calibration_bench as bench
 import numpy as np
 import pytest
-from night import by_day
 
 from walkergen.files import templates
-from walkergen.lab import beams, drops, inverse, resting
-from walkergen.lab.beams import Strip
-from walkergen.lab.bench import pluck, slide
+from walkergen.lab import drops, inverse, resting
 from walkergen.lab.drops import Let
 from walkergen.lab.inverse import Curve, Measured
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
-from walkergen.simulation.effects import compliance, feet
+from walkergen.simulation.effects import feet
 from walkergen.simulation.run import dropped
 from walkergen.simulation.space.state import HEIGHT, V_X
 from walkergen.simulation.space.walker import mobility
-from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 LANE = templates.load("lane-90hz", "scenes", Scene)
@@ -210,113 +205,3 @@ def test_the_scatter_of_tries_widens_the_answer_and_more_tries_narrow_it(tries):
     answer = told(AT, 0.5, 0.03, tries, spread=0.1, simulated=1e9)
     half = math.hypot(0.03, 0.1 / math.sqrt(tries))
     assert answer.number("restitution").pair == pytest.approx((0.5, half), abs=1e-3)
-
-
-RESOLVED = 0.5 * slide.LAST_STEP
-"""Largest distance (deg) of a slope from the middle of its last step."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("tilt", "kind", "heading"),
-    [
-        (10.0, "flexible", 90.0),
-        (10.0, "braced", 0.0),
-        *by_day([(10.0, "flexible", 0.0), (25.0, "flexible", 0.0), (10.0, "braced", 180.0)]),
-    ],
-)
-def test_a_walker_slides_at_the_angle_of_friction(tilt, kind, heading):
-    for friction in (0.1, 0.25):
-        slid = slide.friction_angle(plan_of(tilt, kind, friction=friction), heading)
-        assert not slid.toppled
-        block = math.degrees(math.atan(friction))
-        assert slid.angle == pytest.approx(block, abs=RESOLVED + 0.02)  # what is left of its sway
-
-
-@pytest.mark.parametrize("friction", [0.3, 0.4, 0.7])
-def test_facing_uphill_it_goes_where_statics_let_its_upper_foot_slip(friction):
-    plan = plan_of(10.0, rigid=True, friction=friction)
-    slips = slide.first_slip(plan, math.radians(10.0), friction)
-    block = math.degrees(math.atan(friction))
-    assert slips < block - 1.0
-    # Statics leave out the legs' weight, 7 % of the walker's
-    assert slide.friction_angle(plan, 180.0).angle == pytest.approx(slips, abs=0.2)
-
-
-@pytest.mark.slow
-def test_near_the_friction_that_jams_it_goes_between_that_slip_and_the_block():
-    # Jamming from 0.23 on: there the foot that slips first need not take the walker along
-    for friction in (0.2, 0.25):
-        plan = plan_of(10.0, friction=friction)
-        slips = slide.first_slip(plan, math.radians(10.0), friction)
-        block = math.degrees(math.atan(friction))
-        found = slide.friction_angle(plan, 180.0).angle
-        assert slips - 2 * RESOLVED < found < block + 2 * RESOLVED
-
-
-def test_the_mirror_image_facing_the_other_way_slides_alike():
-    one = slide.friction_angle(plan_of(10.0, friction=0.3), 180.0).angle
-    other = slide.friction_angle(plan_of(-10.0, friction=0.3), 0.0).angle
-    assert one == pytest.approx(other, abs=RESOLVED)
-
-
-@pytest.mark.parametrize(("heading", "friction"), [(0.0, 1.0), (90.0, 0.7)])
-def test_a_walker_that_does_not_slide_falls_over_its_lower_feet(heading, friction):
-    plan = plan_of(10.0, friction=friction)
-    slid = slide.friction_angle(plan, heading)
-    assert slid.toppled
-    assert slid.angle == pytest.approx(slide.edge_angle(plan, heading), abs=RESOLVED + 0.02)
-
-
-def test_the_first_mode_is_that_of_a_beam_in_finite_elements():
-    design = PAPER.variant(tilt_deg=10.0)
-    limb, mass = design.limbs[0], float(solids.mass_of(design).legs[0].m)
-    strip = Strip(limb.thickness, 8.0, limb.length)
-    heavy = mass / (limb.thickness * 8.0 * limb.length) - 0.25 * math.pi * bench.AIR * 8.0 / limb.thickness
-    lowest = bench.rings(1e9 * design.material.youngs_modulus_gpa, heavy, strip, root=0.0, clamp=0.0)
-    # The first frequency of 30 cubic elements is 1e-8 high, of a root that turns by 1e-9 mm 1e-9 low
-    assert pluck.cantilever(design, mass) == pytest.approx(lowest, rel=1e-6)
-    back = pluck.by_frequency(design, mass, lowest, 1.0).modulus.value
-    assert back == pytest.approx(design.material.youngs_modulus_gpa, rel=1e-5)
-
-
-@pytest.mark.parametrize("spring", compliance.SPRING_FACTORS)
-@pytest.mark.parametrize("ratio", [0.0, 0.05, 0.2])
-def test_a_plucked_leg_of_the_model_rings_as_its_hinge_says(spring, ratio):
-    legs = LANE.legs.model_copy(update={"spring": spring, "damping_ratio": ratio})
-    found = pluck.pluck(LANE.model_copy(update={"legs": legs}), PAPER)
-    free = found.hinges[spring]
-    # A body 1e9 times as heavy is held; flights are exact, crossings are read between 64 samples
-    assert found.held.frequency == pytest.approx(free * math.sqrt(1 - ratio**2), rel=3e-4)
-    assert found.held.decrement == pytest.approx(beams.decrement_of(ratio), rel=5e-3, abs=1e-3)
-
-
-def test_only_the_spring_of_its_frequency_swings_as_the_printed_leg():
-    found = pluck.pluck(LANE, PAPER)
-    shares = {name: one / found.cantilever for name, one in found.hinges.items()}
-    # 3.000 / 3.516 for the static stiffness; the mesh's foot is cut flat, 0.05 % of the inertia
-    assert shares["cantilever"] == pytest.approx(3.0 / beams.FIRST_MODE, rel=1e-3)
-    assert shares["frequency"] == pytest.approx(1.0, rel=1e-3)
-    assert found.free[0] >= found.hinges["cantilever"]
-    assert found.free[-1] > 1.02 * found.hinges["cantilever"]
-
-
-def test_a_weighed_leg_takes_the_thickness_out_of_its_mass():
-    weighed = PAPER.weighed.model_copy(update={"leg_mass_g": 0.0298})
-    thick = 0.02 / 0.4
-    for design, power, bending in ((PAPER, 2, thick), (PAPER.model_copy(update={"weighed": weighed}), 3, 0.0)):
-        heard = pluck.by_frequency(design, 0.0298, 1700.0, 17.0)
-        value, sd = heard.modulus.pair
-        assert sd / value == pytest.approx(math.hypot(0.02, power * thick, 0.02))
-        assert heard.bending == pytest.approx(math.hypot(0.02, bending, 0.02))
-        # The thickness alone would make as fast a leg: E s^3 / m, and m as s where the mesh weighs it
-        times = heard.thickness.value / design.limbs[0].thickness
-        assert times**power == pytest.approx(value / design.material.youngs_modulus_gpa)
-
-
-def test_damping_and_decrement_are_inverse():
-    for ratio in (0.001, 0.05, 0.5):
-        decrement = beams.decrement_of(ratio)
-        found, error = pluck.damping(Quantity("decrement", "", decrement, 1e-6)).pair
-        assert found == pytest.approx(ratio)
-        assert error == pytest.approx(beams.damping_ratio(decrement + 1e-6) - ratio, rel=1e-3)

@@ -1,7 +1,6 @@
-"""`calibrate drop`, `slide` and `pluck` as a user meets them."""
+"""`calibrate drop` as a user meets it."""
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.lab import drops
-from walkergen.lab.bench import drop, slide
+from walkergen.lab.bench import drop
 
 
 @pytest.fixture
@@ -18,7 +17,6 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, few in (("TILTS", (10.0,)), ("FRICTIONS", (0.25,)), ("HEIGHTS", (10.0,))):
         monkeypatch.setattr(drop, name, few)
-    monkeypatch.setattr(slide, "FRICTIONS", (0.2, 0.25, 0.3))
     return lambda *words: CliRunner().invoke(command_line, ["calibrate", *words])
 
 
@@ -45,18 +43,6 @@ def test_a_flat_drop_sets_the_scene(run):
     assert 0.03 < data["settings"]["contact.restitution_sd"] < 0.12
 
 
-@pytest.mark.slow
-def test_an_incline_and_a_pluck_set_their_keys(run):
-    words = ("--measured", "14", "--measured-sd", "1", "--no-pictures", "--json")
-    found = json.loads(run("slide", *words).stdout)["settings"]
-    assert found["contact.friction"] == pytest.approx(math.tan(math.radians(14)), abs=2e-3)
-    assert found["contact.friction_sd"] == pytest.approx(0.0185, abs=1e-3)
-    words = ("--measured", "1700", "--measured-sd", "30", "--decrement", "0.4")
-    found = json.loads(run("pluck", *words, "--decrement-sd", "0.05", "--json").stdout)["settings"]
-    assert found["material.youngs_modulus_gpa"] == pytest.approx(2.72, abs=0.01)
-    assert found["legs.damping_ratio"] == pytest.approx(0.0635, abs=1e-4)
-
-
 @pytest.mark.nightly
 def test_a_drop_is_filmed(run, tmp_path):
     result = run("drop", "--height-mm", "1", "--drops", "2", "--movie", "a.gif", "--quiet")
@@ -70,14 +56,13 @@ def test_a_drop_is_filmed(run, tmp_path):
     [
         (("drop", "--measured", "0.8"), "--measured 0.8: needs --measured-sd"),
         (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be >= 1e-09 and <= 1"),
-        (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be >= 1e-09"),
+        (("drop", "--measured", "0.8", "--measured-sd", "0"), "--measured-sd 0: must be >= 1e-09"),
         (("drop", "--height-mm", "-1"), "--height-mm -1.0: must be a number >= 0.01"),
         (("drop", "--height-mm", "nan"), "--height-mm nan: must be"),
         (("drop", "--roll-deg", "90"), "--roll-deg 90.0: must be a number >= 0 and <= 20"),
         (("drop", "--drops", "0"), "--drops 0: must be a number >= 2"),
         (("drop", "--movie", "a.mp4"), "--movie 'a.mp4': must end in .gif"),
-        (("pluck", "--measured", "1.7", "--measured-sd", "0.1"), "is it in kHz?"),
-        (("pluck", "--decrement", "0.3"), "--decrement 0.3: needs --decrement-sd"),
+        (("slide", "--measured", "14", "--measured-sd", "1"), "is of calibrate drop, not of form"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(run, tmp_path, words, told):

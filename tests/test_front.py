@@ -304,20 +304,16 @@ MEASURING = {
         lambda: wg.fit("in.csv", model="theory", fix={"restitution": 0.8}, pictures=False),
     ),
     "calibrate": (("calibrate", "in.csv", "--by", "ring"), lambda: wg.calibrate("in.csv", by="ring", pictures=False)),
-    "slide": (
-        ("calibrate", "slide", "--measured", "14", "--measured-sd", "1"),
-        lambda: wg.calibrate("slide", PAPER, LANE, measured=14, measured_sd=1, pictures=False),
-    ),
-    "pluck": (
-        ("calibrate", "pluck", "--decrement", "0.1", "--decrement-sd", "0.02"),
-        lambda: wg.calibrate("pluck", "koumakis2016", decrement=0.1, decrement_sd=0.02, pictures=False),
+    "drop": (
+        ("calibrate", "drop", "--roll-deg", "0", "--drops", "2", "--measured", "0.6", "--measured-sd", "0.1"),
+        lambda: wg.calibrate("drop", PAPER, LANE, roll_deg=0, drops=2, measured=0.6, measured_sd=0.1, pictures=False),
     ),
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", [pytest.param(one, marks=[pytest.mark.nightly] * (one == "slide")) for one in MEASURING]
+    "name", [pytest.param(one, marks=[pytest.mark.nightly] * (one == "drop")) for one in MEASURING]
 )
 def test_what_was_measured_tells_the_same_as_by_the_commands(run, tmp_path, name):
     words, call = MEASURING[name]
@@ -537,7 +533,7 @@ REFUSED = {
         lambda words: wg.calibrate(words.pop("what", "in.csv"), PAPER, **words),
         [
             ({"by": "ear"}, "^--by 'ear'"),
-            ({"what": "slide", "drops": 3}, "^--drops 3: is of calibrate form, drop, not of slide"),
+            ({"what": "plate", "drops": 3}, "^--drops 3: is of calibrate form, drop, not of plate"),
             ({"what": "drop", "measured": 0.8}, "needs --measured-sd"),
         ],
     ),

@@ -20,7 +20,7 @@ LIMITS = {
     "walkergen/crowd": 7800,
     "walkergen/files": 3310,
     "walkergen/jobs": 17230,
-    "walkergen/lab": 5900,
+    "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
     "walkergen/printing": 2960,
@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 5370,
-    "tests": 45140,
+    "tests": 44970,
 }
 
 

@@ -503,8 +503,6 @@ def calibrate(
     measured_sd: float | None = None,
     tries: int = 1,
     height_mm: float = 10.0,
-    decrement: float | None = None,
-    decrement_sd: float | None = None,
     movie: Name | None = None,
     printer: Machine = "prusa-mk3s",
     max_plates: int | None = None,
@@ -530,12 +528,10 @@ def calibrate(
     plate and noise, each with its error, and a scene.toml that has them. Three columns of a gyroscope beside them tell
     how the amplitude changes over the plate, and how it rocks.
 
-    `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
-    drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
-    tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
-    frequency (Hz), which tells Young's modulus, and the --decrement, which tells damping.
+    `calibrate drop` simulates drops of the walker on a still plate and inverts the rebound that was --measured, root of
+    height over height: it tells the restitution of the feet.
 
-    Example: `wg.calibrate("pluck", decrement=0.1, decrement_sd=0.02)`
+    Example: `wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)`
     """
 
 def accuracy(

@@ -123,7 +123,7 @@ COMMANDS = {
         "lab.calibrate",
         "calibrate plate --printer ender3",
         "calibrate drop --measured 0.5 --tries 10",
-        'wg.calibrate("pluck", decrement=0.1, decrement_sd=0.02)',
+        'wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)',
     ),
     "accuracy": Command(
         "Trust",

@@ -102,8 +102,3 @@ def first_mode(ratio: float) -> float:
 def damping_ratio(decrement: float) -> float:
     """Damping ratio of swings with a logarithmic decrement."""
     return decrement / math.hypot(2.0 * math.pi, decrement)
-
-
-def decrement_of(ratio: float) -> float:
-    """Logarithmic decrement of swings with a damping ratio below 1."""
-    return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio * ratio)

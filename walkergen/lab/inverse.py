@@ -81,16 +81,14 @@ class Answer(NamedTuple):
         return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
 
 
-def measured(
-    value: float | None, sd: float | None, tries: int, most: float, flag: str = "--measured"
-) -> Measured | None:
-    """Measured number as the options `flag` and its -sd give it; None without. Raises InputError.
+def measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
+    """Measured number as the options --measured and --measured-sd give it; None without. Raises InputError.
 
     Both must be at least LEAST and at most `most`.
     """
     if value is None and sd is None:
         return None
-    options = ((flag, value), (f"{flag}-sd", sd))
+    options = (("--measured", value), ("--measured-sd", sd))
     for (name, number), (other, missing) in (options, options[::-1]):
         if missing is None:
             raise InputError(f"{name} {number:g}: needs {other} as well, the number's standard error")
@@ -98,7 +96,7 @@ def measured(
             raise InputError(f"{name} {number:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
-    return Measured(Quantity(flag.removeprefix("--"), "", float(value), float(sd)), tries)
+    return Measured(Quantity("measured", "", float(value), float(sd)), tries)
 
 
 def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
@@ -145,14 +143,6 @@ def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
     digits = digits_of(max(up, down))
     words = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
     return words + (f", cut off at {' and '.join(cut)}" if cut else "")
-
-
-def with_error(what: str, number: Quantity, unit: str) -> Answer:
-    """Answer in closed form: a number with its symmetric error, in a unit as people write it."""
-    value, sd = number.pair
-    digits = digits_of(sd)
-    text = f"{what} {value:.{digits}f} ± {sd:.{digits}f} {unit}".rstrip()
-    return Answer(text, [Branch(value, value - sd, value + sd)], nearest=value)
 
 
 def digits_of(error: float) -> int:

@@ -44,13 +44,13 @@ def with_contact(scene: Scene, **contact: float) -> Scene:
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
 
 
-def one_material(design: Design, key: str) -> None:
-    """Raise InputError where a leg has a `key`, friction or restitution, of its own."""
-    exceptions = [number for number, limb in enumerate(design.limbs, start=1) if getattr(limb, key) is not None]
+def one_material(design: Design) -> None:
+    """Raise InputError where a foot has a restitution of its own."""
+    exceptions = [number for number, limb in enumerate(design.limbs, start=1) if limb.restitution is not None]
     if exceptions:
         raise InputError(
-            f"{design.name}: legs[{exceptions[0]}].{key} is that foot's own, and the bench finds "
-            f"one {key} for all feet: test a walker of one material, without that key"
+            f"{design.name}: legs[{exceptions[0]}].restitution is that foot's own, and a drop finds "
+            "one restitution for all feet: drop a walker of one material, without that key"
         )
 
 

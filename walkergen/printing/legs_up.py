@@ -85,7 +85,7 @@ def _soft(design: Design) -> Iterator[Finding]:
     if not design.rigid and spread < LEAST_SPREAD_PERCENT:
         enough = math.ceil(LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa) / 100.0
         what = "legs printed upright bend across their layers, which is weaker and softer: the deviation of E"
-        change = f"raise material.youngs_modulus_sd_gpa to {enough:g}, or pluck a printed leg (calibrate pluck)"
+        change = f"raise material.youngs_modulus_sd_gpa to {enough:g}, or measure it (calibrate plate)"
         wider = Setting("material.youngs_modulus_sd_gpa", enough)
         yield new(About.LEGS, "advice", what, spread, LEAST_SPREAD_PERCENT, "%", change, wider)
 

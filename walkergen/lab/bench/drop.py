@@ -58,7 +58,7 @@ def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: in
     Lengths in mm. `tries` drops from the hand differ by pitch and roll, the same in every row.
     Raises InputError for feet of more than one material.
     """
-    resting.one_material(design, "restitution")
+    resting.one_material(design)
     own = resting.plan_of(scene, design)
     hand = drops.from_hand(height, turn_deg, tries, scene.run.seed)
     by_label = drops.by_restitution(scene, design, hand, progress)

@@ -92,7 +92,7 @@ def _bent(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: 
 
 def _drop(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
     """What a rebound tells of the feet, by simulated drops with what else was measured."""
-    resting.one_material(design, "restitution")
+    resting.one_material(design)
     hand = drops.from_hand(seen.height, job.turn_deg, job.drops, scene.run.seed)
     curve = drops.curve(drops.by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
     if curve is None:

@@ -24,7 +24,6 @@ FPS = 20
 WHOLE = "form"
 """What a form filled in is called in `OWN`."""
 
-TESTED = ("drop", "slide", "pluck")
 SIMULATED = (WHOLE, "drop")
 OWN = {
     "by": (WHOLE,),
@@ -33,14 +32,12 @@ OWN = {
     "seed": SIMULATED,
     "restitution": ("drop",),
     "friction": ("drop",),
-    "measured": TESTED,
-    "measured_sd": TESTED,
+    "measured": ("drop",),
+    "measured_sd": ("drop",),
     "tries": ("drop",),
     "height_mm": ("drop",),
-    "decrement": ("pluck",),
-    "decrement_sd": ("pluck",),
     "movie": ("drop",),
-    "scene": (WHOLE, *TESTED),
+    "scene": SIMULATED,
     "printer": ("plate",),
     "max_plates": ("plate",),
     "prusaslicer": ("plate",),
@@ -64,10 +61,8 @@ class CalibrateRequest(request.Request):
     plate and noise, each with its error, and a scene.toml that has them. Three columns of a gyroscope beside them tell
     how the amplitude changes over the plate, and how it rocks.
 
-    `calibrate drop`, `slide` and `pluck` simulate a single test of the walker and invert what was --measured: of a
-    drop on a still plate the rebound, root of height over height, which tells the restitution of its feet; of a plate
-    tilted until the walker slides that slope (deg), which tells their friction; of a plucked leg, the body held, the
-    frequency (Hz), which tells Young's modulus, and the --decrement, which tells damping.
+    `calibrate drop` simulates drops of the walker on a still plate and inverts the rebound that was --measured, root of
+    height over height: it tells the restitution of the feet.
     """
 
     by_position: ClassVar = ("what", "design", "scene")
@@ -75,12 +70,7 @@ class CalibrateRequest(request.Request):
     what: Annotated[
         Any,
         request.AsText,
-        Flag(
-            "Form of `calibrate plate`, filled in; or plate; or a test to simulate: drop, slide or pluck.",
-            "WHAT",
-            takes="Name | None",
-            argument=True,
-        ),
+        Flag("Form of `calibrate plate`, filled in; or plate; or drop.", "WHAT", takes="Name | None", argument=True),
     ] = None
     design: request.Filmed = request.PAPER
     tilt: request.Tilt = None
@@ -98,16 +88,10 @@ class CalibrateRequest(request.Request):
     ] = 1.0
     drops: Annotated[int, Field(ge=2, le=1000), Flag("Simulated drops from the hand for each point.", "N")] = 24
     seed: request.Seed = None
-    measured: Annotated[
-        float | None, Flag("Rebound of a drop, slope (deg) of a slide, frequency (Hz) of a pluck.", "NUMBER")
-    ] = None
+    measured: Annotated[float | None, Flag("Rebound of a drop, root of height over height.", "NUMBER")] = None
     measured_sd: Annotated[float | None, Flag("Standard error of the measured number.", "NUMBER")] = None
     tries: Annotated[int, Field(ge=1, le=10_000), Flag("Drops whose mean was measured.", "N")] = 1
     height_mm: Annotated[float, Field(ge=0.01, le=1000.0), Flag("Height of the drop, mm.", "MM")] = 10.0
-    decrement: Annotated[
-        float | None, Flag("Logarithm of a swing over the next on the same side, of a pluck.", "NUMBER")
-    ] = None
-    decrement_sd: Annotated[float | None, Flag("Standard error of the decrement.", "NUMBER")] = None
     movie: Annotated[
         Path | None, request.Target, Flag("GIF of a drop from the hand; MP4 beside it.", "FILE", takes="Name | None")
     ] = None
@@ -123,12 +107,12 @@ class CalibrateRequest(request.Request):
     out: request.Out = None
 
     def run(self, progress: Progress) -> "Report":
-        """Make a plate to measure, simulate a test, or estimate from a filled form."""
+        """Make a plate to measure, simulate drops, or estimate from a filled form."""
         if self.plate is not None:
             return self._shaken(self.plate)
         if self.what is None:
-            raise InputError("WHAT: name a filled form, plate, drop, slide or pluck; or --plate FILE", "what")
-        what = self.what if self.what in (*TESTED, "plate") else WHOLE
+            raise InputError("WHAT: name a filled form, plate or drop; or --plate FILE", "what")
+        what = self.what if self.what in ("drop", "plate") else WHOLE
         for field, owners in OWN.items():
             if what not in owners:
                 self.refuse(f"is of calibrate {', '.join(owners)}, not of {what}", field)
@@ -139,7 +123,7 @@ class CalibrateRequest(request.Request):
             return self._plate(given, progress)
         if what == WHOLE:
             return self._form(given, progress)
-        return self._test(given, what, progress)
+        return self._drop(given, progress)
 
     def _shaken(self, path: Path) -> "Report":
         """Estimate the drive of the plate that was recorded."""
@@ -177,8 +161,8 @@ class CalibrateRequest(request.Request):
             warnings.append(f"{kept}: somebody has written in it: left as it is")
         return replace(report, warnings=warnings)
 
-    def _test(self, given: "Inputs", what: str, progress: Progress) -> "Report":
-        """Simulate a test, and invert what was measured."""
+    def _drop(self, given: "Inputs", progress: Progress) -> "Report":
+        """Simulate drops, and invert the rebound that was measured."""
         from walkergen.lab import inverse
         from walkergen.lab.bench import make
 
@@ -186,16 +170,10 @@ class CalibrateRequest(request.Request):
             told = f"--movie {str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "movie")
         walker = given.one(self.design, self.tilt, self.legs)
-        seen = inverse.measured(self.measured, self.measured_sd, self.tries, make.MOST[what])
+        seen = inverse.measured(self.measured, self.measured_sd, self.tries, 1.0)
         test = make.Test(walker, given.scene(self.scene), seen, self.pictures)
-        folder = self.out or make.folder_of(what, walker)
-        if what == "slide":
-            return make.slid(test, folder, progress)
-        if what == "pluck":
-            decay = inverse.measured(self.decrement, self.decrement_sd, 1, make.MOST_DECREMENT, "--decrement")
-            return make.plucked(test, decay, folder, progress)
         how = make.Drop(self.height_mm, self.roll_deg, self.drops)
-        report = make.dropped(test, how, folder, progress)
+        report = make.dropped(test, how, self.out or make.folder_of(walker), progress)
         if self.movie is None:
             return report
         return replace(report, files=[_filmed(test, how, self.movie, progress).gif])
