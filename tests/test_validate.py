@@ -113,7 +113,7 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
         assert row["verdict"] != "missing" or row["missing"]
         assert row["missing"] or row["margin_reason"] or row["ours_se"] or row["bound"]
     text = (tmp_path / "validation.md").read_text()
-    assert all(title in text for title in report.TITLES.values())
+    assert all(title in text for title in claim.TITLES.values())
     assert all(row["source"] in text for row in rows)
     assert all(row["quantity"] in text for row in rows if row["verdict"] != "agree")
     assert "python -m evidence validate --quick" in text

@@ -18,6 +18,17 @@ WORDS = {
 }
 """Words on claims, in the order of the page, and what they mean."""
 
+TITLE = "What walkergen predicts, against what is known outside it"
+
+TITLES = {
+    "paper": "What the paper states",
+    "closed": "Closed forms of mechanics",
+    "bouncing": "Bouncing balls and rocking blocks, published",
+    "rivals": "Physics engines",
+    "programs": "Programs that do a part of ours",
+}
+"""Titles of the groups."""
+
 
 class Claim(NamedTuple):
     """Prediction of walkergen beside a number from outside."""

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evidence.validate.claim import FITTED, Claim
-from evidence.validate.report import TITLE, TITLES
+from evidence.validate.claim import FITTED, TITLE, TITLES, Claim
 from walkergen.files import figures
 from walkergen.files.figures import BLUE, FAINT, GREY, ORANGE, PAGE, SMALLEST, Look, style, wrapped
 from walkergen.numerics.quantity import Verdict

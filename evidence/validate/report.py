@@ -6,21 +6,10 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from evidence.validate.claim import WORDS, Claim
+from evidence.validate.claim import TITLE, TITLES, WORDS, Claim
 from walkergen import __version__
 from walkergen.files.report import Report, Table
 from walkergen.numerics.quantity import Quantity, Verdict
-
-TITLE = "What walkergen predicts, against what is known outside it"
-
-TITLES = {
-    "paper": "What the paper states",
-    "closed": "Closed forms of mechanics",
-    "bouncing": "Bouncing balls and rocking blocks, published",
-    "rivals": "Physics engines",
-    "programs": "Programs that do a part of ours",
-}
-"""Titles of the groups."""
 
 PAPER = (
     "Koumakis et al. 2016: N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion "

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, track_files, walls
-from walkergen.analysis.speeds import TRACKS
+from walkergen.analysis.track_columns import TRACKS
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Columns

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis.track_columns import TRACKS
 from walkergen.errors import InputError
 from walkergen.files import columns
 from walkergen.walker.limbs import KINDS, Kind
@@ -23,9 +24,6 @@ LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_spe
 SLOWEST, FASTEST = 0.005, 50.0
 """Largest speed of a file over the plate's, below and above which its unit is another: walkers
 run at a twentieth to three times the plate's speed, and m/s or µm/s are a thousand times off."""
-
-TRACKS = "tracks"
-"""Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
 
 SAME_PLATE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""

@@ -13,6 +13,9 @@ from walkergen.errors import InputError
 from walkergen.files import plain
 from walkergen.files.columns import Columns
 
+TRACKS = "tracks"
+"""Column of a file of tracks in place of a speed, by its name beside the file of speeds."""
+
 Array = npt.NDArray[np.float64]
 
 PIXEL = "px"

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import INK, SMALLEST, STYLES, axes_of, name, points, style
-from walkergen.lab.calibrate.report import Bent
+from walkergen.lab.calibrate.modulus import Bent
 from walkergen.lab.calibrate.specimens import BENDS, RINGS
 
 LOOKS = {BENDS: (STYLES["flexible"], False, -1.0, "under weights"), RINGS: (STYLES["braced"], True, 1.0, "by its ring")}

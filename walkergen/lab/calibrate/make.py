@@ -13,7 +13,7 @@ from walkergen.lab.calibrate import contact, form, modulus, report, specimens
 from walkergen.lab.calibrate.contact import Rebound
 from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.form import Readings
-from walkergen.lab.calibrate.report import Bent
+from walkergen.lab.calibrate.modulus import Bent
 from walkergen.lab.inverse import Answer
 from walkergen.lab.report import LabReport, check_drops, named, written
 from walkergen.numerics.quantity import Quantity, Verdict

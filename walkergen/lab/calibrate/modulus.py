@@ -62,6 +62,24 @@ class Point(NamedTuple):
     readings: int
 
 
+class Bent(NamedTuple):
+    """What strips tell."""
+
+    fit: Estimate
+    """Young's modulus that they agree on."""
+    points: Sequence[Point]
+    by: str
+    """Method that counts, of specimens.METHODS."""
+    ring_over_bend: Quantity | None
+    offset: Quantity | None
+
+    @property
+    def estimates(self) -> list[Estimate]:
+        """The modulus, and numbers that are 0 if all is as assumed."""
+        named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
+        return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
+
+
 def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
     """Modulus of strips, of which at least one has readings.
 

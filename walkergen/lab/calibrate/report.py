@@ -2,15 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from walkergen.files import words
 from walkergen.files.report import Column, Table
 from walkergen.lab.calibrate.estimate import Estimate
-from walkergen.lab.calibrate.modulus import Point
+from walkergen.lab.calibrate.modulus import Bent, Point
 from walkergen.lab.inverse import Answer
 from walkergen.lab.report import LabReport
-from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -19,24 +18,6 @@ KEYS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
 
 STRIPS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
 """Columns of strips.csv: Young's modulus by a strip and a method alone."""
-
-
-class Bent(NamedTuple):
-    """What strips tell."""
-
-    fit: Estimate
-    """Young's modulus that they agree on."""
-    points: Sequence[Point]
-    by: str
-    """Method that counts, of specimens.METHODS."""
-    ring_over_bend: Quantity | None
-    offset: Quantity | None
-
-    @property
-    def estimates(self) -> list[Estimate]:
-        """The modulus, and numbers that are 0 if all is as assumed."""
-        named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
-        return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
 
 
 def settings_of(estimates: Sequence[Estimate]) -> dict[str, float]:

@@ -8,7 +8,8 @@ from walkergen.files.progress import Progress
 from walkergen.track.film import films, heading, marked, marked_doubts, report, unmarked, unmarked_doubts
 from walkergen.track.film.films import Box, Film
 from walkergen.track.film.report import TrackReport
-from walkergen.track.film.result import Options, Told, Tracked
+from walkergen.track.film.result import Options, Tracked
+from walkergen.track.film.told import Told
 
 SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""

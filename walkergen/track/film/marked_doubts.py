@@ -10,7 +10,8 @@ from walkergen.files import words
 from walkergen.track.film.doubts import LOST
 from walkergen.track.film.marked import MARKER_MM, Marked
 from walkergen.track.film.plane import ALIKE
-from walkergen.track.film.result import Told, Tracked, Walker
+from walkergen.track.film.result import Tracked, Walker
+from walkergen.track.film.told import Told
 
 CROOKED = 0.7
 """Distance of corners from those of squares that is worth a warning, pixels."""

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.track.film import doubts
-from walkergen.track.film.result import Told, Tracked
+from walkergen.track.film.result import Tracked
+from walkergen.track.film.told import Told
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

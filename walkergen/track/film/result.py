@@ -1,8 +1,8 @@
-"""Result of tracking a film: what was asked, its walkers, and what is to be said of them."""
+"""Result of tracking a film: what was asked, and its walkers."""
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,6 @@ import numpy.typing as npt
 from walkergen.track.film import doubts
 from walkergen.track.film.films import Box, Clock, Film, Grey
 from walkergen.track.film.lens import Lens
-
-if TYPE_CHECKING:
-    from walkergen.track.film.marked import Marked
-    from walkergen.track.film.unmarked import Unmarked
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
@@ -134,16 +130,3 @@ class Tracked(NamedTuple):
         places = np.full((last - first + 1, 2), np.nan)
         places[walker.frames - first] = walker.position
         return self.clock.times[first : last + 1], places
-
-
-class Told(NamedTuple):
-    """What is to be said of a film beside its tracks."""
-
-    found: "Unmarked | Marked"
-    """What the tracks rest on."""
-    facts: dict[str, Any]
-    """For JSON and the manifest, with units in the names."""
-    notes: list[str]
-    """What was looked for, in words, and the scale with its error."""
-    warnings: list[str]
-    """What went wrong, each with its size or its number of frames."""

@@ -10,7 +10,8 @@ from walkergen.files import words
 from walkergen.track.film.blobs import Blobs
 from walkergen.track.film.doubts import LOST
 from walkergen.track.film.linking import Seen
-from walkergen.track.film.result import Array, Told, Tracked, Whole
+from walkergen.track.film.result import Array, Tracked, Whole
+from walkergen.track.film.told import Told
 from walkergen.track.film.unmarked import Unmarked
 
 INDEPENDENT = 10

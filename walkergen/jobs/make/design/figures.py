@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from walkergen.files.figures import BLUE, COLUMN, INK, ORANGE, PAGE, Look, grid_of, legend_below, name, points, style
 from walkergen.files.key_names import label
 from walkergen.jobs.make.design.lab import Job, Trial
-from walkergen.jobs.make.design.report import title
 from walkergen.jobs.make.design.search import Search
 from walkergen.jobs.make.design.verify import Verified
 from walkergen.jobs.make.design.wish import UNITS, Wish
@@ -23,11 +22,11 @@ BESIDE = ((8, 5), (-13, -13), (8, -13))
 
 
 @style()
-def trade_off(job: Job, result: Search, designs: Sequence[Verified]) -> Figure:
+def trade_off(title: str, job: Job, result: Search, designs: Sequence[Verified]) -> Figure:
     """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
     spans, wish = job.box.spans, job.wish
     wide = min(len(spans), ACROSS)
-    figure, panels = grid_of(title(job), len(spans), wide, 2.9, COLUMN if wide == 1 else PAGE, share_y=True)
+    figure, panels = grid_of(title, len(spans), wide, 2.9, COLUMN if wide == 1 else PAGE, share_y=True)
     for place, (span, axes) in enumerate(zip(spans, panels, strict=True)):
         if wish.of == "speed":
             _trials(axes, span.key, result.survey.trials, "0.75", 3.0, "predicted")

@@ -57,7 +57,7 @@ def of(job: Job, result: Search, designs: Sequence[Verified], stopped: str, fold
     def draw() -> "Figure":
         from walkergen.jobs.make.design import figures
 
-        return figures.trade_off(job, result, designs)
+        return figures.trade_off(title(job), job, result, designs)
 
     return DesignReport(
         name="design",
