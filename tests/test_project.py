@@ -117,6 +117,15 @@ def test_a_tag_makes_wheels_of_five_platforms_and_of_every_python_named():
     assert "make wheel PYTHON=python" in commands
 
 
+def test_a_pull_request_runs_the_gate_and_the_tests_of_other_systems():
+    workflow = yaml.safe_load((ROOT / ".github/workflows/tests.yml").read_text())
+    assert "pull_request" in workflow[True]  # YAML reads the key "on" as true
+    jobs = workflow["jobs"]
+    assert [step["run"] for step in jobs["gate"]["steps"] if "run" in step] == ["sudo .ci/run"]
+    assert [name.split("-")[0] for name in jobs["quick"]["strategy"]["matrix"]["machine"]] == ["macos", "windows"]
+    assert jobs["quick"]["steps"][-1]["run"] == "python -m pytest"
+
+
 def test_links_within_the_papers_lead_somewhere():
     papers = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]
     for paper in papers:

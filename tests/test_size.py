@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 5370,
-    "tests": 44990,
+    "tests": 45000,
 }
 
 
