@@ -53,3 +53,4 @@ evidence:
 	$(PYTHON) -m evidence crowd-checks $(ARGS)
 	$(PYTHON) -m evidence crowds-published $(ARGS)
 	$(PYTHON) -m evidence walkers-published
+	$(PYTHON) -m evidence reproduce

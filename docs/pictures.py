@@ -50,7 +50,7 @@ SHIPPED = ("advice.py", "cells.py", "cells.csv", "drawn.py", "figures.py", "ship
 SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
 )
-REPRODUCE = "walkergen reproduce --seconds 6 --gamma 1.5,1.8"
+REPRODUCE = "python -m evidence reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "python -m evidence validate"
 CROWD = "walkergen crowd koumakis2016 --count 30 --arena disc:170 --seconds 2 --runs 2"
 OTHERS = {
@@ -229,14 +229,14 @@ PICTURES = (
     Picture(
         "reproduced.png",
         REPRODUCE,
-        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/reproduce/*.py"),
         190,
         "figure2.png",
     ),
     Picture(
         "figure6.png",
         REPRODUCE,
-        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/reproduce/*.py"),
         0,
         "figure6.png",
     ),

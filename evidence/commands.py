@@ -1,10 +1,11 @@
 """Commands of the evidence, and what each is asked for."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from walkergen import request
 from walkergen.cli import build
@@ -102,6 +103,28 @@ class WalkersPublishedRequest(request.Request):
         return make.make(sets, self.out or Path("out") / "walkers-published", progress)
 
 
+class ReproduceRequest(request.Request):
+    """Compare the paper's figures and mechanisms with ours."""
+
+    tilt: request.Tilts = None
+    gamma: Annotated[
+        list[float] | None,
+        BeforeValidator(partial(request.parse_numbers, low=0.01, high=50.0)),
+        Flag("Drives of figure 5: 1.2,1.8,2.4.", "G", takes="str | Iterable[float] | None"),
+    ] = None
+    seconds: request.Seconds = None
+    runs: request.Runs = None
+    seed: request.Seed = None
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Compare."""
+        from evidence.reproduce import make
+
+        run = self.model_dump(include={"seconds", "runs", "seed"}, exclude_none=True)
+        return make.make(make.of(self.tilt, self.gamma, run), self.out or Path("out") / "reproduce", progress)
+
+
 class ShapesRequest(request.Request):
     """Build, check and run sixty shapes that people might bring: drawings, meshes, names."""
 
@@ -137,6 +160,7 @@ REQUESTS: dict[str, type[request.Request]] = {
     "crowd-checks": CrowdChecksRequest,
     "crowds-published": CrowdsPublishedRequest,
     "walkers-published": WalkersPublishedRequest,
+    "reproduce": ReproduceRequest,
     "shapes": ShapesRequest,
     "example-data": ExampleDataRequest,
 }

@@ -610,7 +610,6 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "design": (("--speed", "40", "--model", "prediction", "--out", "out"), {}),
     "movie": (("--fps", "3", "--model", "rigid", "--out", "out"), {}),
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
-    "reproduce": (("--tilt", "99", "--out", "out"), {}),
     "explain": (("--model", "rigid"), {}),
 }
 """Commands that end soon whatever flag is added, with what they need."""

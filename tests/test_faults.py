@@ -480,6 +480,9 @@ LONG = {
 }
 """Commands that write, with what is asked of them."""
 
+EVIDENCE = ("validate", "reproduce")
+"""Those of the evidence."""
+
 TIMED = ("accuracy", "reproduce")
 """Those that write how long they took: equal in the files that they write, not in bytes."""
 
@@ -495,7 +498,7 @@ def started(name, folder):
     where = f"{folder.name}/{ends.get(name, '')}"
     if name != "copy":
         words.append("--trajectory" if name == "trajectory" else "--out")
-    words = [sys.executable, "-m", "evidence" if name == "validate" else "walkergen", *words, where]
+    words = [sys.executable, "-m", "evidence" if name in EVIDENCE else "walkergen", *words, where]
     return subprocess.Popen(
         words,
         cwd=folder.parent,

@@ -157,17 +157,13 @@ def test_a_design_says_what_it_is_in_a_line():
     assert "bristle: 18 flexible legs" in repr(wg.load("bristle"))
 
 
-LONG = {"accuracy", "calibrate", "crowd", "design", "fit", "movie", "reproduce", "track"}
+LONG = {"accuracy", "calibrate", "crowd", "design", "fit", "movie", "track"}
 """Functions whose examples take more than two seconds, or kernels that others do not."""
 
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(one, marks=[pytest.mark.nightly] if one == "reproduce" else [pytest.mark.slow] * (one in LONG))
-        for one in wg.__all__
-        if one in (*COMMANDS, "load")
-    ],
+    [pytest.param(one, marks=[pytest.mark.slow] * (one in LONG)) for one in wg.__all__ if one in (*COMMANDS, "load")],
 )
 def test_the_example_of_a_docstring_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -6,11 +6,11 @@ import sys
 import numpy as np
 import pytest
 
+from evidence.reproduce import mechanisms
+from evidence.reproduce.mechanisms import Mechanism
+from evidence.reproduce.runs import Point
 from walkergen.files import templates
 from walkergen.jobs.make.check import make as checks
-from walkergen.jobs.trust.reproduce import mechanisms
-from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.runs import Point
 from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
 from walkergen.printing.printers import Printer

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from walkergen.jobs.trust.published import FACTS, Fact
+from evidence.published import FACTS, Fact
 from walkergen.numerics.quantity import Quantity, Verdict, exact
 
 VALUE = Fact("a", 2, "around ten", "text", "tilt", "deg", 10.0, 8.0, 12.0, "ours")

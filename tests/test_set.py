@@ -30,7 +30,6 @@ TAKES = {
     ("movie",): "design scene",
     ("plate",): "design printer",
     ("predict",): "design scene",
-    ("reproduce",): "design scene",
     ("simulate",): "design scene",
 }
 WRONG = {
@@ -214,7 +213,6 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
         (("family", "--tilt", "5", "--set", "family.tilt_deg=[6]"), ("--tilt 5", "family.tilt")),
         (("plate", "--copies", "5:2", "--set", "legs.tilt_deg=12"), ("--copies", "legs.tilt_deg")),
         (("plate", "--orders", "o.csv", "--set", "body.depth_mm=9"), ("--orders", "body.depth_mm")),
-        (("reproduce", "--set", "legs.tilt_deg=12"), ("legs.tilt_deg", "--tilt")),
         (("export", "--set", "scene.drive.gamma=2"), ("--format mjcf",)),
         (("simulate", "--error", "5%", "--set", "scene.run.seconds=3"), ("--error", "seconds")),
         (("simulate", "--uncertain", "--set", "scene.run.runs=3"), ("--uncertain", "runs")),

@@ -19,7 +19,7 @@ LIMITS = {
     "walkergen/cli": 890,
     "walkergen/crowd": 7800,
     "walkergen/files": 3310,
-    "walkergen/jobs": 17230,
+    "walkergen/jobs": 15650,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
@@ -31,8 +31,8 @@ LIMITS = {
     "walkergen/walker": 4880,
     "benchmarks": 3350,
     "docs": 630,
-    "evidence": 5370,
-    "tests": 45000,
+    "evidence": 6880,
+    "tests": 44960,
 }
 
 

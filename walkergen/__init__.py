@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 
 _FUNCTIONS = (
     *("accuracy", "analyse", "calibrate", "check", "crowd", "design", "explain", "export", "family", "fit"),
-    *("movie", "plate", "predict", "reproduce", "selftest", "simulate", "sweep", "track"),
+    *("movie", "plate", "predict", "selftest", "simulate", "sweep", "track"),
 )
 """Commands that are functions here, made of the same requests; wg.templates is a table."""
 

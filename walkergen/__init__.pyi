@@ -50,7 +50,6 @@ __all__ = [
     "movie",
     "plate",
     "predict",
-    "reproduce",
     "selftest",
     "simulate",
     "sweep",
@@ -557,23 +556,4 @@ def selftest(only: str | None = None, *, progress: Progress | None = None) -> Re
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails.
 
     Example: `wg.selftest("6.4").code == 0`
-    """
-
-def reproduce(
-    design: Walker = "koumakis2016",
-    scene: Ground = "lane-90hz",
-    *,
-    scene_fitted: Ground = "lane-90hz-fitted",
-    tilt: float | Iterable[float] | str | None = None,
-    gamma: str | Iterable[float] | None = None,
-    seconds: float | None = None,
-    runs: int | None = None,
-    seed: int | None = None,
-    set: Mapping[str, Any] = {},
-    out: Name | None = None,
-    progress: Progress | None = None,
-) -> Report:
-    """Compare the paper's figures and mechanisms with ours (takes minutes).
-
-    Example: `wg.reproduce(tilt=[5, 10, 15], gamma=[1.5, 1.8], seconds=0.3)`
     """

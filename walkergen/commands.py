@@ -135,13 +135,6 @@ COMMANDS = {
     "selftest": Command(
         "Trust", "jobs.trust.selftest", "selftest", "selftest --only 6.4", 'wg.selftest("6.4").code == 0'
     ),
-    "reproduce": Command(
-        "Trust",
-        "jobs.trust.reproduce",
-        "reproduce --tilt 5,10,20 --runs 8",
-        "reproduce --gamma 1.5,1.8",
-        "wg.reproduce(tilt=[5, 10, 15], gamma=[1.5, 1.8], seconds=0.3)",
-    ),
     "templates": Command("Files", "", "templates", "templates copy koumakis2016 my.toml"),
 }
 """Commands by their names, in the order of the help."""

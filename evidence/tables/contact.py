@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.trust.published import FACTS
+from evidence.published import FACTS
 from walkergen.scene import Feet, Prediction, Scene
 from walkergen.theory import places, prediction, uncertain
 from walkergen.theory.prediction import PRINT

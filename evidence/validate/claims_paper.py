@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from evidence.published import FACTS
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import exponent, in_space, paper_design, paper_model, rebound
 from walkergen.analysis import curves
 from walkergen.files import templates
-from walkergen.jobs.trust.published import FACTS
 from walkergen.numerics.quantity import Quantity, exact
 from walkergen.scene import GRAVITY, Scene
 from walkergen.theory import maximum, prediction

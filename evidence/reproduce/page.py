@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 
+from evidence.published import FACTS
+from evidence.reproduce import curves
+from evidence.reproduce.compare import Findings
+from evidence.reproduce.motion import Runs
+from evidence.reproduce.report import number
+from evidence.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
 from walkergen.files.report import Report
-from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce import curves
-from walkergen.jobs.trust.reproduce.compare import Findings
-from walkergen.jobs.trust.reproduce.motion import Runs
-from walkergen.jobs.trust.reproduce.report import number
-from walkergen.jobs.trust.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
 from walkergen.numerics.quantity import exact
 from walkergen.theory.maximum import FRICTIONS, RESTITUTIONS
 

@@ -1,23 +1,19 @@
 """Report of the reproduction: the paper beside our numbers, and the tables behind the figures."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from evidence.published import FACTS
+from evidence.reproduce.compare import Findings, Row
+from evidence.reproduce.mechanisms import Mechanism
+from evidence.reproduce.motion import Runs
+from evidence.reproduce.runs import Assumption, Point
 from walkergen.analysis.impact_types import COUNTINGS, SUMS, TYPES
 from walkergen.analysis.motion import Curve
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce.compare import Findings, Row
-from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.motion import Runs
-from walkergen.jobs.trust.reproduce.runs import Assumption, Point
 from walkergen.numerics.quantity import Quantity, Verdict
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SPEED = ("speed_mm_s", "speed_se_mm_s")
 POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
@@ -27,7 +23,6 @@ CAPTION = (
     "Statements of Koumakis, Gnoli, Maggi, Puglisi and Di Leonardo, Mechanism of self-propulsion in 3D-printed active "
     "granular particles (2016), against walkergen's theory and simulations of its own printed geometry"
 )
-FIGURES = ("figure2", "figure5", "figure6", "mechanisms")
 LEGEND = "± 2 standard errors; = agrees, ! disagrees, ? undecided; reproduce.csv says by how much a number is off"
 
 
@@ -46,16 +41,8 @@ def of(findings: Findings, rows: Sequence[Row], folder: Path) -> Report:
             "mechanisms": list(mechanisms(findings.mechanisms)),
         },
         lines=[LEGEND],
-        figures={name: partial(draw, name, findings) for name in FIGURES},
         folder=folder,
     )
-
-
-def draw(name: str, findings: Findings) -> "Figure":
-    """Draw one of the figures, by its name."""
-    from walkergen.jobs.trust.reproduce import figures
-
-    return figures.FIGURES[name](findings)
 
 
 def _pair(quantity: Quantity) -> tuple[float | None, float | None]:

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from evidence.reproduce.runs import LONGER, Assumption, on_plane
 from walkergen.analysis import growth, motion
 from walkergen.analysis.growth import Growth
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.files.progress import Progress
-from walkergen.jobs.trust.reproduce.runs import LONGER, Assumption, on_plane
 from walkergen.numerics.quantity import Quantity, mean
 from walkergen.points import walkers
 from walkergen.simulation.experiments import Walker

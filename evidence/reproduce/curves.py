@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from evidence.reproduce.runs import Point
 from walkergen.analysis import curves
 from walkergen.analysis.curves import Top
-from walkergen.jobs.trust.reproduce.runs import Point
 from walkergen.numerics.quantity import Quantity, mean
 
 Array = npt.NDArray[np.float64]

@@ -6,8 +6,8 @@ Rigid walkers come from templates, and are simulated as flexible ones are, by MO
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from evidence.reproduce.runs import Point
 from walkergen.files import templates
-from walkergen.jobs.trust.reproduce.runs import Point
 from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.theory import uncertain
 from walkergen.theory.prediction import DRAWS, SEED, theory_speeds

@@ -1,24 +1,28 @@
 """Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
-import os
 from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from evidence.published import FACTS
+from evidence.reproduce import compare, curves, figures, mechanisms, motion, page, report, runs, theory
+from evidence.reproduce.compare import FITTED, LOW, Findings
+from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.errors import InputError
+from walkergen.files import figures as pictures
+from walkergen.files import templates
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
-from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce import compare, curves, mechanisms, motion, page, report, runs, theory
-from walkergen.jobs.trust.reproduce.compare import FITTED, LOW, Findings
-from walkergen.jobs.trust.reproduce.runs import Assumption, Case, Point
+from walkergen.request import PAPER
 from walkergen.scene import Scene
-from walkergen.simulation.plan import prepare
 from walkergen.theory import maximum
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
+
+SCENES = "lane-90hz", "lane-90hz-fitted"
+"""Scenes with the contact as measured, and as fitted."""
 
 TILT_OF_DRIVES = 15.0
 """Tilt of the walkers in figure 5, deg (stated)."""
@@ -33,9 +37,6 @@ SHORTEST = 0.1
 LOW_RESTITUTION = 0.3
 """Restitution of the foot with which compliant legs have about the experiment's speeds, in their
 plane and in space: chosen for that, not measured."""
-
-PICTURES_S, CPU_PER_S = 8.0, 0.025
-"""Time of theory and pictures, and CPU time of a simulated second, s, mean of all ensembles."""
 
 
 class Job(NamedTuple):
@@ -59,11 +60,12 @@ class Parts(NamedTuple):
     cases: dict[str, list[Case]]
     plane: list[Design]
 
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of ensembles of each part."""
-        plane = {"figure6": len(self.assumptions) * len(self.plane)}
-        return {name: len(cases) for name, cases in self.cases.items()} | plane
+
+def of(tilts_deg: Sequence[float] | None, gammas: Sequence[float] | None, run: Mapping[str, Any]) -> Job:
+    """Job with the paper's walker and scenes, and other values of some keys of their runs. Raises InputError."""
+    changes = {f"run.{key}": value for key, value in {"seconds": SECONDS, "runs": RUNS, **run}.items()}
+    measured, fitted = (templates.load(name, "scenes", Scene).variant(**changes) for name in SCENES)
+    return Job(templates.load(PAPER, "walkers", Design), measured, fitted, tilts_deg, gammas)
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Report:
@@ -73,7 +75,8 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     InputError when the runs or tilts are too few for error bars and peaks.
     """
     parts, ways = check(job), mechanisms.designs(job.design)
-    shares = _shares(parts.counts, progress)
+    counts = {name: len(cases) for name, cases in parts.cases.items()}
+    shares = _shares(counts | {"figure6": len(parts.assumptions) * len(parts.plane)}, progress)
     progress("theory", 0, 1)
     tilts_deg = job.tilts_deg or runs.swept("figure2")[0]
     theories = [theory.of(job.design, own, mode, tilts_deg) for own in parts.assumptions for mode in MODES]
@@ -101,13 +104,6 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
         facts = {name: each.model_dump(mode="json") for name, each in {"design": job.design, **scenes}.items()}
         target.finish({**facts, "tilts_deg": job.tilts_deg, "gammas": job.gammas, "versions": versions()})
     return result
-
-
-def expected_s(job: Job) -> float:
-    """Wall time of a job on an idle machine with compiled kernels, s, within a factor of two."""
-    run = job.measured.run
-    simulated_s = sum(check(job).counts.values()) * run.runs * (run.seconds + run.discard_seconds)
-    return PICTURES_S + CPU_PER_S * simulated_s / (os.cpu_count() or 1)
 
 
 def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> Parts:
@@ -156,9 +152,6 @@ def check(job: Job) -> Parts:
     for scene in (job.measured, job.fitted):
         if scene.run.runs < FEWEST_RUNS:
             raise InputError(f"--runs {scene.run.runs}: at least {FEWEST_RUNS}, whose spread gives the error bars")
-        if scene.contact.law != "poisson":
-            allowed = "the paper's law is poisson, and so is eq. 15's; use a scene with it"
-            raise InputError(f"{scene.name}: contact.law = {scene.contact.law!r}: {allowed}")
         if scene.run.seconds < SHORTEST:
             allowed = f"at least {SHORTEST:g}, for displacements over 40 ms"
             raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
@@ -167,10 +160,7 @@ def check(job: Job) -> Parts:
             listed = ",".join(f"{value:g}" for value in values)
             raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, none negative, each above the last")
     job.design.members([*tilts_deg, TILT_OF_DRIVES], ("flexible", "braced"))
-    parts = parts_of(job, tilts_deg, gammas)
-    for case in _cases(parts.assumptions, job.design.variant(kind="flexible"), "space", "space, noisy plate"):
-        prepare(*case.walker()[:3])
-    return parts
+    return parts_of(job, tilts_deg, gammas)
 
 
 def assumptions_of(job: Job) -> list[Assumption]:
@@ -192,11 +182,9 @@ def _with(name: str, scene: Scene, contact: Mapping[str, float]) -> Assumption:
 
 def _write(found: Findings, target: Folder, name: str) -> None:
     """Write the tables of a part, and its figure."""
-    from walkergen.files import figures
-
     for table in report.TABLES[name](found):
         target.write(f"{table.name}.csv", table.csv().encode())
-    if name in report.FIGURES:
-        figure = report.draw(name, found)
-        target.write(f"{name}.png", figures.png(figure))
-        target.write(f"{name}.pdf", figures.pdf(figure))
+    if name in figures.FIGURES:
+        figure = figures.FIGURES[name](found)
+        target.write(f"{name}.png", pictures.png(figure))
+        target.write(f"{name}.pdf", pictures.pdf(figure))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.trust.reproduce.runs import Assumption
+from evidence.reproduce.runs import Assumption
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
 from walkergen.theory.impact import Kind, Law, impact

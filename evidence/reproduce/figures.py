@@ -10,15 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from evidence.published import FACTS
+from evidence.reproduce.compare import LOW, Findings
+from evidence.reproduce.curves import lively, series_of, through_zero
+from evidence.reproduce.mechanisms import Mechanism
+from evidence.reproduce.motion import Runs
+from evidence.reproduce.runs import Point
 from walkergen.analysis.growth import HALFWAY
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
-from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce.compare import LOW, Findings
-from walkergen.jobs.trust.reproduce.curves import lively, series_of, through_zero
-from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.motion import Runs
-from walkergen.jobs.trust.reproduce.runs import Point
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {

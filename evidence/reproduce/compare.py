@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from evidence.published import FACTS
+from evidence.reproduce import curves
+from evidence.reproduce.mechanisms import Mechanism
+from evidence.reproduce.motion import Runs
+from evidence.reproduce.runs import Assumption, Point
+from evidence.reproduce.theory import Curve, Theory
 from walkergen.analysis.curves import Top
 from walkergen.analysis.impact_types import COUNTINGS
-from walkergen.jobs.trust.published import FACTS
-from walkergen.jobs.trust.reproduce import curves
-from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
-from walkergen.jobs.trust.reproduce.motion import Runs
-from walkergen.jobs.trust.reproduce.runs import Assumption, Point
-from walkergen.jobs.trust.reproduce.theory import Curve, Theory
 from walkergen.numerics.quantity import Quantity, Verdict, exact
 from walkergen.theory.maximum import Range
 

@@ -1,0 +1,1 @@
+"""The command `reproduce`: the paper beside our theory and simulations."""

@@ -1,1 +1,0 @@
-"""The job `reproduce`: the paper beside our theory and simulations."""
