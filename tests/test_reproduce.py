@@ -39,7 +39,7 @@ TABLES = (
     "figure6_tracks",
 )
 FILES = {f"{name}.{kind}" for name in FIGURES for kind in ("csv", "pdf", "png")}
-FILES |= {f"{name}.csv" for name in TABLES} | {"reproduce.csv", "reproduce.md"}
+FILES |= {f"{name}.csv" for name in TABLES} | {"reproduce.csv", "reproduce.md", "manifest.json"}
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from walkergen.errors import InputError
 from walkergen.files import figures as pictures
 from walkergen.files import templates
 from walkergen.files.output import Folder, versions
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, stretch
 from walkergen.files.report import Report
 from walkergen.request import PAPER
 from walkergen.scene import Scene
@@ -136,13 +136,9 @@ def _tilted(case: Case, tilt_deg: float) -> Case:
 
 def _shares(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress]:
     """Progress of each of several parts, which have so many ensembles, within the whole."""
-    steps = 100 * sum(counts.values())
-
-    def share(start: int, count: int) -> Progress:
-        return lambda what, done, of: progress(what, 100 * start + 100 * count * done // of, steps)
-
-    ends = accumulate(counts.values())
-    return {name: share(end - count, count) for (name, count), end in zip(counts.items(), ends, strict=True)}
+    share = 1.0 / sum(counts.values())
+    ends = zip(counts.items(), accumulate(counts.values()), strict=True)
+    return {name: stretch(progress, share * (end - count), share * end) for (name, count), end in ends}
 
 
 def check(job: Job) -> Parts:

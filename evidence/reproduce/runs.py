@@ -154,6 +154,6 @@ def _point(case: Case, point: Results) -> Point:
 
 
 def of_counts(counts: npt.NDArray[np.int64]) -> Array:
-    """Shares in the order of TYPES from a tally."""
+    """Shares in the order of TYPES from a tally; zeros where nothing met the plate."""
     amounts = [counts[[record.row_of(kind) for kind in kinds]].sum() for kinds in TYPES.values()]
-    return np.array(amounts, dtype=np.float64) / float(counts[record.IMPACTS])
+    return np.array(amounts, dtype=np.float64) / max(float(counts[record.IMPACTS]), 1.0)
