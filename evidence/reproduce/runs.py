@@ -138,8 +138,9 @@ def _point(case: Case, point: Results) -> Point:
     results = point.results
     good = [result for result in results if result.outcome in ENDED_WELL]
     corners = landings.CORNERS if point.model == "space" else 1
-    impacts = [impact_types.of_run(impacts_of(result), corners) for result in good]
-    landing_speeds = [float(run.speed[run.landing].mean()) for run in impacts if run.landing.any()]
+    runs = [(impact_types.of_run(impacts_of(result), corners), result.tally.counts) for result in good]
+    landed = [(impacts, counts) for impacts, counts in runs if impacts.landing.any()]
+    landing_speeds = [float(impacts.speed[impacts.landing].mean()) for impacts, _ in landed]
     return Point(
         case.assumption,
         case.model,
@@ -147,13 +148,13 @@ def _point(case: Case, point: Results) -> Point:
         case.scene.drive.peak_speed,
         mean("speed", "mm_s", [result.speed for result in good] if 2 * len(good) >= len(results) else []),
         mean("impact_speed", "mm_s", landing_speeds if len(landing_speeds) > 1 else []),
-        impact_types.shares(impacts, [of_counts(result.tally.counts) for result in good]),
+        impact_types.shares([impacts for impacts, _ in landed], [of_counts(counts) for _, counts in landed]),
         len(results) - len(good),
         listed(dict(sorted(point.summary.outcomes.items()))),
     )
 
 
 def of_counts(counts: npt.NDArray[np.int64]) -> Array:
-    """Shares in the order of TYPES from a tally; zeros where nothing met the plate."""
+    """Shares in the order of TYPES from a tally of a run that met the plate."""
     amounts = [counts[[record.row_of(kind) for kind in kinds]].sum() for kinds in TYPES.values()]
-    return np.array(amounts, dtype=np.float64) / max(float(counts[record.IMPACTS]), 1.0)
+    return np.array(amounts, dtype=np.float64) / float(counts[record.IMPACTS])

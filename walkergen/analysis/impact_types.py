@@ -53,14 +53,13 @@ def of_run(rows: Array, corners: int) -> Impacts:
 
 
 def shares(runs: Sequence[Impacts], every: Sequence[Array]) -> Shares:
-    """Mean shares over the runs with landings; empty if fewer than two have any.
+    """Mean shares over runs that all have landings; empty for fewer than two.
 
     `every`: shares among all impacts of a run, in the order of TYPES, from its tally.
     """
     rows = [
         (counted, of_weights(run.kind, run.landing.astype(np.float64)), of_weights(run.kind, run.impulse))
         for run, counted in zip(runs, every, strict=True)
-        if run.landing.any()
     ]
     if len(rows) < 2:
         return {}
