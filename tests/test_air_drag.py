@@ -20,7 +20,9 @@ DESIGN = Design().variant(tilt_deg=0.0)
 
 def plan_of(air=True, **tables):
     tables = {key: dict(value) for key, value in tables.items()}
-    scene = Scene.model_validate(tables | {"legs": {"model": "compliant"}, "effects": {"air_drag": air}})
+    scene = Scene.model_validate(
+        tables | {"legs": {"model": "compliant"}, "effects": {"on": ["air_drag"] if air else []}}
+    )
     return prepare(scene, DESIGN, solids.mass_of(DESIGN))
 
 

@@ -154,7 +154,7 @@ def test_a_start_at_heading_0_has_the_bits_that_it_had():
     ("keys", "words"),
     [
         ({"arena.kind": "lane", "arena.width_mm": None, "legs.model": "compliant"}, "runs along x"),
-        ({"effects.roll_and_yaw": False}, "holds the walker in its plane"),
+        ({"effects.off": ["roll_and_yaw"]}, "holds the walker in its plane"),
         ({"arena.kind": "lane"}, "mm wide and the lane"),
     ],
 )

@@ -12,7 +12,7 @@ from walkergen.walker.design import Design
 
 DESIGN = Design()
 HARMONIC = {"drive": {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio": 0.2}}
-AIR = {"effects": {"air_drag": True}}
+AIR = {"effects": {"on": ["air_drag"]}}
 SLOPE = {"plate": {"slope_deg": 2.0}}
 IN_SPACE = {
     "plate": {

@@ -143,11 +143,11 @@ def test_the_scene_decides_which_effects_are_simulated():
 
 
 def test_effects_can_be_forced_on_and_off():
-    level = plan_of(plate={"slope_deg": 3.0}, effects={"plate_slope": False})
+    level = plan_of(plate={"slope_deg": 3.0}, effects={"off": ["plate_slope"]})
     assert not verdicts(level)["plate slope"]
     assert level.world.acting.gravity.along == 0.0
     assert any("forced off" in effect.reason for effect in level.resolved.effects)
-    drag = plan_of(effects={"air_drag": True})
+    drag = plan_of(effects={"on": ["air_drag"]})
     assert verdicts(drag)["air drag"]
 
 
@@ -160,8 +160,8 @@ def test_an_effect_that_does_not_exist_is_no_verdict():
     ("choices", "word"),
     [
         ({"model": "compliant", "design": Design().variant(kind="braced")}, "braced legs are rigid"),
-        ({"model": "relaxed", "effects": {"air_drag": True}}, "without drag"),
-        ({"model": "rigid", "effects": {"air_drag": True}}, "air_drag = true: .*'space'"),
+        ({"model": "relaxed", "effects": {"on": ["air_drag"]}}, "without drag"),
+        ({"model": "rigid", "effects": {"on": ["air_drag"]}}, "air_drag.*: .*'space'"),
     ],
 )
 def test_contradictions_are_refused(choices, word):

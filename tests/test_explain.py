@@ -74,7 +74,7 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert not every["plate noise"].leaves_out
     assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
     assert {"second harmonic", "plate roughness", "tether", "air drag", "unevenness", "yaw and roll"} < set(every)
-    forced = walker_of("space", **{"effects.leg_twist": False, "feet.rigid_tips": True})
+    forced = walker_of("space", **{"effects.off": ["leg_twist"], "feet.rigid_tips": True})
     every = {variant.effect: variant.change for variant in variants.every(forced, True)}
     assert every["leg twist"] == "on"
 
@@ -88,7 +88,7 @@ def test_what_is_on_is_a_line_each_and_what_is_off_one_line(run):
     assert len(lines) < 20
     whole = run("--no-cost", "--all")
     assert "drive.second_harmonic_ratio = 0" in " ".join(whole.split())
-    assert "effects.plate_slope" in whole.replace("\n", "")
+    assert "switch plate_slope" in whole.replace("\n", "")
 
 
 def test_explain_measures_and_draws(run, tmp_path):
@@ -129,9 +129,9 @@ def test_only_what_changes_less_than_accepted_is_left_out():
     scene = found.walker.scene
     assert [change.effect for change in found.left_out] == ["second harmonic"]
     assert [change.effect for change in found.kept] == ["plate slope"]
-    assert (scene.effects.second_harmonic, scene.effects.plate_slope) == (False, None)
+    assert (scene.effects.on, scene.effects.off) == ([], ["second_harmonic"])
     assert scene.run.accepted_error is None
-    forced = simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.second_harmonic": True}))
+    forced = simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.on": ["second_harmonic"]}))
     assert forced.left_out == ()
     assert found.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
 
@@ -155,7 +155,7 @@ def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
         assert simplest(walker_of("space", **{"run.accepted_error": accepted})).walker.scene.legs.model == "space"
     turning = walker_of("auto", **{"run.accepted_error": 0.9, "arena.kind": "plane"})
     assert simplest(turning).walker.scene.legs.model == "auto"
-    held = walker_of("auto", **{"run.accepted_error": 0.9, "effects.leg_twist": True})
+    held = walker_of("auto", **{"run.accepted_error": 0.9, "effects.on": ["leg_twist"]})
     assert simplest(held).walker.scene.legs.model == "auto"
 
 

@@ -156,7 +156,7 @@ def test_mujoco_has_the_same_lid(tmp_path):
         (tmp_path / name).write_bytes(data)
     model = mujoco.MjModel.from_xml_path(str(next(tmp_path.glob("*.xml"))))
     data = mujoco.MjData(model)
-    plan = planned(DISC, lid_mm, **{"effects.leg_twist": False})
+    plan = planned(DISC, lid_mm, **{"effects.off": ["leg_twist"]})
     walker = plan.world.walker
     lid = np.flatnonzero(walker.place < 0.0)
     depth, rise = 2e-4, 5.0

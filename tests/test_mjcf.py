@@ -38,7 +38,7 @@ def loaded(design, scene, folder):
 
 def plan_of(design, scene):
     """Plan of a design without twist in a scene."""
-    still = scene.effects.model_copy(update={"leg_twist": False})
+    still = scene.effects.force("leg_twist", False)
     return prepare(scene.model_copy(update={"effects": still}), design, solids.mass_of(design))
 
 
@@ -154,9 +154,9 @@ def test_the_plate_swings_as_ours_and_throws_nothing_off_time(tmp_path):
 @pytest.mark.parametrize(
     ("key", "told"),
     [
-        ("plate.slope_deg=2", "plate slope .*scene.effects.plate_slope=false"),
+        ("plate.slope_deg=2", "plate slope .*scene.effects.off = .*plate_slope"),
         ("drive.second_harmonic_ratio=0.1", "second harmonic"),
-        ("effects.roll_and_yaw=false", "free to turn"),
+        ("effects.off=['roll_and_yaw']", "free to turn"),
         ("legs.model=compliant", "the model 'space'"),
     ],
 )

@@ -83,7 +83,7 @@ def test_off_the_centre_it_turns_the_body_as_angular_momentum_says():
 @pytest.mark.parametrize("axis", ["across", "along", "up", [0.3, 0.5, 0.8]])
 def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
     """MuJoCo turns a mass of 5 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
-    free = {"effects": {"leg_twist": False}}
+    free = {"effects": {"off": ["leg_twist"]}}
     keys = {"eccentric_g_mm": 0.005, "axis": axis}
     plan, _ = pointed(weightless(carrying(keys, OFF, **free)), 1.0)
     walker, rotor = plan.world.walker, plan.world.acting.motor
@@ -266,7 +266,7 @@ def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
     case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
     design, mass, scene = case.design, case.mass, case.scene
     for wanted, on in ((None, True), (False, False), (True, True)):
-        effects = scene.effects.model_copy(update={"gyroscopic_torque": wanted})
+        effects = scene.effects.force("gyroscopic_torque", wanted)
         resolved = resolve(scene.model_copy(update={"effects": effects}), design, mass)
         assert resolved.on(motor.GYROSCOPIC) == on
         assert any(resolved.acting.motor.spin) == on
@@ -275,7 +275,7 @@ def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
 PLASTIC = {
     "contact": {"restitution": 0.02, "friction": 0.25},
     "feet": {"rigid_tips": True},
-    "effects": {"leg_twist": False},
+    "effects": {"off": ["leg_twist"]},
 }
 """Nearly plastic feet, as those of MuJoCo, whose tree of rigid bodies has no twist."""
 
@@ -309,7 +309,7 @@ def test_a_weak_motor_comes_with_what_is_not_known_of_it():
 
 
 def test_held_in_its_plane_a_walker_does_not_move_across():
-    held = {"effects": {"roll_and_yaw": False}, "run": SLOW["run"]}
+    held = {"effects": {"off": ["roll_and_yaw"]}, "run": SLOW["run"]}
     for axis in ("along", [0.3, 0.5, 0.8]):
         plan = carrying(throwing(1.8, axis=axis), OFF, **held)
         result = simulate(plan, 0)

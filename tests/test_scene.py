@@ -124,3 +124,21 @@ def test_a_friction_of_0_is_exact_and_one_beyond_1000_is_refused():
 def test_misspelt_keys_and_those_gone_are_refused(key, told):
     with pytest.raises(InputError, match=re.escape(told)):
         Scene().variant(**{key: 10})
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"effects.off": ["drag"]}, "effects.off[1] = 'drag': must be one of 'second_harmonic', "),
+        ({"effects.on": ["air_drag"], "effects.off": ["air_drag"]}, "air_drag: in effects.on and in effects.off"),
+        ({"effects.air_drag": True}, 'this key is gone: write effects.off = ["air_drag"] for false'),
+    ],
+)
+def test_effects_are_forced_by_their_names(keys, told):
+    with pytest.raises(InputError, match=re.escape(told)) as caught:
+        Scene().variant(**keys)
+    assert "\n" not in str(caught.value)
+    off = Scene().variant(**{"effects.off": ["plate_noise", "leg_twist"]})
+    assert [off.effects.forced(name) for name in ("leg_twist", "air_drag")] == [False, None]
+    assert off.effects.force("leg_twist", True).forced("leg_twist")
+    assert off.effects.force("leg_twist", None).off == ["plate_noise"]

@@ -45,19 +45,19 @@ def planned(scene, design=None):
 
 @pytest.mark.parametrize("switch", NUMBERS)
 def test_an_effect_without_its_number_cannot_be_forced_on(switch):
-    with pytest.raises(InputError, match=f"effects.{switch} = true: {NUMBERS[switch]}"):
-        planned(scene_of(**{f"effects.{switch}": True}))
-    assert not planned(scene_of(**{f"effects.{switch}": False})).resolved.idle
+    with pytest.raises(InputError, match=rf'effects.on = \["{switch}"\]: {NUMBERS[switch]}'):
+        planned(scene_of(**{"effects.on": [switch]}))
+    assert not planned(scene_of(**{"effects.off": [switch]})).resolved.idle
 
 
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"effects.lane_walls": True, "arena.kind": "plane"}, "the arena is a plane"),
-        ({"effects.lane_walls": True, "effects.roll_and_yaw": False}, "held in its plane"),
-        ({"effects.lane_walls": True, "legs.model": "compliant"}, "the compliant model is planar"),
-        ({"effects.roll_and_yaw": True, "legs.model": "compliant"}, "the compliant model is planar"),
-        ({"effects.leg_twist": True, "legs.model": "relaxed"}, "the relaxed model is planar"),
+        ({"effects.on": ["lane_walls"], "arena.kind": "plane"}, "the arena is a plane"),
+        ({"effects.on": ["lane_walls"], "effects.off": ["roll_and_yaw"]}, "held in its plane"),
+        ({"effects.on": ["lane_walls"], "legs.model": "compliant"}, "the compliant model is planar"),
+        ({"effects.on": ["roll_and_yaw"], "legs.model": "compliant"}, "the compliant model is planar"),
+        ({"effects.on": ["leg_twist"], "legs.model": "relaxed"}, "the relaxed model is planar"),
     ],
 )
 def test_an_effect_that_has_no_part_cannot_be_forced_on(keys, words):
@@ -108,10 +108,7 @@ TURNED = {
         "left_mm": 5.0,
     },
     "run": {"seed": 2, "step_us": 2.0, "heading_deg": (1.0,)},
-    "effects": {
-        **dict.fromkeys(("air_drag", *NUMBERS), True),
-        **dict.fromkeys(("roll_and_yaw", "leg_twist", "lane_walls"), False),
-    },
+    "effects": {"on": ["air_drag"], "off": ["roll_and_yaw", "leg_twist", "lane_walls"]},
 }
 """Keys of a scene with another value than by default."""
 
@@ -152,7 +149,7 @@ TAUT = {
     "plate.rocking_percent_per_mm": 0.01,
 }
 """Numbers without which other keys say nothing."""
-WALLED = {"effects.lane_walls": None, "drive.second_harmonic_ratio": 0.1, "arena.gap_mm": 8.2}
+WALLED = {"drive.second_harmonic_ratio": 0.1, "arena.gap_mm": 8.2}
 
 
 def test_all_keys_of_a_scene_are_turned():

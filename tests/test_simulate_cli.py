@@ -134,7 +134,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
     [
         (("--model", "soft"), "'compliant', 'relaxed', 'rigid'"),
         (("--set", "scene.run.method=step"), "scene.run.method: this key is gone: legs.model"),
-        (("--model", "rigid", "--set", "scene.effects.air_drag=true"), "legs.model 'space'"),
+        (("--model", "rigid", "--set", "scene.effects.on=['air_drag']"), "legs.model 'space'"),
         (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
         (("--law", "newton"), "legs.model 'compliant' for this law"),
         (("--model", "space", "--law", "stronge"), "contact.law = 'stronge'"),

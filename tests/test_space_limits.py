@@ -282,7 +282,7 @@ def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
 
 @pytest.mark.parametrize(("tilt", "twists"), [(0, True), (10, True), (35, True), (10, False)])
 def test_inverse_mass_at_the_corners_is_that_of_volumes(tilt, twists):
-    plan = plan_of(tilt, effects={"leg_twist": twists})
+    plan = plan_of(tilt, effects={"off": [] if twists else ["leg_twist"]})
     rival = Walker(plan.case.design, plan.case.mass)
     expected = rival.mobility(held=() if twists else (7, 9))
     # 1e-9: differences of the rival's geometry. The model's twist takes the leg's moment about its
@@ -325,7 +325,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
 
 @pytest.mark.parametrize("tilt", [0, 10, 35])
 def test_walker_held_in_its_plane_has_the_inverse_mass_of_the_planar_model(tilt):
-    plan = plan_of(tilt, arena={"kind": "lane"}, effects={"roll_and_yaw": False, "leg_twist": False})
+    plan = plan_of(tilt, arena={"kind": "lane"}, effects={"off": ["roll_and_yaw", "leg_twist"]})
     W = mobility(plan.world.walker).reshape(2, 2, 3, 2, 2, 3)
     # A foot is both its corners together: each carries half of its force
     feet_together = W.mean(axis=(1, 4))

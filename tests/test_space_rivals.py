@@ -95,7 +95,7 @@ def test_elastic_feet_restore_energy_not_impulse():
     assert np.abs(found - poisson).max() > 0.05 * size
 
 
-HELD = {"effects": {"roll_and_yaw": False}}
+HELD = {"effects": {"off": ["roll_and_yaw"]}}
 """Tables of a scene in which the walker is held in its plane."""
 
 
@@ -148,7 +148,7 @@ def test_compliant_tips_run_as_in_a_second_program(tilt, gamma):
 @pytest.mark.parametrize("tilt", [0, 10, 35])
 def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
     """Without twist, which MuJoCo's tree of rigid bodies has no joint for."""
-    plan = plan_of(tilt, effects={"leg_twist": False})
+    plan = plan_of(tilt, effects={"off": ["leg_twist"]})
     W = mujoco_walker.mobility(plan.case.design, plan.case.mass)
     # 1e-12: rounding of two factorisations
     np.testing.assert_allclose(mobility(plan.world.walker), W, rtol=0, atol=1e-12 * abs(W).max())

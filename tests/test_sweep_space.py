@@ -112,7 +112,7 @@ def walkers(draw, plates):
             "tangential_ratio": draw(st.one_of(st.just(0.8), decades(-2, 1))),
             "unevenness_um": draw(st.one_of(st.just(0.0), st.floats(0.0, 100.0))),
         },
-        "effects": {"roll_and_yaw": draw(st.sampled_from([True, True, True, False]))},
+        "effects": {"off": draw(st.sampled_from([[], [], [], ["roll_and_yaw"]]))},
         "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
     }
     if draw(st.booleans()):

@@ -1,7 +1,7 @@
 """Scene: the drive, the contact between foot and plate, and how both are simulated."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, cast, get_args
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -305,29 +305,64 @@ class Run(Section):
     """Largest share of the exchanged energy that may remain unaccounted for."""
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
     """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
-    less, as measured, is left out, effects without a switch in [effects], and for `model = "auto"` the
+    less, as measured, is left out, effects that [effects] does not name, and for `model = "auto"` the
     model in space. None: nothing is. A prediction by the surrogate, which is of the whole model, is
     within it; one by runs leaves out the same, and its bounds bear that."""
 
 
-class Effects(Section):
-    """Effects that are forced on or off; for None the scene decides."""
+EffectName = Literal[
+    "second_harmonic",
+    "plate_slope",
+    "air_drag",
+    "roll_and_yaw",
+    "leg_twist",
+    "lane_walls",
+    "lid",
+    "unevenness",
+    "plate_noise",
+    "plate_along",
+    "plate_gradient",
+    "plate_rocking",
+    "plate_roughness",
+    "tether",
+    "gyroscopic_torque",
+]
+"""Effects that a scene may force on or off."""
 
-    second_harmonic: bool | None = None
-    plate_slope: bool | None = None
-    air_drag: bool | None = None
-    roll_and_yaw: bool | None = None
-    leg_twist: bool | None = None
-    lane_walls: bool | None = None
-    lid: bool | None = None
-    unevenness: bool | None = None
-    plate_noise: bool | None = None
-    plate_along: bool | None = None
-    plate_gradient: bool | None = None
-    plate_rocking: bool | None = None
-    plate_roughness: bool | None = None
-    tether: bool | None = None
-    gyroscopic_torque: bool | None = None
+
+def forcing(name: str, on: bool) -> str:
+    """Return the line of a scene that forces an effect on or off."""
+    return f'effects.{"on" if on else "off"} = ["{name}"]'
+
+
+class Effects(Section):
+    """Effects that are forced on or off. The scene decides on all others."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        name: f"write {forcing(name, False)} for false, {forcing(name, True)} for true" for name in get_args(EffectName)
+    }
+
+    on: list[EffectName] = Field(default=[])
+    """Effects that are simulated although the scene does not require them."""
+    off: list[EffectName] = Field(default=[])
+    """Effects that are left out although the scene requires them."""
+
+    @model_validator(mode="after")
+    def _check_both(self) -> "Effects":
+        if both := [name for name in self.on if name in self.off]:
+            raise ValueError(f"{', '.join(both)}: in effects.on and in effects.off; remove it from one of them")
+        return self
+
+    def forced(self, name: str) -> bool | None:
+        """Return True for an effect that is forced on, False for one forced off, else None."""
+        return True if name in self.on else False if name in self.off else None
+
+    def force(self, name: str, wanted: bool | None) -> "Effects":
+        """Return a copy in which an effect is forced on (True), off (False) or left to the scene (None)."""
+        on, off = ([each for each in names if each != name] for names in (self.on, self.off))
+        if wanted is not None:
+            (on if wanted else off).append(cast(EffectName, name))
+        return self.model_copy(update={"on": on, "off": off})
 
 
 class Prediction(Section):

@@ -74,7 +74,7 @@ def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
         "drive": {"frequency_hz": 90.0, "gamma": 1.8},
         "contact": {"restitution": restitution, "friction": FRICTION},
         "arena": {"kind": "plane"},
-        "effects": {"leg_twist": False},
+        "effects": {"off": ["leg_twist"]},
         "legs": {"model": "space"},
         "feet": RIGID,
         "run": {"seconds": 0.5 * effort.seconds, "discard_seconds": 0.5, "runs": effort.runs},

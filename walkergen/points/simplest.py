@@ -137,7 +137,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
             found = tried(variants.planar(whole, model))
     for rule in rules.every():
         effect = rule.judge(found.walker.plan().case)
-        if effect.on and rule.switch and "legs.model" not in rule.off and whole.scene.value(rule.switch) is not True:
+        if effect.on and rule.switch and "legs.model" not in rule.off and rule.switch not in whole.scene.effects.on:
             variant = variants.off(found.walker, rule)
             found = tried(None if variant is None else variant._replace(effect=effect.name))
     return found
@@ -146,7 +146,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
 def _models(walker: Walker) -> tuple[ModelName, ...]:
     """Planar models that may stand for a scene, the fastest first."""
     scene = walker.scene
-    forced = [rule for rule in rules.every() if not rule.planar and rule.switch and scene.value(rule.switch)]
+    forced = [rule for rule in rules.every() if not rule.planar and rule.switch in scene.effects.on]
     if scene.legs.model != "auto" or scene.arena.kind == "plane" or scene.drive.kind == "motor" or forced:
         return ()
     return ("rigid",) if walker.design.rigid else ("relaxed", "compliant")

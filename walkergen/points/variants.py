@@ -158,8 +158,7 @@ def every(walker: Walker, also_on: bool) -> Iterator[Variant]:
             dear = in_space and not also_on and "legs.model" in rule.off  # kernels of another model
             variant = None if dear else off(walker, rule)
         elif also_on and not effect.on and rule.usual and not (by_motor and harmonic.KEY in rule.usual):
-            switch = {rule.switch: None} if rule.switch.startswith("effects.") else {}
-            variant = _variant(walker, "", _usual(rule), {**switch, **rule.usual})
+            variant = _variant(walker, "", _usual(rule), {f"effects.{rule.switch}": None, **rule.usual})
         if variant is not None:
             yield variant._replace(effect=effect.name)
     if also_on and in_space:

@@ -175,7 +175,7 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
 def motion_of(results: Sequence[RunResult], scene: Scene, interval: float | None = None) -> tuple[Motion | None, str]:
     """Motion of at least one run in space; None for runs too short to tell, with the reason."""
-    slope = scene.plate.slope_deg if scene.effects.plate_slope is not False else 0.0
+    slope = 0.0 if "plate_slope" in scene.effects.off else scene.plate.slope_deg
     descent = None if not slope else 0.0 if slope > 0.0 else math.pi
     tracks = tracks_of(results, scene.arena.kind == "lane", interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)

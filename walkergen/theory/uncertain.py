@@ -98,7 +98,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     off = {"leg mass"} if design.rigid else set()
     if scene.feet.rigid_tips:
         off.add("feet.tip_radius_um")
-    if scene.effects.unevenness is False:
+    if "unevenness" in scene.effects.off:
         off.add("feet.unevenness_um")
     return tuple(one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name])
 

@@ -81,8 +81,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
         )
     if resolve(scene, design, mass).model != "space":
         raise InputError(
-            "a card needs the model in space, in which a walker turns: leave out --model, "
-            "legs.model and effects.roll_and_yaw"
+            "a card needs the model in space, in which a walker turns: leave out --model, legs.model and effects.off"
         )
     own, ended = _runs(scene, design, mass, progress)
     note = (

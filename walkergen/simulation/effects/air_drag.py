@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
-from walkergen.scene import GRAVITY
+from walkergen.scene import GRAVITY, forcing
 from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
 
-NAME, SWITCH = "air drag", "effects.air_drag"
+NAME, SWITCH = "air drag", "air_drag"
 
 DENSITY = 1.2e-6
 """Density of air at 20 deg C, g/mm^3."""
@@ -56,19 +56,20 @@ def judge(case: Case) -> Effect:
     Raises InputError for models whose flights are exact only without drag.
     """
     scene, air = case.scene, parameters(case)
-    wanted, speed = scene.effects.air_drag, case.shaken.peak_speed
+    wanted, speed = scene.effects.forced(SWITCH), case.shaken.peak_speed
     if wanted and case.model in ("rigid", "relaxed"):
         raise InputError(
-            f"{SWITCH} = true: the {case.model} model's flights are exact only without drag; use legs.model 'space'"
+            f"{forcing(SWITCH, True)}: flights of the {case.model} model are exact only without drag; "
+            "use legs.model 'space'"
         )
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction
-    reason = "small" if number < SMALL else f"NOT small: force it with {SWITCH} = true"
+    reason = "small" if number < SMALL else f"NOT small: force it with {forcing(SWITCH, True)}"
     on, reason = forced(wanted, False, reason)
     return Effect(NAME, on, number, "drag over friction, for a fast walker", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, usual={SWITCH: True})
+RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
 @kernel

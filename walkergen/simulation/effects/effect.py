@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 from walkergen.drive import Drive
 from walkergen.errors import InputError
-from walkergen.scene import Scene
+from walkergen.scene import Scene, forcing
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -47,7 +47,7 @@ class Effect(NamedTuple):
     reason: str
     """Why the effect is on or off."""
     switch: str
-    """Key of the scene that forces the effect; "" when nothing does."""
+    """Name in effects.on and effects.off, or key of the scene, that forces it; "" when nothing does."""
 
 
 class Rule(NamedTuple):
@@ -56,7 +56,7 @@ class Rule(NamedTuple):
     judge: Callable[[Case], Effect]
     """The effect in a case. Raises InputError where the case's model does not know it."""
     switch: str = ""
-    """Key of the scene that forces the effect."""
+    """Name in effects.on and effects.off, or key of the scene, that forces it."""
     planar: bool = True
     """False: planar models refuse it."""
     away: Mapping[str, Any] = MappingProxyType({})
@@ -65,12 +65,12 @@ class Rule(NamedTuple):
     usual: Mapping[str, Any] = MappingProxyType({})
     """Values of keys with which an effect that is off has a usual size; none where it has none."""
     without: Mapping[str, Any] = MappingProxyType({})
-    """Values of keys with which it is off; none: its switch is false."""
+    """Values of keys with which it is off; none: effects.off has its switch."""
 
     @property
     def off(self) -> Mapping[str, Any]:
         """Values of keys with which it is off; none of an effect that nothing switches."""
-        return self.without or ({self.switch: False} if self.switch else {})
+        return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
 
 
 def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
@@ -82,13 +82,13 @@ def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
     reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
     if not number:
         absent(case, switch, f"{reason}, so that nothing would act: set it")
-    return forced(case.scene.value(switch), bool(number), reason)
+    return forced(case.scene.effects.forced(switch), bool(number), reason)
 
 
 def absent(case: Case, switch: str, why: str) -> str:
     """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
-    if case.scene.value(switch):
-        raise InputError(f"{switch} = true: {why}, or leave the switch out")
+    if case.scene.effects.forced(switch):
+        raise InputError(f"{forcing(switch, True)}: {why}, or leave {switch} out of effects.on")
     return why
 
 
@@ -104,5 +104,5 @@ def only_in_space(case: Case, key: str, value: float, what: str, switch: str) ->
     if case.model != "space":
         raise InputError(
             f"{key} = {value:g}: only the model 'space' knows {what}, not {case.model!r}: "
-            f"use legs.model = 'space', or {switch} = false"
+            f"use legs.model = 'space', or {forcing(switch, False)}"
         )

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
-NAME, SWITCH, KEY = "second harmonic", "effects.second_harmonic", "drive.second_harmonic_ratio"
+NAME, SWITCH, KEY = "second harmonic", "second_harmonic", "drive.second_harmonic_ratio"
 
 
 class Harmonic(NamedTuple):

@@ -45,7 +45,7 @@ def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
     for number, keys in SHAPES.items():
         if not scene.value(number):
             yield from ((key, f"{number} = 0") for key in keys)
-    if not on(WALLS) and scene.effects.lane_walls is not False:
+    if not on(WALLS) and "lane_walls" not in scene.effects.off:
         yield "arena.gap_mm", "no walls"
         if not on(LID):
             yield from ((key, "no walls") for key in OF_WALLS)

@@ -8,7 +8,7 @@ from walkergen.errors import InputError
 from walkergen.scene import GRAVITY
 from walkergen.simulation.effects.effect import LID, Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH, KEY = LID, "effects.lid", "arena.lid_mm"
+NAME, SWITCH, KEY = LID, "lid", "arena.lid_mm"
 
 DROP, TILT = 1.5, 2e-3
 """Room over a walker that is let go: amplitudes that it drops, and twice what it is tilted by then, rad."""

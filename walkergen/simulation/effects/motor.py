@@ -19,7 +19,7 @@ from walkergen.simulation.effects.effect import GYROSCOPIC, MOTOR, Case, Effect,
 from walkergen.simulation.effects.rotor import Rotor, Vector
 from walkergen.walker.mass import from_centre
 
-NAME, SWITCH = MOTOR, "effects.gyroscopic_torque"
+NAME, SWITCH = MOTOR, "gyroscopic_torque"
 
 ROTOR_SHARE = 0.5
 """Share of a motor's mass that turns, as a disc of its diameter: of a coin motor about half."""
@@ -63,7 +63,7 @@ def judge(case: Case) -> Effect:
 
 def gyroscopic(case: Case) -> Effect:
     """Effect of the rotor's angular momentum. The number is its inertia over the walker's least."""
-    wanted, meaning = case.scene.effects.gyroscopic_torque, "inertia of the rotor over the walker's"
+    wanted, meaning = case.scene.effects.forced(SWITCH), "inertia of the rotor over the walker's"
     if case.scene.drive.kind == "plate" or case.design.motor is None:
         why = absent(case, SWITCH, "there is no motor: set drive.kind = 'motor' and give the design one")
         return Effect(GYROSCOPIC, False, 0.0, meaning, why.partition(":")[0], "")
@@ -74,7 +74,7 @@ def gyroscopic(case: Case) -> Effect:
 
 
 RULE = Rule(judge, planar=False)
-SPIN_RULE = Rule(gyroscopic, SWITCH, usual={SWITCH: True})
+SPIN_RULE = Rule(gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
 def _inertia(case: Case) -> float:

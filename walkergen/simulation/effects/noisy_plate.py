@@ -14,7 +14,7 @@ from walkergen.errors import InputError
 from walkergen.simulation.effects.effect import NOISE, Case, Effect, Rule, called_for, only_in_space
 from walkergen.simulation.effects.noise import Noise
 
-NAME, SWITCH, KEY = NOISE, "effects.plate_noise", "plate.noise_ratio"
+NAME, SWITCH, KEY = NOISE, "plate_noise", "plate.noise_ratio"
 
 PER_PERIOD = 16.0
 """Samples in a period of the highest frequency: cubics between them err by 1e-3 of the velocity."""

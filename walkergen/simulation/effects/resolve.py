@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.scene import Arena, Scene
+from walkergen.scene import Arena, Scene, forcing
 from walkergen.simulation.effects import idle, rules, turning
 from walkergen.simulation.effects.acting import Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
@@ -48,7 +48,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
 
 def without_space(scene: Scene) -> Scene:
     """Scene without the effects that planar models refuse, as far as a switch leaves them out."""
-    off = {rule.switch: False for rule in rules.every() if rule.switch and not rule.planar}
+    off = {f"effects.{rule.switch}": False for rule in rules.every() if rule.switch and not rule.planar}
     return changed(scene, off)
 
 
@@ -64,15 +64,21 @@ def on_still_plate(scene: Scene) -> Scene:
     """Scene without the effects that are no part of a still plate."""
     for rule in rules.every():
         if rule.away:
-            scene = changed(scene, {**rule.away, rule.switch: None})
+            scene = changed(scene, {**rule.away, f"effects.{rule.switch}": None})
     return scene
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """Scene with values of tables, or of their keys, that were validated before."""
+    """Return the scene with other values of tables or keys, which were validated before.
+
+    The key effects.NAME forces the effect NAME on (True) or off (False), or leaves it to the scene (None).
+    """
     for key, value in values.items():
         table, _, own = key.partition(".")
-        changed = getattr(scene, table).model_copy(update={own: value}) if own else value
+        if table == "effects":
+            changed: Any = scene.effects.force(own, value)
+        else:
+            changed = getattr(scene, table).model_copy(update={own: value}) if own else value
         scene = scene.model_copy(update={table: changed})
     return scene
 
@@ -103,7 +109,7 @@ def _check_headings(case: Case, turns: bool) -> None:
             )
         if not turns:
             raise InputError(
-                f"run.heading_deg = {words}: effects.roll_and_yaw = false holds the walker in its plane along x; "
+                f"run.heading_deg = {words}: {forcing(turning.SWITCH, False)} holds the walker in its plane along x; "
                 "leave one of them out"
             )
 

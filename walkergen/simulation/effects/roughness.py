@@ -15,7 +15,7 @@ from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH, KEY = "plate roughness", "effects.plate_roughness", "plate.roughness_um"
+NAME, SWITCH, KEY = "plate roughness", "plate_roughness", "plate.roughness_um"
 
 WAVES = 12
 """Number of waves: heights are normal within a few percent."""

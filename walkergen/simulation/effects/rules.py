@@ -55,25 +55,24 @@ RARE = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
 
 def of(case: Case) -> tuple[Rule, ...]:
     """Rules that are judged in a case."""
-    scene, rules = case.scene, list(COMMON)
-    if (scene.arena.kind == "lane" and case.model == "space") or scene.effects.lane_walls:
+    scene, rules, on = case.scene, list(COMMON), set(case.scene.effects.on)
+    if (scene.arena.kind == "lane" and case.model == "space") or "lane_walls" in on:
         from walkergen.simulation.effects import walls
 
         rules.append(walls.RULE)
-    if scene.arena.lid_mm or scene.effects.lid:
+    if scene.arena.lid_mm or "lid" in on:
         from walkergen.simulation.effects import lid
 
         rules.append(lid.RULE)
-    if scene.plate.noise_ratio or scene.effects.plate_noise:
+    if scene.plate.noise_ratio or "plate_noise" in on:
         from walkergen.simulation.effects import noisy_plate
 
         rules.append(noisy_plate.RULE)
-    effects = scene.effects
-    if scene.plate.sways or effects.plate_along or effects.plate_gradient or effects.plate_rocking:
+    if scene.plate.sways or on & {"plate_along", "plate_gradient", "plate_rocking"}:
         from walkergen.simulation.effects import swaying_plate
 
         rules += swaying_plate.RULES
-    if scene.drive.kind == "motor" or scene.effects.gyroscopic_torque:
+    if scene.drive.kind == "motor" or "gyroscopic_torque" in on:
         from walkergen.simulation.effects import motor
 
         rules += [motor.RULE, motor.SPIN_RULE]

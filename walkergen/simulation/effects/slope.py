@@ -9,7 +9,7 @@ from typing import NamedTuple
 from walkergen.scene import GRAVITY
 from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
-NAME, SWITCH, KEY = "plate slope", "effects.plate_slope", "plate.slope_deg"
+NAME, SWITCH, KEY = "plate slope", "plate_slope", "plate.slope_deg"
 
 
 class Gravity(NamedTuple):

@@ -29,20 +29,20 @@ def judge_along(case: Case) -> Effect:
     """Rule: on where the plate moves along itself. The number says when friction lets a resting body slide."""
     plate, friction = case.scene.plate, case.scene.contact.friction
     key = ALONG_X if plate.along_ratio or not plate.across_ratio else TO_THE_LEFT
-    on, reason = _called_for(case, key, "effects.plate_along")
+    on, reason = _called_for(case, key, "plate_along")
     shaken = math.hypot(plate.along_ratio, plate.across_ratio) * case.shaken.peak_gamma
     meaning = "peak acceleration along the plate over what friction holds"
-    return Effect(ALONG, on, shaken / max(friction, 1e-9), meaning, reason, "effects.plate_along")
+    return Effect(ALONG, on, shaken / max(friction, 1e-9), meaning, reason, "plate_along")
 
 
 def judge_gradient(case: Case) -> Effect:
     """Rule: on where the amplitude differs from place to place."""
-    return _judge_linear(case, GRADIENT, STEEPER, "effects.plate_gradient", "change of the amplitude between the feet")
+    return _judge_linear(case, GRADIENT, STEEPER, "plate_gradient", "change of the amplitude between the feet")
 
 
 def judge_rocking(case: Case) -> Effect:
     """Rule: on where the plate rocks."""
-    return _judge_linear(case, ROCKING, ROCKS, "effects.plate_rocking", "rocking between the feet over the amplitude")
+    return _judge_linear(case, ROCKING, ROCKS, "plate_rocking", "rocking between the feet over the amplitude")
 
 
 def _judge_linear(case: Case, name: str, key: str, switch: str, meaning: str) -> Effect:
@@ -80,9 +80,9 @@ def _called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
 
 
 RULES = (
-    Rule(judge_along, "effects.plate_along", planar=False, away={ALONG_X: 0.0, TO_THE_LEFT: 0.0}, usual={ALONG_X: 0.1}),
-    Rule(judge_gradient, "effects.plate_gradient", planar=False, away={STEEPER: 0.0}, usual={STEEPER: 0.1}),
-    Rule(judge_rocking, "effects.plate_rocking", planar=False, away={ROCKS: 0.0}, usual={ROCKS: 0.1}),
+    Rule(judge_along, "plate_along", planar=False, away={ALONG_X: 0.0, TO_THE_LEFT: 0.0}, usual={ALONG_X: 0.1}),
+    Rule(judge_gradient, "plate_gradient", planar=False, away={STEEPER: 0.0}, usual={STEEPER: 0.1}),
+    Rule(judge_rocking, "plate_rocking", planar=False, away={ROCKS: 0.0}, usual={ROCKS: 0.1}),
 )
 
 

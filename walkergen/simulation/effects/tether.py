@@ -13,7 +13,7 @@ from walkergen.numerics.kernels import lean
 from walkergen.scene import GRAVITY, Tether
 from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH, KEY = "tether", "effects.tether", "tether.stiffness_n_per_m"
+NAME, SWITCH, KEY = "tether", "tether", "tether.stiffness_n_per_m"
 
 FROM_N_PER_M = 1e3
 """g/s^2 in 1 N/m."""

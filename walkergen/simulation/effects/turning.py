@@ -6,7 +6,7 @@ Limit: a walker held in its plane lands on both corners of a foot at once, as pl
 
 from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 
-NAME, SWITCH = "yaw and roll", "effects.roll_and_yaw"
+NAME, SWITCH = "yaw and roll", "roll_and_yaw"
 
 
 def judge(case: Case) -> Effect:
@@ -16,8 +16,8 @@ def judge(case: Case) -> Effect:
     if case.model != "space":
         return Effect(NAME, False, depth, meaning, absent(case, SWITCH, f"the {case.model} model is planar"), "")
     reason = "a foot is an edge: one of its corners lands first"
-    on, reason = forced(case.scene.effects.roll_and_yaw, True, reason)
+    on, reason = forced(case.scene.effects.forced(SWITCH), True, reason)
     return Effect(NAME, on, depth, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, usual={SWITCH: True})
+RULE = Rule(judge, SWITCH, planar=False, usual={f"effects.{SWITCH}": True})

@@ -10,7 +10,7 @@ from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forc
 from walkergen.walker.limbs import Limb
 from walkergen.walker.material import Material
 
-NAME, SWITCH = "leg twist", "effects.leg_twist"
+NAME, SWITCH = "leg twist", "leg_twist"
 
 
 def judge(case: Case) -> Effect:
@@ -30,11 +30,11 @@ def judge(case: Case) -> Effect:
     meaning = "frequency of a leg's twist over the drive's"
     if case.model != "space":
         return Effect(NAME, False, ratio, meaning, absent(case, SWITCH, f"the {case.model} model is planar"), "")
-    on, reason = forced(case.scene.effects.leg_twist, True, "corners land one by one")
+    on, reason = forced(case.scene.effects.forced(SWITCH), True, "corners land one by one")
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, usual={SWITCH: True})
+RULE = Rule(judge, SWITCH, planar=False, usual={f"effects.{SWITCH}": True})
 
 
 def stiffness(limb: Limb, material: Material) -> float:

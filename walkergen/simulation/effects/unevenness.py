@@ -10,7 +10,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
 
-NAME, SWITCH, KEY = "unevenness", "effects.unevenness", "feet.unevenness_um"
+NAME, SWITCH, KEY = "unevenness", "unevenness", "feet.unevenness_um"
 
 TALLEST = 0.1
 """Largest standard deviation over the length of a leg."""

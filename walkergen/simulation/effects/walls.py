@@ -11,7 +11,7 @@ from walkergen.scene import Arena
 from walkergen.simulation.effects import turning
 from walkergen.simulation.effects.effect import WALLS, Case, Effect, Rule, absent, forced
 
-NAME, SWITCH = WALLS, "effects.lane_walls"
+NAME, SWITCH = WALLS, "lane_walls"
 
 DEFAULT_PLAY = 0.5
 """Gap of a lane over the depth of the body, mm, unless the scene says."""
@@ -62,7 +62,7 @@ def judge(case: Case) -> Effect:
     turn = min(play / size.length, 0.5 * math.pi)
     if not turning.judge(case).on:
         return Effect(NAME, False, turn, meaning, absent(case, SWITCH, "the walker is held in its plane"), "")
-    on, reason = forced(case.scene.effects.lane_walls, True, "the walker yaws")
+    on, reason = forced(case.scene.effects.forced(SWITCH), True, "the walker yaws")
     if on:
         _check_headings(case)
     return Effect(NAME, on, turn, meaning, reason, SWITCH)

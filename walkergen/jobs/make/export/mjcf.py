@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.printing.export import stl_bytes
-from walkergen.scene import GRAVITY, Drive, Scene
+from walkergen.scene import GRAVITY, Drive, Scene, forcing
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.effects import compliance, feet, turning
 from walkergen.simulation.effects.effect import LID, WALLS
@@ -90,18 +90,17 @@ def linear_springs(plan: Plan) -> Array:
 
 def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     """Plan of a walker in space without twist. Raises InputError."""
-    effects = scene.effects.model_copy(update={"leg_twist": False})
+    effects = scene.effects.force("leg_twist", False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
     if resolved.model != "space":
         raise InputError(f"legs.model = {resolved.model!r}: MJCF is of the model 'space'")
     if not resolved.on(turning.NAME):
-        raise InputError(f"{turning.SWITCH} = false: MJCF is of walkers that are free to turn")
+        raise InputError(f"{forcing(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in ALLOWED:
-            raise InputError(
-                f"{effect.name} ({effect.reason}): MJCF leaves it out; write --set scene.{effect.switch}=false"
-            )
+            away = f"--set 'scene.{forcing(effect.switch, False)}'"
+            raise InputError(f"{effect.name} ({effect.reason}): MJCF leaves it out; write {away}")
     return plan
 
 

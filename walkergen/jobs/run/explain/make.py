@@ -51,7 +51,7 @@ REASONS = (
     report.text("effect", "effect"),
     Column("", lambda row: "on" if row.on else "off"),
     report.number("size", "number", 3),
-    Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")),
+    Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; switch {row.switch}" if row.switch else "")),
 )
 
 
