@@ -22,7 +22,6 @@ IN_SPACE = {
         "along_ratio": 0.1,
         "rocking_percent_per_mm": 0.01,
     },
-    "tether": {"stiffness_n_per_m": 1.0},
     "arena": {"kind": "plane"},
 }
 

@@ -73,7 +73,7 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert every["plate gradient"].change == "on, gradient_percent_per_mm = 0.1"
     assert not every["plate noise"].leaves_out
     assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
-    assert {"second harmonic", "plate roughness", "tether", "air drag", "unevenness", "yaw and roll"} < set(every)
+    assert {"second harmonic", "plate roughness", "air drag", "unevenness", "yaw and roll"} < set(every)
     forced = walker_of("space", **{"effects.off": ["leg_twist"], "feet.rigid_tips": True})
     every = {variant.effect: variant.change for variant in variants.every(forced, True)}
     assert every["leg twist"] == "on"

@@ -119,6 +119,7 @@ def test_a_friction_of_0_is_exact_and_one_beyond_1000_is_refused():
         ("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
         ("contact.prior", "'paper', 'unknown'"),
         ("run.method", "run.method: this key is gone: legs.model implies it"),
+        ("tether", "tether: this key is gone: walkers run free"),
     ],
 )
 def test_misspelt_keys_and_those_gone_are_refused(key, told):

@@ -27,7 +27,6 @@ NUMBERS = {
     "plate_along": "plate.along_ratio = 0",
     "plate_gradient": "plate.gradient_percent_per_mm = 0",
     "plate_rocking": "plate.rocking_percent_per_mm = 0",
-    "tether": "tether.stiffness_n_per_m = 0",
     "lid": "arena.lid_mm is not given",
     "gyroscopic_torque": "there is no motor",
 }
@@ -97,16 +96,6 @@ TURNED = {
     },
     "legs": {"model": "relaxed", "damping_ratio": 0.1, "spring": "frequency"},
     "feet": {"tip_radius_um": 8.0, "rigid_tips": True, "tangential_ratio": 0.5, "unevenness_um": 10.0},
-    "tether": {
-        "stiffness_n_per_m": 1.0,
-        "length_mm": 40.0,
-        "height_mm": 90.0,
-        "x_mm": 5.0,
-        "y_mm": 5.0,
-        "forward_mm": 5.0,
-        "up_mm": 5.0,
-        "left_mm": 5.0,
-    },
     "run": {"seed": 2, "step_us": 2.0, "heading_deg": (1.0,)},
     "effects": {"on": ["air_drag"], "off": ["roll_and_yaw", "leg_twist", "lane_walls"]},
 }
@@ -140,7 +129,6 @@ def tried(keys):
 
 
 TAUT = {
-    "tether.stiffness_n_per_m": 0.02,
     "plate.noise_ratio": 0.2,
     "plate.roughness_um": 2.0,
     "plate.along_ratio": 0.1,
@@ -208,9 +196,9 @@ def test_a_key_of_a_design_changes_the_motion(key):
 
 
 def test_keys_without_a_part_are_named_in_one_line():
-    scene = scene_of("relaxed", **{"feet.rigid_tips": True, "arena.gap_mm": 9.0, "tether.length_mm": 20.0})
+    scene = scene_of("relaxed", **{"feet.rigid_tips": True, "arena.gap_mm": 9.0})
     line = planned(scene, Design().variant(**{"material.youngs_modulus_gpa": 2.0})).resolved.idle
-    for key in ("feet.rigid_tips", "arena.gap_mm (no walls)", "tether.length_mm", "material.youngs_modulus_gpa"):
+    for key in ("feet.rigid_tips", "arena.gap_mm (no walls)", "material.youngs_modulus_gpa"):
         assert line.count(key) == 1
     assert "\n" not in line
 

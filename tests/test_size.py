@@ -25,14 +25,14 @@ LIMITS = {
     "walkergen/points": 3110,
     "walkergen/printing": 2960,
     "walkergen/shapes": 4230,
-    "walkergen/simulation": 9800,
+    "walkergen/simulation": 9560,
     "walkergen/theory": 2190,
     "walkergen/track": 3680,
     "walkergen/walker": 4880,
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 6880,
-    "tests": 44960,
+    "tests": 44790,
 }
 
 

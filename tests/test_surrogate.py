@@ -76,7 +76,6 @@ UNMET = {
     "plate.across_ratio": 0.01,
     "plate.gradient_percent_per_mm": 0.01,
     "plate.rocking_percent_per_mm": 0.01,
-    "tether.stiffness_n_per_m": 0.05,
     "legs.spring": "frequency",
     "legs.model": "compliant",
     "effects.on": ["air_drag"],
@@ -161,8 +160,6 @@ def test_keys_of_a_scene_are_read_or_declined():
         *("plate.noise_low_hz", "plate.noise_high_hz"),  # of noise that there is not
         *("plate.along_phase_deg", "plate.across_phase_deg"),  # of what there is not either
         *("plate.gradient_toward_deg", "plate.rocking_toward_deg"),
-        *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
-        *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
     }
     tested = {*READ, *UNMET, *without_part}
     for name, field in Scene.model_fields.items():

@@ -253,24 +253,6 @@ class Feet(Section):
     """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
 
 
-class Tether(Section):
-    """Spring from a point of the body to a point over the plate; slack below its length."""
-
-    stiffness_n_per_m: Annotated[float, Field(ge=0, le=1e3)] = 0.0
-    """Stiffness, N/m. 0: no tether."""
-    length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 50.0
-    """Length up to which it is slack."""
-    height_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 100.0
-    """Height of its end over the middle of the plate's motion."""
-    x_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    y_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    """Place of its end in the plate's plane, along x and to the left of it, from the start."""
-    forward_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
-    up_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
-    left_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
-    """Where it is tied to the body, from the walker's centre of mass."""
-
-
 def _headings(value: Any) -> Any:
     """Headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
     listed = value if isinstance(value, (list, tuple)) else (value,)
@@ -324,7 +306,6 @@ EffectName = Literal[
     "plate_gradient",
     "plate_rocking",
     "plate_roughness",
-    "tether",
     "gyroscopic_torque",
 ]
 """Effects that a scene may force on or off."""
@@ -388,16 +369,14 @@ SHAPES: Mapping[str, tuple[str, ...]] = {
     "plate.across_ratio": ("plate.across_phase_deg",),
     "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
     "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
-    "tether.stiffness_n_per_m": (
-        *("tether.length_mm", "tether.height_mm", "tether.x_mm", "tether.y_mm"),
-        *("tether.forward_mm", "tether.up_mm", "tether.left_mm"),
-    ),
 }
 """Numbers of a scene, and the keys that only shape what they give: without the number they say nothing."""
 
 
 class Scene(Section):
     """Everything outside the walker: drive, contact, plate and the settings of simulations."""
+
+    gone: ClassVar[Mapping[str, str]] = {"tether": "walkers run free; leave the table out"}
 
     name: Name = "scene"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -409,7 +388,6 @@ class Scene(Section):
     crowd: Crowd = Crowd()
     legs: LegModel = LegModel()
     feet: Feet = Feet()
-    tether: Tether = Tether()
     run: Run = Run()
     effects: Effects = Effects()
 

@@ -1,7 +1,6 @@
 """Effects on a walker: the parameters of those that act, and their total force.
 
-A new effect is a file of its own, its line in `rules`, and three here: field, parameters, `+` (a sum
-for each of force, potential and bound, where a force has a place).
+A new effect is a file of its own, its line in `rules`, and three here: field, parameters, `+`.
 """
 
 import math
@@ -9,7 +8,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel, lean
-from walkergen.simulation.effects import air_drag, noise, rotor, roughness, slope, sway, tether, turning
+from walkergen.simulation.effects import air_drag, noise, rotor, roughness, slope, sway, turning
 from walkergen.simulation.effects.air_drag import Air
 from walkergen.simulation.effects.effect import ALONG, GRADIENT, GYROSCOPIC, MOTOR, ROCKING, Case
 from walkergen.simulation.effects.noise import Noise
@@ -17,11 +16,8 @@ from walkergen.simulation.effects.rotor import Rotor
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.effects.sway import Sway
-from walkergen.simulation.effects.tether import Spring
 
 _drag, _drag_in_space = air_drag.force, air_drag.force_in_space
-_tethered, _pull, _tether_energy = tether.acts, tether.pull, tether.potential
-_strongest = tether.strongest
 
 
 class Acting(NamedTuple):
@@ -41,7 +37,6 @@ class Acting(NamedTuple):
     """Surface of one run, which draws it."""
     sway: Sway | None = None
     """Motion of the plate along itself, and what makes its height differ from place to place."""
-    tether: Spring | None = None
     motor: Rotor | None = None
 
 
@@ -56,7 +51,6 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
         noise=noise.OFF,
         roughness=roughness.OFF,
         sway=_sway(case, on),
-        tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
         motor=_rotor(case, on) if on(MOTOR) else rotor.OFF,
     )
 
@@ -100,34 +94,3 @@ def body_force(acting, pitch, v_x, v_y):
 def force_in_space(acting, velocity):
     """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
     return _drag_in_space(acting.air, velocity)
-
-
-@lean
-def placed(acting):
-    """True where a force acts that depends on the pose: it has a place, and a potential."""
-    return _tethered(acting.tether)
-
-
-@lean
-def pull(acting, x, y, z, R):
-    """Force (g mm/s^2) and torque about C (g mm^2/s^2) of effects by the pose, body axes.
-
-    The centre of mass C is at (x, y, z), mm; R: body axes -> world.
-    """
-    f_x, f_y, f_z, p_x, p_y, p_z = _pull(acting.tether, x, y, z, R)
-    return (f_x, f_y, f_z, p_y * f_z - p_z * f_y, p_z * f_x - p_x * f_z, p_x * f_y - p_y * f_x)
-
-
-@lean
-def potential(acting, x, y, z, R):
-    """Energy of effects at a pose, without gravity's, g mm^2/s^2."""
-    return _tether_energy(acting.tether, x, y, z, R)
-
-
-@lean
-def strongest(acting, x, y, z, R, way):
-    """Upper bounds of force (g mm/s^2) and torque (g mm^2/s^2) of `pull` while no point of the body
-    moves by more than `way` (mm).
-    """
-    force, arm = _strongest(acting.tether, x, y, z, R, way)
-    return force, arm * force

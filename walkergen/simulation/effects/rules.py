@@ -12,7 +12,6 @@ from walkergen.simulation.effects import (
     roughness,
     slope,
     tensor,
-    tether,
     turning,
     twist,
     unevenness,
@@ -45,7 +44,6 @@ COMMON: tuple[Rule, ...] = (
     roughness.RULE,
     Rule(parts.neighbours),
     air_drag.RULE,
-    tether.RULE,
 )
 """Rules that are judged in every scene, in the order in which `explain` shows them."""
 

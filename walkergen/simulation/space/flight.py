@@ -14,8 +14,8 @@ from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.effects import sway as sways
-from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull, strongest
-from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn, turned_by
+from walkergen.simulation.effects.acting import across, along, force_in_space
+from walkergen.simulation.space.pose import plate_velocity, point_velocity, turn, turned_by
 from walkergen.simulation.space.state import (
     C_X,
     C_Y,
@@ -87,52 +87,10 @@ def longest_flight(world):
 
 
 @lean
-def _strongest_pull(world, state, work, fall):
-    """Upper bounds of force and torque of effects by the pose in the longest flight."""
-    if not placed(world.acting):
-        return 0.0, 0.0
-    walker = world.walker
-    span = longest_flight(world)
-    speed, spin, arm = fall * span, 0.0, 0.0
-    speed += math.sqrt(state[V_X] ** 2 + state[V_Y] ** 2 + state[V_Z] ** 2)
-    for i in range(3):
-        spin = max(spin, abs(work.now[3 + i]))
-    for k in range(len(walker.leg)):
-        p = work.points[k].at
-        arm = max(arm, math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]))
-    return strongest(world.acting, state[C_X], state[C_Y], state[C_Z], work.R, span * (speed + 2.0 * spin * arm))
-
-
-@lean
-def _drawn(walker, points, k, force, torque):
-    """Upper bound of the acceleration of contact k by a force and a torque, mm/s^2.
-
-    A leg that is left behind as the body turns swings by as much as the body, or twice.
-    """
-    if force == 0.0:
-        return 0.0
-    p, largest = points[k].at, 0.0
-    for i in range(3):
-        row = 0.0
-        for j in range(3):
-            row += abs(walker.inverse_inertia[i, j])
-        largest = max(largest, row)
-    arm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-    return force * walker.inverse_mass[0] + 3.0 * largest * torque * arm
-
-
-@lean
 def _thrown(walker, motor, points, k, d_x, d_y, d_z):
     """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
     p = points[k].at
     return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
-
-
-@lean
-def leave_behind(walker, work, t_x, t_y, t_z):
-    """Fill the torques on the legs by which a torque on the body leaves them behind."""
-    for j in range(len(walker.stiffness)):
-        work.left[j] = -(walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z)
 
 
 @lean
@@ -166,28 +124,6 @@ def _turning_energy(walker, state):
 
 
 @lean
-def _pull(world, state, work, t):
-    """Add what effects by the pose give to the velocities in t seconds, the pose held."""
-    walker, n = world.walker, len(world.walker.stiffness)
-    rotation(state, work.R)
-    f_x, f_y, f_z, t_x, t_y, t_z = pull(world.acting, state[C_X], state[C_Y], state[C_Z], work.R)
-    d_x, d_y, d_z = _times(work.R, f_x, f_y, f_z)
-    state[V_X] += t * d_x * walker.inverse_mass[0]
-    state[V_Y] += t * d_y * walker.inverse_mass[1]
-    state[V_Z] += t * d_z * walker.inverse_mass[2]
-    if t_x == 0.0 and t_y == 0.0 and t_z == 0.0:
-        return
-    w_x, w_y, w_z = _times(walker.inverse_inertia, t_x, t_y, t_z)
-    state[W_X] += t * w_x
-    state[W_X + 1] += t * w_y
-    state[W_X + 2] += t * w_z
-    leave_behind(walker, work, t_x, t_y, t_z)
-    for i in range(n):
-        for j in range(n):
-            state[LEGS + n + i] += t * walker.hinge_mobility[i, j] * work.left[j]
-
-
-@lean
 def _swept(world, state, work, k, side, speed):
     """Upper bounds of what a plate that sways adds to the velocity (mm/s) and to the acceleration (mm/s^2) at which
     contact k, which moves at `speed`, and the surface on its `side` close, in the longest flight.
@@ -213,7 +149,6 @@ def clear_time(world, state, work, longest):
     fall = across(world.acting) + strongest_throw(world)
     motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
     push = _motor_push(motor, walker.mass)
-    force, torque = _strongest_pull(world, state, work, fall + push)
     swaying, far, fastest = _sways(world.acting.sway), 0.0, 0.0
     if swaying:
         far, _ = _sway_bounds(world.acting.sway)
@@ -236,7 +171,7 @@ def clear_time(world, state, work, longest):
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k, side)
             if steep > 0.0:
                 closing += steep * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + fastest)
-            drawn = fall + _drawn(walker, points, k, force, torque)
+            drawn = fall
             if swaying:
                 faster, stronger = _swept(world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z))
                 closing, drawn = closing + faster, drawn + stronger
@@ -377,8 +312,6 @@ def _turn_free(world, state, work, t):
 def fly(world, state, work, t, level, sums):
     """Fly for t = Options.step 2^level seconds."""
     walker, motor = world.walker, _motor_acts(world.acting.motor)
-    if placed(world.acting):
-        _pull(world, state, work, 0.5 * t)
     _fall(world, state, work, t, sums)
     if motor:
         before = _turning_energy(walker, state) + legs_energy(walker, state)
@@ -390,6 +323,4 @@ def fly(world, state, work, t, level, sums):
     if motor:
         after = _turning_energy(walker, state) + legs_energy(walker, state)
         sums[record.PLATE_WORK] += after - before + damped
-    if placed(world.acting):
-        _pull(world, state, work, 0.5 * t)
     pass_time(world, state, t)

@@ -11,8 +11,8 @@ from walkergen.simulation.drive import acceleration
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import sway as sways
-from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
-from walkergen.simulation.space.flight import leave_behind, pass_time, thrown_leg
+from walkergen.simulation.effects.acting import across, along, force_in_space
+from walkergen.simulation.space.flight import pass_time, thrown_leg
 from walkergen.simulation.space.pose import locate, normal_of, place, swayed, turn
 from walkergen.simulation.space.state import C_X, C_Z, LEGS, NOISE, PHASE, V_X, W_X
 
@@ -283,14 +283,6 @@ def accelerate(world, state, work):
     acting[0] += walker.inverse_mass[0] * f_x
     acting[1] += walker.inverse_mass[1] * f_y
     acting[2] += walker.inverse_mass[2] * f_z
-    if placed(world.acting):
-        f_x, f_y, f_z, p_x, p_y, p_z = pull(world.acting, state[C_X], state[C_X + 1], state[C_X + 2], R)
-        acting[0] += walker.inverse_mass[0] * f_x
-        acting[1] += walker.inverse_mass[1] * f_y
-        acting[2] += walker.inverse_mass[2] * f_z
-        leave_behind(walker, work, p_x, p_y, p_z)
-    else:
-        p_x, p_y, p_z = 0.0, 0.0, 0.0
     I, inverse = walker.inertia, walker.inverse_inertia  # noqa: E741
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
     l_x = I[0, 0] * W_0 + I[0, 1] * W_1 + I[0, 2] * W_2
@@ -302,10 +294,6 @@ def accelerate(world, state, work):
     t_x, t_y, t_z = (l_y * now[5] - l_z * now[4], l_z * now[3] - l_x * now[5], l_x * now[4] - l_y * now[3])
     for row in range(3):
         acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z
-    if placed(world.acting):
-        for row in range(3):
-            turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
-            acting[3 + row] += turned
     if _motor_acts(world.acting.motor):
         _throw(world, work)
 
@@ -318,11 +306,8 @@ def _throw(world, work):
     for row in range(3):
         turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
         work.acting[3 + row] += turned
-    if not placed(world.acting):
-        for j in range(len(walker.stiffness)):
-            work.left[j] = 0.0
     for j in range(len(walker.stiffness)):
-        work.left[j] += thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], p_x, p_y, p_z)
+        work.left[j] = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], p_x, p_y, p_z)
 
 
 @lean

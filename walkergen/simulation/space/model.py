@@ -8,7 +8,7 @@ from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness, unevenness
-from walkergen.simulation.effects.acting import across, along, potential
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.effects.effect import NOISE, Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.model import Array, Model
@@ -117,7 +117,6 @@ def energy(world, state):
             total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
     fallen = along(world.acting) * state[C_X] - across(world.acting) * state[C_Y]
     total -= walker.mass * fallen
-    total += potential(world.acting, state[C_X], state[C_Y], state[C_Y + 1], work.R)
     row = first_row(walker)
     for k in range(len(walker.leg)):
         at = row + ROW * k

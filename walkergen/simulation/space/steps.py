@@ -13,7 +13,7 @@ from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import sway as sways
-from walkergen.simulation.effects.acting import across, placed
+from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
@@ -295,7 +295,7 @@ def advance_in(world, state, work, duration, tally):
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     gentle = strongest_throw(world) < across(world.acting)
-    gentle = gentle and not placed(world.acting) and not _motor_acts(world.acting.motor)
+    gentle = gentle and not _motor_acts(world.acting.motor)
     gentle = gentle and not _sways(world.acting.sway)
     period = TWO_PI / world.drive.omega
     instant, patience = INSTANT * period, DOZE * period
