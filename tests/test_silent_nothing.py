@@ -102,8 +102,7 @@ TURNED = {
 """Keys of a scene with another value than by default."""
 
 OF_OTHERS = {
-    "drive": {"kind", "amplitude_um", "peak_speed_mm_s", "eccentric_g_mm", "rated_g", "on_mass_g", "rated_hz"}
-    | {"axis", "reversed"},
+    "drive": {"kind", "amplitude_um", "peak_speed_mm_s", "eccentric_g_mm", "axis"},
     "arena": {"length_mm"},
     "run": {"seconds", "discard_seconds", "runs", "energy_tolerance", "accepted_error"},
 }

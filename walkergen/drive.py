@@ -7,7 +7,7 @@ its frequency and the eccentric moment of its rotor; the plate is still (docs/ph
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -37,9 +37,10 @@ FOUR = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
 """Keys of a plate's vibration, of which any two determine it."""
 
 OF_PLATE = (*FOUR[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
-OF_RATING = ("rated_g", "on_mass_g", "rated_hz")
-OF_MOTOR = ("eccentric_g_mm", "eccentric_sd_g_mm", *OF_RATING, "frequency_sd_hz", "axis", "reversed")
-"""Keys that only one kind of drive has; those of a rating stand for the eccentric moment."""
+OF_MOTOR = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
+"""Keys that only one kind of drive has."""
+
+RATING = "write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 in its place"
 
 Component = Annotated[float, Field(ge=-1e3, le=1e3)]
 
@@ -49,8 +50,14 @@ class Drive(Section):
 
     A second harmonic may be added, given by its amplitude over that of the fundamental and by its
     phase; the four numbers remain those of the fundamental. A motor has a frequency and the moment
-    of its rotor, in g mm or as data sheets rate it: the peak acceleration over g of a mass.
+    of its rotor. The peak acceleration a on a mass m at a frequency f, as data sheets state it, is
+    the moment m a/(2 pi f)^2.
     """
+
+    gone: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING),
+        "reversed": "leave it out for false; for true give axis by its components, as [0, 1, 0] for across",
+    }
 
     kind: Literal["plate", "motor"] = "plate"
     frequency_hz: Positive | None = None
@@ -62,18 +69,11 @@ class Drive(Section):
     eccentric_g_mm: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
     """Unbalanced mass of the rotor times its distance from the axis."""
     eccentric_sd_g_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    rated_g: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
-    """Peak acceleration over g of the mass `on_mass_g`, motor included, at `rated_hz`."""
-    on_mass_g: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
-    rated_hz: Annotated[float, Field(ge=1, le=1000)] | None = None
-    """Frequency of the rating. None: `frequency_hz`."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
     """Standard deviation of a motor's frequency: cells sag, and motors differ."""
     axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None
     """Axis of the rotor: a name (see AXES), or components along, across and up. None: that of the
     design's motor."""
-    reversed: bool = False
-    """True for a rotor that turns the other way about its axis."""
 
     @model_validator(mode="after")
     def _determined(self) -> "Drive":
@@ -98,19 +98,8 @@ class Drive(Section):
             raise ValueError(
                 f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; small ones turn at 50 to 300 Hz"
             )
-        rated = (self.rated_g is not None, self.on_mass_g is not None)
-        if rated not in ((True, True), (False, False)) or rated[0] == (self.eccentric_g_mm is not None):
-            raise ValueError(
-                "a motor has eccentric_g_mm, or both rated_g and on_mass_g in its place; seen: "
-                + (
-                    ", ".join(
-                        k for k in OF_MOTOR if getattr(self, k) is not None and k in ("eccentric_g_mm", *OF_RATING)
-                    )
-                    or "none"
-                )
-            )
-        if self.rated_hz is not None and not rated[0]:
-            raise ValueError(f"rated_hz = {self.rated_hz:g} belongs to rated_g; leave it out")
+        if self.eccentric_g_mm is None:
+            raise ValueError("a motor has eccentric_g_mm, unbalanced mass times its distance from the axis; seen: none")
         if isinstance(self.axis, list) and not any(self.axis):
             raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
         return self
@@ -190,14 +179,7 @@ class Drive(Section):
     @property
     def eccentric(self) -> float:
         """Eccentric moment of a motor's rotor, g mm; 0 of a plate."""
-        if self.kind == "plate":
-            return 0.0
-        if self.eccentric_g_mm is not None:
-            return self.eccentric_g_mm
-        assert self.rated_g is not None
-        assert self.on_mass_g is not None
-        turning = 2.0 * math.pi * (self.rated_hz or self.frequency)
-        return self.rated_g * GRAVITY * self.on_mass_g / turning**2
+        return self.eccentric_g_mm or 0.0
 
     def direction(self, own: str) -> tuple[float, float, float]:
         """Unit vector along, across (to the right) and up about which a rotor turns by the right
@@ -205,7 +187,7 @@ class Drive(Section):
         """
         axis = self.axis or own
         x, y, z = AXES[axis] if isinstance(axis, str) else axis
-        size = math.copysign(math.hypot(x, y, z), -1.0 if self.reversed else 1.0)
+        size = math.hypot(x, y, z)
         return x / size, y / size, z / size
 
     def beneath(self, mass: float) -> "Drive":
@@ -222,8 +204,7 @@ class Drive(Section):
         if self.kind == "plate":
             return ""
         axis = f", axis {self.axis}" if self.axis else ""
-        turning = ", reversed" if self.reversed else ""
-        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}{turning}"
+        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
 
     def set_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this drive in which these of its keys were set: what contradicts them is gone.
@@ -248,12 +229,6 @@ class Drive(Section):
         if self.kind == "plate":
             data = {k: v for k, v in data.items() if k not in OF_PLATE or k in keys}
             return {"frequency_hz": self.frequency} | data
-        if "eccentric_g_mm" in keys:
-            data = {k: v for k, v in data.items() if k not in OF_RATING or k in keys}
-        elif {"rated_g", "on_mass_g"} & set(keys):
-            data.pop("eccentric_g_mm", None)
-        elif "frequency_hz" in keys and data.get("rated_g") is not None:
-            data.setdefault("rated_hz", self.rated_hz or self.frequency)
         return data
 
 

@@ -21,11 +21,7 @@ UNITS = {
 WHOLE = {
     "drive.gamma": "peak acceleration of the plate (g)",
     "drive.eccentric_g_mm": "eccentric moment of the motor (g mm)",
-    "drive.rated_g": "rated acceleration of the motor (g)",
-    "drive.on_mass_g": "mass of the motor's rating (g)",
-    "drive.rated_hz": "frequency of the motor's rating (Hz)",
     "drive.axis": "axis of the motor",
-    "drive.reversed": "motor reversed",
     "contact.law": "law of restitution",
     "run.discard_seconds": "discarded time (s)",
     "run.seconds": "measured time (s)",

@@ -245,9 +245,6 @@ def applied(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[
     material = changes.pop("material", {})
     if legs:
         changes["legs"] = legs
-    if "drive" in changes:  # a motor keeps its moment at another frequency
-        moment = {"eccentric_g_mm": scene.drive.eccentric, "rated_g": None}
-        changes["drive"] = moment | changes["drive"]
     drawn = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )

@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
-from walkergen.drive import OF_RATING
 from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.files.progress import Expect, Expected, Progress, unheard
@@ -267,8 +266,6 @@ def _scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -
         elif row.name in OF_SCENE:
             table, _, key = KEYS[row.name].partition(".")
             data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
-        if row.name == "eccentric_g_mm":  # in place of a rating
-            data["drive"] = {k: v for k, v in data["drive"].items() if k not in OF_RATING}
     if model != "prediction":
         data["legs"]["model"] = model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {model}"
