@@ -1,5 +1,7 @@
 """Two braced walkers without weight, far above a still plate, that run into each other."""
 
+import math
+
 import numpy as np
 
 from walkergen.crowd.space import bodies, run
@@ -16,15 +18,21 @@ APART = 200.0
 
 
 class Pair:
-    """Two walkers at places (x, z, heading in rad), with velocities (x, z) and turning rates."""
+    """Two walkers at places (x, z, heading in rad), with velocities (x, z) and turning rates.
 
-    def __init__(self, places, velocities, spins=(0.0, 0.0), **keys):
+    Their touches are so many times shorter than by default.
+    """
+
+    def __init__(self, places, velocities, spins=(0.0, 0.0), shorter=1.0, **keys):
         design = Design().variant(tilt_deg=10.0, kind="braced")
         data = {"drive": STILL, "arena": {"kind": "plane"}, "legs": {"model": "space"}}
         scene = Scene.model_validate(data | {"crowd": keys})
         mass = solids.mass_of(design)
         far = [(0.0, 0.0, places[0][2]), (APART, 0.0, places[1][2])]
         self.plan = run.prepare(scene, [(design, mass)], [0, 0], np.array(far), endless=True)
+        law = self.plan.law
+        law = law._replace(spring=law.spring * shorter**2, tick=law.tick * 0.5 ** math.ceil(math.log2(shorter)))
+        self.plan = self.plan._replace(law=law)
         self.walkers = [
             (world._replace(acting=world.acting._replace(gravity=Gravity(1e-9, 0.0, 0.0))), state)
             for world, state in run.let_go(self.plan, 0)

@@ -157,7 +157,7 @@ def simulated(motions, seconds, push=None, **keys):
     pair = Pair(
         [(m.place[0], m.place[2], math.atan2(m.turn[0, 2], m.turn[0, 0])) for m in motions],
         [(m.velocity[0], m.velocity[2]) for m in motions],
-        touch_ms=0.2,
+        shorter=3.0,
         **keys,
     )
     if push is not None:

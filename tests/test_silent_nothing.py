@@ -70,11 +70,9 @@ TURNED = {
     "plate": {
         "material": "glass",
         "youngs_modulus_gpa": 5.0,
-        "poisson_ratio": 0.3,
         "slope_deg": 2.0,
         "noise_ratio": 0.3,
-        "noise_low_hz": 30.0,
-        "noise_high_hz": 300.0,
+        "noise_band_hz": [30.0, 300.0],
         "roughness_um": 3.0,
         "roughness_length_mm": 2.0,
         "along_ratio": 0.2,
@@ -94,7 +92,7 @@ TURNED = {
         "wall_friction": 0.5,
         "wall_restitution": 0.9,
     },
-    "legs": {"model": "relaxed", "damping_ratio": 0.1, "spring": "frequency"},
+    "legs": {"model": "relaxed", "damping_ratio": 0.1},
     "feet": {"tip_radius_um": 8.0, "rigid_tips": True, "tangential_ratio": 0.5, "unevenness_um": 10.0},
     "run": {"seed": 2, "step_us": 2.0, "heading_deg": (1.0,)},
     "effects": {"on": ["air_drag"], "off": ["roll_and_yaw", "leg_twist", "lane_walls"]},
@@ -104,7 +102,7 @@ TURNED = {
 OF_OTHERS = {
     "drive": {"kind", "amplitude_um", "peak_speed_mm_s", "eccentric_g_mm", "axis"},
     "arena": {"length_mm"},
-    "run": {"seconds", "discard_seconds", "runs", "energy_tolerance", "accepted_error"},
+    "run": {"seconds", "discard_seconds", "runs", "accepted_error"},
 }
 """Keys that say how long, how many or by whom: of a motor, which another test has, and of whole jobs."""
 

@@ -76,7 +76,6 @@ UNMET = {
     "plate.across_ratio": 0.01,
     "plate.gradient_percent_per_mm": 0.01,
     "plate.rocking_percent_per_mm": 0.01,
-    "legs.spring": "frequency",
     "legs.model": "compliant",
     "effects.on": ["air_drag"],
     "effects.off": ["lane_walls"],
@@ -128,7 +127,6 @@ READ = {
     "feet.tip_radius_um": 8.0,
     "plate.material": "glass",
     "plate.youngs_modulus_gpa": 4.0,
-    "plate.poisson_ratio": 0.3,
     "legs.damping_ratio": 0.06,
     "arena.gap_mm": 9.0,
     "arena.wall_friction": 0.5,
@@ -157,7 +155,7 @@ def test_keys_of_a_scene_are_read_or_declined():
             "plate.roughness_length_mm",
             "arena.kind",
         ),
-        *("plate.noise_low_hz", "plate.noise_high_hz"),  # of noise that there is not
+        "plate.noise_band_hz",  # of noise that there is not
         *("plate.along_phase_deg", "plate.across_phase_deg"),  # of what there is not either
         *("plate.gradient_toward_deg", "plate.rocking_toward_deg"),
     }

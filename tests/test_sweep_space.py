@@ -98,7 +98,6 @@ def walkers(draw, plates):
         },
         "plate": {
             "youngs_modulus_gpa": draw(st.one_of(st.just(3.2), decades(-3, 3))),
-            "poisson_ratio": draw(st.floats(0.0, 0.5)),
             "slope_deg": draw(st.one_of(st.just(0.0), st.floats(-20.0, 20.0))),
         },
         "arena": {"kind": "lane" if lane else "plane"},

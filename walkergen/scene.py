@@ -8,7 +8,6 @@ from pydantic import BeforeValidator, Field, model_validator
 from walkergen.drive import AT_REST as AT_REST
 from walkergen.drive import GRAVITY as GRAVITY
 from walkergen.drive import Drive as Drive
-from walkergen.drive import Positive
 from walkergen.drive import at_rest as at_rest
 from walkergen.errors import InputError
 from walkergen.files.assignments import changed
@@ -82,6 +81,9 @@ Phase = Annotated[float, Field(ge=-360, le=360)]
 """Phase or direction, deg."""
 
 
+NoiseHz = Annotated[float, Field(ge=1e-6, le=5_000)]
+
+
 class Elastic(NamedTuple):
     """Elastic constants of a plate's material."""
 
@@ -100,18 +102,20 @@ PLATE_MATERIALS = {
 class Plate(Section):
     """The vibrating plate."""
 
+    gone: ClassVar[Mapping[str, str]] = {
+        "poisson_ratio": "it is the material's; material = 'glass', 'acrylic', 'aluminium' or 'steel'",
+        **dict.fromkeys(("noise_low_hz", "noise_high_hz"), "write noise_band_hz = [20, 400]"),
+    }
+
     material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
     youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] | None = None
     """Young's modulus. None: the material's."""
-    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)] | None = None
-    """Poisson's ratio. None: the material's."""
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
     """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
     """Root mean square of the plate's random velocity over the drive's peak speed."""
-    noise_low_hz: Positive = 20.0
-    noise_high_hz: Annotated[float, Field(ge=1e-6, le=5_000)] = 400.0
-    """Band of the noise, in which its velocity has an even spectrum."""
+    noise_band_hz: Annotated[list[NoiseHz], Field(min_length=2, max_length=2)] = Field(default=[20.0, 400.0])
+    """Lowest and highest frequency of the noise, between which its velocity has an even spectrum."""
     roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Root mean square height of the plate's bumps."""
     roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
@@ -135,19 +139,16 @@ class Plate(Section):
 
     @model_validator(mode="after")
     def _band(self) -> "Plate":
-        if not self.noise_low_hz < self.noise_high_hz:
-            raise ValueError(
-                f"noise_low_hz = {self.noise_low_hz:g} must lie below noise_high_hz = "
-                f"{self.noise_high_hz:g}: exchange them"
-            )
+        low, high = self.noise_band_hz
+        if not low < high:
+            raise ValueError(f"noise_band_hz = [{low:g}, {high:g}]: the first must lie below the second: exchange them")
         return self
 
     @property
     def elastic(self) -> Elastic:
-        """Elastic constants: those given, else the material's."""
+        """Elastic constants of the material, with the modulus that is given."""
         own = PLATE_MATERIALS[self.material]
-        given = {"youngs_modulus_gpa": self.youngs_modulus_gpa, "poisson_ratio": self.poisson_ratio}
-        return own._replace(**{key: value for key, value in given.items() if value is not None})
+        return own if self.youngs_modulus_gpa is None else own._replace(youngs_modulus_gpa=self.youngs_modulus_gpa)
 
     @property
     def sways(self) -> bool:
@@ -185,6 +186,8 @@ class Arena(Section):
 class Crowd(Section):
     """Many walkers in a dish: how many, where, and how their bodies meet."""
 
+    gone: ClassVar[Mapping[str, str]] = {"touch_ms": "blows of bodies last 0.6 ms; leave the key out"}
+
     count: Annotated[int, Field(ge=1, le=100_000)] | None = None
     """Walkers. None: as many as `packing` says, or 10."""
     packing: Annotated[float, Field(gt=0, le=0.9)] | None = None
@@ -194,9 +197,6 @@ class Crowd(Section):
     restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
     friction: Friction = 0.3
     """Restitution and friction of body on body; those of the walls are the arena's."""
-    touch_ms: Annotated[float, Field(ge=0.02, le=5)] = 0.6
-    """Time for which a corner and a face that keep nothing touch. Plastic has 0.1 to 0.2 ms (Hertz,
-    for corners of 0.2 mm, a gram, 50 mm/s): as short beside the plate's period, and dearer."""
 
     @model_validator(mode="after")
     def _consistent(self) -> "Crowd":
@@ -222,11 +222,14 @@ class Crowd(Section):
 class LegModel(Section):
     """Treatment of the legs by the simulator (docs/physics.md sections 5 and 7)."""
 
+    gone: ClassVar[Mapping[str, str]] = {
+        "spring": "a leg has a cantilever's stiffness, 3 E I/l; material.youngs_modulus_gpa of the design changes it"
+    }
+
     model: Literal["auto", "space", "compliant", "relaxed", "rigid"] = "auto"
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
     damping_ratio_sd: Annotated[float, Field(ge=0, le=10)] = 0.02
-    spring: Literal["cantilever", "pseudo-rigid", "frequency"] = "cantilever"
 
 
 class Feet(Section):
@@ -270,7 +273,8 @@ class Run(Section):
     """Duration, number and step of the simulated runs."""
 
     gone: ClassVar[Mapping[str, str]] = {
-        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); leave the key out"
+        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); leave the key out",
+        "energy_tolerance": "5 % of the exchanged energy may go unaccounted for; leave the key out",
     }
 
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
@@ -283,8 +287,6 @@ class Run(Section):
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
     """Time step, us, while a foot is in contact. None: the model's own, 30
     us in a plane, in space what resolves the feet."""
-    energy_tolerance: Annotated[float, Field(ge=1e-9, le=1)] = 0.05
-    """Largest share of the exchanged energy that may remain unaccounted for."""
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
     """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
     less, as measured, is left out, effects that [effects] does not name, and for `model = "auto"` the
@@ -363,7 +365,7 @@ class Prediction(Section):
 
 SHAPES: Mapping[str, tuple[str, ...]] = {
     "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
-    "plate.noise_ratio": ("plate.noise_low_hz", "plate.noise_high_hz"),
+    "plate.noise_ratio": ("plate.noise_band_hz",),
     "plate.roughness_um": ("plate.roughness_length_mm",),
     "plate.along_ratio": ("plate.along_phase_deg",),
     "plate.across_ratio": ("plate.across_phase_deg",),

@@ -58,8 +58,8 @@ def _settings(findings: Findings) -> Iterator[str]:
         "10 deg, so that this speed is no test of it. Its ± are by restitution, friction and masses."
     )
     yield (
-        f"The noisy plate has noise of {NOISE_RATIO:g} x the drive's speed (rms), {plate.noise_low_hz:g} to "
-        f"{plate.noise_high_hz:g} Hz: chosen, for the paper does not state its plate's."
+        f"The noisy plate has noise of {NOISE_RATIO:g} x the drive's speed (rms), {plate.noise_band_hz[0]:g} to "
+        f"{plate.noise_band_hz[1]:g} Hz: chosen, for the paper does not state its plate's."
     )
     yield "The bias of the time steps is not in ± (`walkergen accuracy` measures it)."
 

@@ -22,7 +22,7 @@ PAPER = "Koumakis et al. 2016, eqs {}, written out with matrices"
 ROUNDING = "rounding"
 ONE_NUMBER = (
     "A stiff leg on a spring keeps one number of the beam, and ours is its static stiffness; "
-    'legs.spring = "frequency" keeps the frequency.'
+    "a modulus 1.37 times as large keeps the frequency."
 )
 
 
@@ -141,7 +141,7 @@ def leg(effort: Effort) -> Iterator[Claim]:
     E, length = 1e9 * design.material.youngs_modulus_gpa, design.limbs[0].length
     second = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
     density = 1e-3 * design.material.density_g_cm3
-    k = compliance.stiffness(design.limbs[0], E, "cantilever")
+    k = compliance.stiffness(design.limbs[0], E)
     beam = Outside("cantilever beam, Euler and Bernoulli", 1e-12, ROUNDING)
     yield beam.claim("stiffness of a leg's tip", "N/m", 1e-3 * k / length**2, 1e-3 * 3.0 * E * second / length**3)
     line = density * design.limbs[0].thickness * design.size.depth

@@ -13,6 +13,7 @@ from walkergen.files.progress import silent
 from walkergen.points.kinds import Picture
 from walkergen.points.point import Point, Record, Went, went
 from walkergen.printing.printers import Printer
+from walkergen.simulation.run import ENERGY_TOLERANCE
 
 GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.RUNS, False
 KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
@@ -82,7 +83,7 @@ def _went(simulated: Simulated) -> Record:
         which = ", ".join(f"{count} {name}" for name, count in fallen.items())
         how = Went.WALKERS_ENDED_BADLY
         return went(how, f"{how}: {which}, of {count} in all runs")
-    if simulated.energy_error > simulated.job.scene.run.energy_tolerance:
+    if simulated.energy_error > ENERGY_TOLERANCE:
         share = words.number(100.0 * simulated.energy_error, 2)
         return went(Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us")
     for name, number in simulated.statistics.numbers.items():

@@ -15,7 +15,7 @@ from walkergen.files import report, words
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report, Table
-from walkergen.simulation.run import Outcome
+from walkergen.simulation.run import ENERGY_TOLERANCE, Outcome
 
 MOST_ROWS = 2_000_000
 """Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
@@ -133,12 +133,11 @@ def _warnings(simulated: Simulated) -> Iterator[str]:
     if fallen := simulated.fallen:
         told = ", ".join(f"{count} {name}" for name, count in fallen.items())
         yield f"of all walkers in all runs: {told}; they lie where they fell"
-    allowed = simulated.job.scene.run.energy_tolerance
     worst = simulated.energy_error
-    if worst > allowed:
+    if worst > ENERGY_TOLERANCE:
         yield (
             f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "
-            f"is unaccounted for, more than {100.0 * allowed:g} % (run.energy_tolerance)"
+            f"is unaccounted for, more than {100.0 * ENERGY_TOLERANCE:g} %"
         )
 
 

@@ -29,6 +29,9 @@ FIRST_ROOM, MOST_ROOM = 1024, 2_000_000
 """Impacts for which there is room at first, when all are kept: per period of the drive, in all. A run without room for
 all of them is made again."""
 
+ENERGY_TOLERANCE = 0.05
+"""Largest share of the exchanged energy that may remain unaccounted for."""
+
 
 class Outcome(Enum):
     """How a run ended."""
@@ -42,7 +45,7 @@ class Outcome(Enum):
     RUNAWAY = "energy without bound"
     """Impacts of relaxed legs gain energy: H_rigid > H_flexible (docs/physics.md section 5)."""
     ENERGY = "energy error"
-    """More energy unaccounted for than scene.run.energy_tolerance allows."""
+    """More energy unaccounted for than ENERGY_TOLERANCE allows."""
     FAILED = "no convergence"
     INSIDE = "foot below the plate"
     TOO_FEW = "too few data for an error bar"
@@ -158,7 +161,7 @@ def simulate(
         places[done] = plan.model.pose(state)
 
     error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
-    if outcome not in UNFINISHED and error > run.energy_tolerance:
+    if outcome not in UNFINISHED and error > ENERGY_TOLERANCE:
         outcome = Outcome.ENERGY
     if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done, 0] == places[0, 0]:
         outcome = Outcome.STUCK

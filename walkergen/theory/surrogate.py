@@ -136,7 +136,7 @@ BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contac
 
 READ = {
     "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
-    "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa", "poisson_ratio"},
+    "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa"},
     "feet": {"unevenness_um", "unevenness_sd_um", "tip_radius_um", "tip_radius_sd_factor"},
     "legs": {"model", "damping_ratio", "damping_ratio_sd"},
 }

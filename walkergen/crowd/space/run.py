@@ -29,6 +29,9 @@ from walkergen.simulation.world import OK, State, World
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
+TOUCH_S = 1e-3 * 0.6
+"""Time (s) for which a corner and a face that keep nothing touch (docs/physics.md section 9)."""
+
 TICKS = 13.0
 """Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
 says, half of that with twice as many."""
@@ -108,11 +111,10 @@ def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
 
 def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
     """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
-    touch = 1e-3 * scene.crowd.touch_ms
     step = min(plan.world.options.step for plan in every)
-    tick = step * 2.0 ** math.floor(math.log2(touch / TICKS / step))
+    tick = step * 2.0 ** math.floor(math.log2(TOUCH_S / TICKS / step))
     return bodies.Law(
-        0.5 * (math.pi / touch) ** 2,
+        0.5 * (math.pi / TOUCH_S) ** 2,
         (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
         (scene.crowd.friction, scene.arena.wall_friction),
         scene.drive.peak_speed,

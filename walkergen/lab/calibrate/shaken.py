@@ -92,13 +92,14 @@ def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> 
         raise InputError(f"--plate {path}: the plate of a scene with a motor is still; take a scene with a plate")
     recording = accelerometer.read(path)
     rows, notes = measure(recording, scene, str(path))
-    settings = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
+    settings: dict[str, Any] = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
     for key, least in LEAST.items():
         if settings.get(key, least) < least:
             settings = {name: value for name, value in settings.items() if name not in (key, *SHAPES[key])}
             notes.append(f"{key} below {least:g} is a phone's own, or moves no walker: not set")
     if "plate.noise_ratio" in settings:
-        settings |= {"plate.noise_high_hz": min(scene.plate.noise_high_hz, math.floor(_highest(recording.rate)))}
+        low, high = scene.plate.noise_band_hz
+        settings |= {"plate.noise_band_hz": [low, min(high, math.floor(_highest(recording.rate)))]}
     description = f"As {scene.name}, measured: {path.name[:200]}"
     measured = scene.variant(**settings, name=named(scene.name, path), description=description)
     cells = [(row.name, row.number.value, row.number.se, row.number.unit, row.key, row.number.refused) for row in rows]
@@ -291,7 +292,7 @@ def _highest(rate: float) -> float:
 
 def _noise(rest: Array, recording: Recording, scene: Scene, omega: float, size: float) -> Quantity:
     """Root mean square velocity beside the sines, in the band of the scene's noise, over the drive's peak speed."""
-    low, high = scene.plate.noise_low_hz, min(scene.plate.noise_high_hz, _highest(recording.rate))
+    low, high = scene.plate.noise_band_hz[0], min(scene.plate.noise_band_hz[1], _highest(recording.rate))
     if not low < high:
         return Quantity("noise", "", None, refused=f"its band begins at {low:g} Hz, beyond what is seen")
     squares = []

@@ -48,5 +48,5 @@ STEPS = Model(
 def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, Walker, steps.Options]:
     """Model, walker and options of a case."""
     legs, step_us = case.scene.legs, case.scene.run.step_us
-    walker = walker_of(case.design, case.mass, damping_ratio=legs.damping_ratio, spring=legs.spring)
+    walker = walker_of(case.design, case.mass, damping_ratio=legs.damping_ratio)
     return STEPS, walker, steps.Options(own_step(walker, drive.period) if step_us is None else 1e-6 * step_us)

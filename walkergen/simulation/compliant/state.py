@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.simulation.drive import height
-from walkergen.simulation.effects.compliance import Spring, stiffness
+from walkergen.simulation.effects.compliance import stiffness
 from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, State, World, Y
 from walkergen.walker.design import Design
 from walkergen.walker.mass import LegMass, MassProperties, from_centre
@@ -88,16 +88,14 @@ class Walker(NamedTuple):
     swing: Swing
 
 
-def walker_of(
-    design: Design, mass: MassProperties, *, damping_ratio: float = 0.05, spring: Spring = "cantilever"
-) -> Walker:
+def walker_of(design: Design, mass: MassProperties, *, damping_ratio: float = 0.05) -> Walker:
     """Walker of a design; `damping_ratio`: of a free leg on a held body."""
     flat, size = in_plane(design, mass), design.size
     low = np.array([(-0.5 * size.length, -0.5 * size.thickness), (0.5 * size.length, -0.5 * size.thickness)])
     (left, bottom), (right, _) = from_centre(design, mass, low)
     back, front = flat.mass.legs
     modulus = design.material.youngs_modulus
-    stiff_b, stiff_f = (stiffness(limb, modulus, spring) for limb in flat.limbs)
+    stiff_b, stiff_f = (stiffness(limb, modulus) for limb in flat.limbs)
     legs = _leg(back, stiff_b, damping_ratio), _leg(front, stiff_f, damping_ratio)
     ratios = _ratios(*legs)
     return Walker(

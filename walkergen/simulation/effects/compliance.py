@@ -6,7 +6,6 @@ Source: docs/physics.md section 5, model B. Limits: stiff legs slide like braced
 
 import math
 from collections.abc import Mapping
-from typing import Literal
 
 from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.walker import names
@@ -17,10 +16,8 @@ NAME, SWITCH = "leg compliance", "legs.model"
 ALIKE = 1.0 + 1e-6
 """Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
 
-Spring = Literal["cantilever", "pseudo-rigid", "frequency"]
-SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, "frequency": 4.12}
-"""Torsional stiffness times length over E I that gives a cantilever's static tip stiffness, that of
-the pseudo-rigid-body pair, or its first natural frequency (docs/physics.md section 5)."""
+CANTILEVER = 3.0
+"""Torsional stiffness times length over E I that gives a cantilever's static tip stiffness (physics.md, 5)."""
 
 
 def judge(case: Case) -> Effect:
@@ -32,7 +29,7 @@ def judge(case: Case) -> Effect:
     if design.rigid:
         return Effect(NAME, False, 0.0, f"legs are {design.kind}", "no free leg", "")
     frequencies = {
-        name: natural_frequency(stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia))
+        name: natural_frequency(stiffness(limb, design.material.youngs_modulus), float(leg.inertia))
         for name, limb, leg in zip(names.legs(design), design.limbs, case.mass.legs, strict=True)
         if leg.m > 0.0
     }
@@ -55,9 +52,9 @@ def _slowest(frequencies: Mapping[str, float]) -> str:
     return f", slowest {slow}; fastest {fast}, {ratio:.3g} times that" if ratio > ALIKE else ""
 
 
-def stiffness(limb: Limb, modulus: float, spring: Spring) -> float:
+def stiffness(limb: Limb, modulus: float) -> float:
     """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
-    return SPRING_FACTORS[spring] * modulus * limb.section.second_moment(limb) / limb.length
+    return CANTILEVER * modulus * limb.section.second_moment(limb) / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:

@@ -7,14 +7,13 @@ from walkergen.simulation.effects.effect import LID, WALLS, Case
 
 OF_MODELS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("feet.tip_radius_um", "feet.rigid_tips", "feet.tangential_ratio"), ("space",)),
-    **dict.fromkeys(("plate.material", "plate.youngs_modulus_gpa", "plate.poisson_ratio"), ("space",)),
-    **dict.fromkeys(("legs.damping_ratio", "legs.spring", "run.step_us"), ("compliant", "space")),
+    **dict.fromkeys(("plate.material", "plate.youngs_modulus_gpa"), ("space",)),
+    **dict.fromkeys(("legs.damping_ratio", "run.step_us"), ("compliant", "space")),
     "material.youngs_modulus_gpa": ("compliant", "space"),
 }
 """Models that read a key which others do not: of the scene, and of the design's material."""
 
 OF_WALLS = ("arena.wall_friction", "arena.wall_restitution")
-OF_SWINGING = ("legs.damping_ratio", "legs.spring")
 OF_FEET = ("contact.restitution", "contact.friction")
 
 
@@ -38,7 +37,7 @@ def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
     """Keys that a case does not read, each with the reason, whether the scene gives them or not."""
     scene, limbs = case.scene, case.design.limbs
     for key, models in OF_MODELS.items():
-        if case.design.rigid and key in OF_SWINGING:
+        if case.design.rigid and key == "legs.damping_ratio":
             yield key, "no leg swings"
         elif case.model not in models:
             yield key, f"not in the {case.model} model"

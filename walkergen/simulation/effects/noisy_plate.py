@@ -44,13 +44,13 @@ RULE = Rule(judge, SWITCH, planar=False, away={KEY: 0.0}, usual={KEY: 0.3})
 
 def _grid(case: Case) -> tuple[int, float, int, int]:
     """Number of samples, their interval (s), and first and last line of the band."""
-    low, high = case.scene.plate.noise_low_hz, case.scene.plate.noise_high_hz
+    low, high = case.scene.plate.noise_band_hz
     interval = 1.0 / (PER_PERIOD * high)
     count = int(min(PERIOD_S / interval, MOST_SAMPLES))
     first, last = math.ceil(low * count * interval), math.floor(high * count * interval)
     if last - first < FEWEST_LINES:
         raise InputError(
-            f"plate.noise_low_hz = {low:g}, noise_high_hz = {high:g}: the band has {last - first} "
+            f"plate.noise_band_hz = [{low:g}, {high:g}]: the band has {last - first} "
             f"frequencies of its period of {count * interval:.3g} s; widen it"
         )
     return count, interval, max(first, 1), last

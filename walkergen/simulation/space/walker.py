@@ -145,7 +145,7 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
         axis = axis_of(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
-        stiff = compliance.stiffness(limb, modulus, legs.spring), twist.stiffness(limb, design.material)
+        stiff = compliance.stiffness(limb, modulus), twist.stiffness(limb, design.material)
         springs += stiff[:freedoms]
         dampers += [
             2.0 * legs.damping_ratio * math.sqrt(k * inertia)
