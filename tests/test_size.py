@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 6880,
-    "tests": 44790,
+    "tests": 44850,
 }
 
 

@@ -60,15 +60,23 @@ class Drive(Section):
     }
 
     kind: Literal["plate", "motor"] = "plate"
+    """A shaken plate, or a still one under walkers with a motor."""
     frequency_hz: Positive | None = None
+    """Frequency of the plate or of the motor. A plate has two of this and the next three keys."""
     amplitude_um: Positive | None = None
+    """Amplitude of the plate's displacement."""
     peak_speed_mm_s: Positive | None = None
+    """Largest speed of the plate."""
     gamma: Positive | None = None
+    """Largest acceleration of the plate over g."""
     second_harmonic_ratio: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Amplitude of the second harmonic over that of the fundamental."""
     second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Phase shift of the second harmonic."""
     eccentric_g_mm: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
     """Unbalanced mass of the rotor times its distance from the axis."""
     eccentric_sd_g_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of that moment, for bounds."""
     frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
     """Standard deviation of a motor's frequency: cells sag, and motors differ."""
     axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None

@@ -51,11 +51,17 @@ class Contact(Section):
     """
 
     prior: Literal["paper", "unknown"] = "paper"
+    """Source of the numbers below that are not given: the paper's plate, or any plastic on any plate."""
     restitution: Fraction = PAPER_CONTACT.restitution
+    """Coefficient of restitution of foot and plate."""
     restitution_sd: Fraction = PAPER_CONTACT.restitution_sd
+    """Standard deviation of the restitution, for bounds."""
     friction: Friction = PAPER_CONTACT.friction
+    """Coefficient of friction of foot and plate."""
     friction_sd: Friction = PAPER_CONTACT.friction_sd
+    """Standard deviation of the friction, for bounds."""
     law: Literal["poisson", "newton", "stronge"] = "poisson"
+    """Law of impact of the models in a plane."""
 
     @model_validator(mode="after")
     def _supplied(self) -> "Contact":
@@ -108,6 +114,7 @@ class Plate(Section):
     }
 
     material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
+    """Material of the plate, which gives its elastic constants."""
     youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] | None = None
     """Young's modulus. None: the material's."""
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
@@ -125,8 +132,9 @@ class Plate(Section):
     along_phase_deg: Phase = 0.0
     """Phase by which that motion leads the drive's."""
     across_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Amplitude of the plate's motion to the left of x over the drive's, at the same frequency."""
     across_phase_deg: Phase = 0.0
-    """The same to the left of x."""
+    """Phase by which that motion leads the drive's."""
     gradient_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
     """Growth of the drive's amplitude with the distance from the start."""
     gradient_toward_deg: Phase = 0.0
@@ -160,6 +168,7 @@ class Arena(Section):
     """Ground on which the walker may run: a lane between walls, or a plane; under a lid, or open."""
 
     kind: Literal["lane", "plane"] = "lane"
+    """Lane along x between walls, or a plane."""
     length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
     """Length of the ground, mm, about the start; a walker beyond its ends has left. None: endless.
     """
@@ -170,7 +179,9 @@ class Arena(Section):
     lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
     wall_friction: Friction = 0.25
+    """Friction of the body on walls and lid."""
     wall_restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    """Restitution of the body on walls and lid."""
 
     @model_validator(mode="after")
     def _consistent(self) -> "Arena":
@@ -195,8 +206,9 @@ class Crowd(Section):
     arena_mm: str = "disc:120"
     """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
     restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    """Restitution of body on body; that of the walls is the arena's."""
     friction: Friction = 0.3
-    """Restitution and friction of body on body; those of the walls are the arena's."""
+    """Friction of body on body; that of the walls is the arena's."""
 
     @model_validator(mode="after")
     def _consistent(self) -> "Crowd":
@@ -227,9 +239,11 @@ class LegModel(Section):
     }
 
     model: Literal["auto", "space", "compliant", "relaxed", "rigid"] = "auto"
+    """Model of the walker. auto: the one in space."""
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
     damping_ratio_sd: Annotated[float, Field(ge=0, le=10)] = 0.02
+    """Standard deviation of the damping ratio, for bounds."""
 
 
 class Feet(Section):
@@ -280,8 +294,11 @@ class Run(Section):
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
     """Measured time of one run, s, after the discarded start."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
+    """Start of every run that is not measured, s."""
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
+    """Number of runs, each from its own drop and phase."""
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
+    """Seed of all random numbers."""
     heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_headings)] = (0.0,)
     """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
