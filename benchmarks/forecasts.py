@@ -44,9 +44,6 @@ SETTINGS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"set": ["scene.contact.friction=0.1:0.5:0.05", "scene.run.runs=2", "scene.run.seconds=6"], "model": "space"},
     ),
     ("sweep", {"set": ["legs.tilt_deg=5:40:2.5"], "model": "compliant", "error": "10%"}),
-    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"], "model": "prediction"}),
-    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"], "model": "compliant"}),
-    ("design", {"speed": 60.0, "vary": ["legs.tilt_deg=2:40"]}),
     ("fit", {"model": "compliant", "predict": "15"}),
     ("crowd", {"count": 3, "seconds": 2.0, "runs": 2, "pictures": False}),
     ("crowd", {"count": 8, "arena": "disc:120", "seconds": 1.0, "runs": 2, "pictures": False}),
@@ -89,7 +86,7 @@ def held(name: str, values: dict[str, Any], folder: Path) -> tuple[float | None,
     if name == "fit":
         more["speeds"] = folder / "speeds.csv"
         more["speeds"].write_text(SPEEDS)
-    if name in ("design", "crowd", "fit", "movie"):
+    if name in ("crowd", "fit", "movie"):
         more["out"] = folder / ("film.gif" if name == "movie" else "folder")
     asked = request_of(name).asked(values | more)
     asked.hear(hear)

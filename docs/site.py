@@ -38,7 +38,6 @@ RESULTS = {
         "jobs.make.family.report.FamilyReport",
         "jobs.make.check.make.CheckReport",
         "jobs.make.check.weigh_report.WeighReport",
-        "jobs.make.design.report.DesignReport",
         "track.film.report.TrackReport",
         "track.analyse.report.AnalysisReport",
         "lab.fit.report.FitReport",

@@ -30,7 +30,7 @@ PAPER = {"walker": "koumakis2016", "scene": "plane-90hz", "printer": "prusa-mk3s
 """Document of a page that sets nothing anew."""
 
 QUICK = ("start", "walker", "outlook", "curve", "shares", "form", "spans", "keep", "upload", "take", "effects_drawn")
-MAKING = ("run", "crowd", "design", "make", "effects")
+MAKING = ("run", "crowd", "nearest", "make", "effects")
 """Doors that answer by themselves, and those behind which a child works."""
 
 
@@ -315,9 +315,9 @@ def message(rng):
         asked["document"]["values"][key] = value(rng)
     if rng.random() < 0.1:
         asked["document"][rng.choice(("walker", "scene", "printer", "values", "more"))] = value(rng)
-    asked |= {"what": "stl", "copies": 1, "wish": "speed", "value": 40, "rough": True}
+    asked |= {"what": "stl", "copies": 1, "speed": 40, "rough": True}
     asked["keys"] = ["legs.tilt_deg", "body.length_mm"]
-    for key in ("what", "copies", "wish", "value", "keys", "rough"):
+    for key in ("what", "copies", "speed", "keys", "rough"):
         if rng.random() < 0.2:
             asked[key] = value(rng)
     return json.dumps(asked).encode("utf-8", "surrogatepass")

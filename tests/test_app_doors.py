@@ -162,8 +162,8 @@ def watched(monkeypatch, paths):
 @pytest.mark.parametrize("kind", ["walker", "scene", "printer"])
 def test_walkers_scenes_and_printers_are_named_not_located(doors, tmp_path, kind, name):
     (tmp_path / "x.toml").write_text("nothing")
-    for door in ("walker", "form", "keep", "run", "crowd", "design", "make", "effects", "effects_drawn"):
-        answer = doors.ask(door, {"document": PAPER | {kind: name}, "what": "stl", "wish": "fastest"})
+    for door in ("walker", "form", "keep", "run", "crowd", "nearest", "make", "effects", "effects_drawn"):
+        answer = doors.ask(door, {"document": PAPER | {kind: name}, "what": "stl", "speed": 60})
         assert (answer.status, faults(answer)) == (422, [])
 
 
@@ -236,21 +236,29 @@ def test_files_are_asked_for_by_name_and_number(doors, asked):
 
 
 @pytest.mark.parametrize(
-    "asked",
-    [
-        {"wish": "cheap"},
-        {"wish": []},
-        {"value": None},
-        {"value": True},
-        {"value": "60"},
-        {"value": 1e300},
-        {"value": 10**400},
-    ],
+    "asked", [{}, {"speed": None}, {"speed": True}, {"speed": "60"}, {"speed": 1e300}, {"speed": 10**400}]
 )
-def test_a_wish_is_one_of_the_commands(doors, asked):
-    answer = doors.ask("design", {"document": PAPER, "wish": "speed", "value": 60} | asked)
+def test_a_wished_speed_is_a_number(doors, asked):
+    answer = doors.ask("nearest", {"document": PAPER} | asked)
     assert faults(answer) == []
     assert answer.status == 422 or answer.events[-1]["refused"]
+
+
+def test_a_wished_speed_finds_walkers_that_have_it(doors):
+    answer = doors.ask("nearest", {"document": PAPER | {"values": {"legs.tilt_deg": 44}}, "speed": 20})
+    row = json.loads(answer.events[-1]["output"])["nearest"][0]
+    assert row["predicted_low_95_mm_s"] < row["speed_mm_s"] < row["predicted_high_95_mm_s"]
+    assert row["speed_mm_s"] == pytest.approx(20.0, rel=0.05)
+    assert row["print_errors"] == 0
+
+
+@pytest.mark.slow
+def test_a_wished_speed_of_many_legs_is_simulated(doors):
+    short = {"scene.run.seconds": 0.2, "scene.run.runs": 2}
+    answer = doors.ask("nearest", {"document": PAPER | {"walker": "bristle", "values": short}, "speed": 20})
+    row = json.loads(answer.events[-1]["output"])["nearest"][0]
+    assert row["leg_tilt_deg"] > 20
+    assert row["model"] == "space"
 
 
 @pytest.mark.slow

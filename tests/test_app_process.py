@@ -40,8 +40,8 @@ def test_a_page_that_goes_ends_its_run(process):
     time.sleep(1.0)  # amidst its imports
     connection.close()
     assert until(lambda: not process.children(), 10.0)
-    for door in ("crowd", "design"):
-        asked = {"document": LONG, "wish": "speed", "value": 60}
+    for door in ("crowd", "nearest"):
+        asked = {"document": LONG, "speed": 60}
         connection = process.send(door, asked)
         running = connection.getresponse()
         pids = until(process.children)
@@ -52,9 +52,9 @@ def test_a_page_that_goes_ends_its_run(process):
 
 @needs_proc
 @pytest.mark.slow
-@pytest.mark.parametrize("door", ["run", "design", "make"])
+@pytest.mark.parametrize("door", ["run", "nearest", "make"])
 def test_a_killed_server_leaves_no_process_and_no_half_file(process, tmp_path, door):
-    asked = {"document": LONG, "wish": "speed", "value": 60, "what": "zip"}
+    asked = {"document": LONG, "speed": 60, "what": "zip"}
     with contextlib.closing(process.send(door, asked)):
         pids = until(process.children)
         for wait_s in (0.5, 1.5):  # workers of a search begin meanwhile

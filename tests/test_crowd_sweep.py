@@ -219,10 +219,3 @@ def test_what_is_of_one_walker_and_what_of_crowds_is_refused_by_name(tmp_path, m
     assert isinstance(error, InputError)
     assert named in str(error)
     assert not (tmp_path / "out").exists()
-
-
-def test_a_wish_for_one_walker_varies_no_key_of_crowds(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    words = ["design", "--speed", "20", "--vary", "scene.crowd.packing=0.1:0.3"]
-    error = CliRunner().invoke(command_line, words).exception
-    assert "scene.crowd.packing" in str(error)

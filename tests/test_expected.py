@@ -8,7 +8,6 @@ from walkergen import inputs
 from walkergen.commands import request_of
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.make.design import make, search
 from walkergen.jobs.run.sweep import cost
 from walkergen.lab.fit import learn
 from walkergen.points import alone, expected, tolerance, walkers
@@ -78,13 +77,7 @@ class HeardError(Exception):
     """What a job expects, said before it runs."""
 
 
-@pytest.mark.parametrize(
-    ("name", "values", "least_s"),
-    [
-        ("fit", {"model": "compliant"}, learn.LEARNING_S),
-        ("design", {"speed": 40.0, "model": "prediction"}, search.USUAL_ROUNDS * make.PROPOSING_S),
-    ],
-)
+@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "compliant"}, learn.LEARNING_S)])
 def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
     monkeypatch.setattr(expected, "of_run", lambda walker: 0.0)
     monkeypatch.setattr(alone, "cost", lambda point: 0.0)

@@ -468,7 +468,6 @@ LONG = {
     "trajectory": ("simulate", "--tilt", "10", "--legs", "braced", "--seconds", "0.5"),
     "analyse": ("analyse", "TRACKS"),
     "copy": ("templates", "copy", "koumakis2016"),
-    "design": ("design", "--speed", "40", "--model", "prediction"),
     "fit": ("fit", "SPEEDS"),
     "calibrate": ("calibrate", "FORM"),
     "drop": ("calibrate", "drop", "--roll-deg", "0", "--drops", "2", "--measured", "0.6", "--measured-sd", "0.1"),

@@ -157,7 +157,7 @@ def test_a_design_says_what_it_is_in_a_line():
     assert "bristle: 18 flexible legs" in repr(wg.load("bristle"))
 
 
-LONG = {"accuracy", "calibrate", "crowd", "design", "fit", "movie", "track"}
+LONG = {"accuracy", "calibrate", "crowd", "fit", "movie", "track"}
 """Functions whose examples take more than two seconds, or kernels that others do not."""
 
 

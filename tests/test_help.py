@@ -53,8 +53,8 @@ def understood(words):
     return words
 
 
-def test_every_command_has_two_examples_and_there_are_nineteen():
-    assert len(EXAMPLES) == 19
+def test_every_command_has_two_examples_and_there_are_eighteen():
+    assert len(EXAMPLES) == 18
     assert all(len(set(examples)) == 2 for examples in EXAMPLES.values())
 
 

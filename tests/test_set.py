@@ -22,7 +22,6 @@ TAKES = {
     ("calibrate", "measurements.csv"): "design scene",
     ("check",): "design printer",
     ("crowd",): "design scene",
-    ("design", "--speed", "40"): "design scene printer",
     ("explain",): "design scene",
     ("export", "--format", "mjcf"): "design scene",
     ("family",): "design scene printer",

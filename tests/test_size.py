@@ -19,7 +19,7 @@ LIMITS = {
     "walkergen/cli": 890,
     "walkergen/crowd": 7800,
     "walkergen/files": 3310,
-    "walkergen/jobs": 15650,
+    "walkergen/jobs": 14090,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 6880,
-    "tests": 44850,
+    "tests": 44270,
 }
 
 

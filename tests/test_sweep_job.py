@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import walkergen as wg
 from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
@@ -383,3 +384,48 @@ def test_a_job_reports_its_progress(home):
     store = Store(home / "points")
     make.make(job, home / "one", store, None, lambda *one: told.append(one))
     assert told[-1] == ("points", 10, 10)
+
+
+def test_a_wished_speed_lists_the_nearest_points_and_leaves_the_table(home):
+    wished = swept("--set", TILTS, "--set", GAMMAS, "--wish", "20", "--json", "--out", "one")
+    plain = swept("--set", TILTS, "--set", GAMMAS, "--keep", "speed,spread", "--out", "two")
+    assert "nearest" not in plain.output
+    assert (home / "one" / "table.csv").read_bytes() == (home / "two" / "table.csv").read_bytes()
+    nearest = json.loads(wished.stdout)["nearest"]
+    rows = rows_of(home / "one" / "table.csv")
+    speeds = [float(row["speed_mm_s"]) for row in rows if row["speed_mm_s"]]
+    expected = sorted(speeds, key=lambda speed: abs(speed - 20.0))[:5]
+    assert [row["speed_mm_s"] for row in nearest] == expected
+    assert all(row["predicted_low_95_mm_s"] < row["speed_mm_s"] < row["predicted_high_95_mm_s"] for row in nearest)
+    told = swept("--set", TILTS, "--set", GAMMAS, "--wish", "20", "--out", "one").output
+    assert "95 %" in told
+    assert f"{expected[0]:.4g}" in told
+
+
+def test_points_that_do_not_print_are_never_the_nearest(home):
+    words = ("--keep", "speed,printability", "--printer", "ender3", "--json")
+    thin = swept("--set", "legs.flexible_thickness_mm=0.2:0.5:0.05", "--wish", "200", *words)
+    rows = json.loads(thin.stdout)["nearest"]
+    assert 0 < len(rows) < 7
+    assert not any(row["print_errors"] for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--wish", "nan"), "--wish"),
+        (("--wish", "1e9"), "--wish"),
+        (("--wish", "20", "--model", "crowd", "--keep", "packing"), "--wish: the points have no speed"),
+    ],
+)
+def test_a_wish_that_no_point_can_have_is_refused(home, words, told):
+    found = CliRunner().invoke(command_line, ["sweep", "--set", TILTS, *words])
+    assert isinstance(found.exception, InputError)
+    assert told in str(found.exception)
+    assert not (home / "out").exists()
+
+
+def test_from_python_the_first_row_is_the_nearest(home):
+    table = wg.sweep(set={"legs.tilt_deg": [5, 10, 15, 20]}, wish=1000.0).table
+    speeds = table["speed_mm_s"]
+    assert list(speeds) == sorted(speeds, reverse=True)

@@ -9,7 +9,7 @@ import sys
 __version__ = "0.1.0"
 
 _FUNCTIONS = (
-    *("accuracy", "analyse", "calibrate", "check", "crowd", "design", "explain", "export", "family", "fit"),
+    *("accuracy", "analyse", "calibrate", "check", "crowd", "explain", "export", "family", "fit"),
     *("movie", "plate", "predict", "selftest", "simulate", "sweep", "track"),
 )
 """Commands that are functions here, made of the same requests; wg.templates is a table."""

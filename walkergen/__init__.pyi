@@ -10,7 +10,6 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.jobs.make.check.make import CheckReport
 from walkergen.jobs.make.check.weigh_report import WeighReport
-from walkergen.jobs.make.design.report import DesignReport
 from walkergen.jobs.make.family.report import FamilyReport
 from walkergen.jobs.run.predict.report import PredictReport
 from walkergen.jobs.run.simulate.report import SimulationReport
@@ -41,7 +40,6 @@ __all__ = [
     "calibrate",
     "check",
     "crowd",
-    "design",
     "explain",
     "export",
     "family",
@@ -169,32 +167,6 @@ def plate(
     Example: `wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")`
     """
 
-def design(
-    *,
-    speed: float | None = None,
-    fastest: bool = False,
-    least_sensitive: bool = False,
-    persistence: float | None = None,
-    turning_radius: float | None = None,
-    turn: Literal["down", "up"] | None = None,
-    design: Walker = "koumakis2016",
-    vary: str | Iterable[str] = [],
-    set: Mapping[str, Any] = {},
-    scene: Ground | None = None,
-    printer: Machine = "prusa-mk3s",
-    model: str | None = None,
-    error: str = "5%",
-    seed: int | None = None,
-    workers: int | None = None,
-    out: Name | None = None,
-    pictures: bool = True,
-    progress: Progress | None = None,
-) -> DesignReport:
-    """Find designs that meet a wish: predictions first, then simulations, then a fresh run.
-
-    Example: `wg.design(speed=40, model="prediction").table`
-    """
-
 def predict(
     design: Walker = "koumakis2016",
     scene: Ground | None = None,
@@ -237,6 +209,7 @@ def sweep(
     keep: str | Iterable[str] | None = None,
     printer: Machine | None = None,
     file: Name | None = None,
+    wish: float | None = None,
     budget: str | float | None = None,
     workers: int | None = None,
     dask: str | None = None,

@@ -48,13 +48,6 @@ COMMANDS = {
         "plate --orders orders.csv --how-many",
         'wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")',
     ),
-    "design": Command(
-        "Make",
-        "jobs.make.design",
-        "design --speed 80",
-        "design --fastest --vary legs.length_mm=4:9",
-        'wg.design(speed=40, model="prediction").table',
-    ),
     "predict": Command(
         "Predict",
         "jobs.run.predict",
@@ -66,7 +59,7 @@ COMMANDS = {
         "Predict",
         "jobs.run.sweep",
         "sweep --set legs.tilt_deg=0:40:2",
-        "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
+        "sweep --set legs.tilt_deg=2:40:1 --set legs.flexible_thickness_mm=0.4,0.5 --wish 40",
         'wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]',
     ),
     "simulate": Command(

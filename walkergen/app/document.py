@@ -58,7 +58,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "simulate": ("scene.",),
     "explain": ("scene.",),
     "crowd": ("scene.",),
-    "design": ("scene.", "printer."),
+    "sweep": ("scene.", "printer."),
 }
 """Things beside a walker whose files and keys a command takes."""
 
@@ -219,14 +219,11 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
     """Words after `walkergen` by which a command does the same with a page's walker.
 
     The tilt and the kind of legs are said by the flags that choose one walker of a family, which
-    `design` has not. Raises InputError, as `Document.design` does, and for a value that is too long
+    `sweep` has not. Raises InputError, as `Document.design` does, and for a value that is too long
     for a command line.
     """
-    flags, things = _chosen(document.design()), THINGS[command]
-    if command == "design":
-        flags, words = [], [command, "--from", document.walker]
-    else:
-        words = [command, document.walker]
+    flags = [] if command == "sweep" else _chosen(document.design())
+    words, things = [command, document.walker], THINGS[command]
     words += ["--scene", document.scene] if "scene." in things else []
     words += ["--printer", document.printer] if "printer." in things else []
     dropped = CHOSEN if flags else ()

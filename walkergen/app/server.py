@@ -88,7 +88,7 @@ def application(server: Server) -> Any:
         "crowded": _made(crowding.played, "crowds"),
         "effects": _command(effects.words, "effects"),
         "effects_drawn": _made(effects.picture, "effects"),
-        "design": _design,
+        "nearest": _nearest,
         "make": _make,
         "take": _take,
         "upload": _upload,
@@ -365,10 +365,11 @@ def _made(shown: Callable[[Document, Path], dict[str, Any]], name: str) -> Door:
     return door
 
 
-async def _design(server: Server, request: Request) -> Response:
-    """Search for a walker of a wished speed, as `walkergen design` does."""
-    document, wish = await _asked(server, request)
-    words = await _worked(server.workers, request, taking.search, document, wish, server.folder / "designs")
+async def _nearest(server: Server, request: Request) -> Response:
+    """Sweep for the walkers nearest to a wished speed."""
+    document, asked = await _asked(server, request)
+    folder = server.folder / "sweep"
+    words = await _worked(server.workers, request, taking.search, document, asked.get("speed"), folder)
     return Streamed(children.run(server.running, children.COMMANDS, [words]))
 
 

@@ -4,7 +4,6 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,15 +14,17 @@ from walkergen.errors import InputError
 from walkergen.files import reading, templates
 from walkergen.files.config import Section
 from walkergen.files.output import Folder
-from walkergen.jobs.make.design import box
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.walker.body import DRAWN
 
 FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
 """Files that a page hands out."""
 
-WISHES = ("speed", "fastest", "least-sensitive", "persistence", "turning-radius")
-"""Wishes of `design`; the second and third have no number."""
+SEARCHED = {
+    "legs.tilt_deg": ("--set", "legs.tilt_deg=2:40:1", "--set", "legs.length_mm=5:10:0.5"),
+    "leg_tilt_deg": ("--set", "leg_tilt_deg=4:40:4", "--model", "space", "--error", "10%"),
+}
+"""Sweep that searches for a wished speed, by the key of the tilt: two equal legs are predicted, others simulated."""
 
 
 class Order(NamedTuple):
@@ -115,20 +116,19 @@ def _write_settings(document: Document, folder: Path) -> None:
             target.write(f"settings/{name}.toml", text.encode())
 
 
-def search(document: Document, wish: Mapping[str, Any], folder: Path) -> list[str]:
-    """Words after `walkergen` that search for a walker with a wish.
+def search(document: Document, speed: Any, folder: Path) -> list[str]:
+    """Return the words after `walkergen` that sweep tilts, and list those nearest to a wished speed first.
 
-    What the search varies is left to it. Raises InputError.
+    Raises InputError for what is no number, and for a walker whose legs share no tilt.
     """
-    kind, value = wish.get("wish"), wish.get("value")
-    if kind not in WISHES:
-        raise InputError(f"{documents.SOURCE}: wish: must be one of {', '.join(WISHES)}")
-    varied = box.of_options([], document.design()).keys
-    held = {key: own for key, own in document.values.items() if key not in varied}
-    wished = f"--{kind}"
-    if kind not in WISHES[1:3]:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"{documents.SOURCE}: value: must be a number")
-        wished += f"={value!r}"
-    free = document._replace(values=held)
-    return documents.arguments(free, "design", wished, "--out", str(folder), "--json")
+    if isinstance(speed, bool) or not isinstance(speed, (int, float)):
+        raise InputError(f"{documents.SOURCE}: speed: must be a number")
+    design = document.design()
+    key = documents.tilt_key(design)
+    if key is None:
+        raise InputError(f"{documents.SOURCE}: {design.name}: its legs share no tilt to search")
+    words = SEARCHED[key]
+    varied = {word.partition("=")[0] for word in words}
+    free = document._replace(values={name: own for name, own in document.values.items() if name not in varied})
+    words += ("--keep", "speed,spread,printability", f"--wish={speed!r}")
+    return documents.arguments(free, "sweep", *words, "--no-pictures", "--json", "--out", str(folder))

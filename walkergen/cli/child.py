@@ -31,7 +31,7 @@ def main() -> int:
         sys.argv = ["walkergen", *words]
         with redirect_stdout(io.StringIO()) as output:
             code = _run()
-        if code and not (code == 1 and output.getvalue().strip()):  # a search that met no wish has an answer
+        if code:
             return code
         _say(stream, {"output": output.getvalue()})
     return 0

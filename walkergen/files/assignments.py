@@ -19,23 +19,22 @@ KEY = re.compile(rf"{STEP}(\.{STEP})*")
 MOST_LETTERS = 10_000
 
 
-def split(text: str, option: str = "--set") -> tuple[str, str]:
+def split(text: str) -> tuple[str, str]:
     """Key and value, as written, of KEY=VALUE. Raises InputError."""
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MOST_LETTERS:
         raise InputError(
-            f"{option} {text[:60]!r}...: {len(text)} letters; at most {MOST_LETTERS}: write long "
-            "values into the TOML file"
+            f"--set {text[:60]!r}...: {len(text)} letters; at most {MOST_LETTERS}: write long values into the TOML file"
         )
     if not sign or not value or not KEY.fullmatch(key):
         raise InputError(
-            f"{option} {text[:60]!r}: write KEY=VALUE with a key of the TOML file, as in "
+            f"--set {text[:60]!r}: write KEY=VALUE with a key of the TOML file, as in "
             "legs.tilt_deg=12, legs[2].friction=0.1 or scene.drive.gamma=2.2"
         )
     return re.sub(r"\[0+(?=[0-9])", "[", key), value
 
 
-def value_of(text: str, option: str = "--set") -> Any:
+def value_of(text: str) -> Any:
     """Value that a text stands for: a TOML value, or the text itself where it is none (braced).
 
     Raises InputError for what begins as a list or a table and is none: a shell takes quotes away.
@@ -45,8 +44,8 @@ def value_of(text: str, option: str = "--set") -> Any:
     except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
-                f"{option} ...={text[:60]!r}: no list or table of TOML, in which words have "
-                f"quotes; in a shell quote all: {option} 'family.legs=[\"braced\"]'"
+                f"--set ...={text[:60]!r}: no list or table of TOML, in which words have "
+                f"quotes; in a shell quote all: --set 'family.legs=[\"braced\"]'"
             ) from None
         return text
     return data["value"] if len(data) == 1 else text

@@ -75,10 +75,10 @@ class Space(NamedTuple):
                 yield row + sample
 
 
-def parse(text: str, option: str = "--set") -> Axis | Span:
+def parse(text: str) -> Axis | Span:
     """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
-    key, value = assignments.split(text, option)
-    return of_text(key, value, f"{option} {text[:60]!r}")
+    key, value = assignments.split(text)
+    return of_text(key, value, f"--set {text[:60]!r}")
 
 
 def of_text(key: str, value: str, source: str) -> Axis | Span:

@@ -87,6 +87,7 @@ function jobOf({ start, stop, bar, tell, name, message, work, again = 'again' })
   };
 }
 
+const NEAR = 0.05; // share of a wished speed by which one may differ that meets it
 const UNITS = { rad_s: 'rad/s', mm: 'mm', rad2_s: 'rad²/s' };
 
 // Rows of a run: what was measured, with errors or why there is no number, and what it was of.
@@ -111,9 +112,9 @@ function showRun({ facts, text, first }) {
   byId('ran').tBodies[0].replaceChildren(...rows.map(([name, words]) => tableRow(name, words)));
 }
 
-function showDesigns(facts) {
-  const rows = facts.rows.map((row) => {
-    const keys = Object.keys(row).filter((key) => key.includes('.'));
+function showNearest({ nearest, bad }, wished) {
+  const rows = nearest.map((row) => {
+    const keys = Object.keys(row).filter((key) => key.includes('tilt_deg') || key.includes('.'));
     const words = keys.map((key) => `${nameOf(key)} ${row[key]}`).join(', ');
     const button = make('button', { type: 'button', textContent: 'take this one' });
     button.addEventListener('click', () => {
@@ -121,14 +122,13 @@ function showDesigns(facts) {
       const values = { ...without(current().values, ...keys), ...chosen };
       change({ ...current(), values }, 'shape');
     });
-    const [, wished] = Object.keys(row).join(' ').match(/\bverified_(?!se_|speed)(\w+)_mm\b/) ?? [];
-    const other = wished
-      ? `${wished.replaceAll('_', ' ')} ${withError(row[`verified_${wished}_mm`], row[`verified_se_${wished}_mm`])} mm, ` : '';
-    const speed = withError(row.verified_speed_mm_s ?? row.predicted_mm_s, row.verified_se_speed_mm_s);
-    return make('li', {}, `${words}: ${other}${speed} mm/s${row.met ? '' : ', not what was wished'} `, button);
+    const ends = 'low_95_mm_s' in row ? ['low_95', 'high_95'] : ['predicted_low_95', 'predicted_high_95'];
+    const [speed, low, high] = ['speed', ...ends].map((key) => row[`${key}_mm_s`]?.toPrecision(3) ?? 'unknown');
+    const far = Math.abs(row.speed_mm_s - wished) > NEAR * Math.abs(wished) ? ', not what was wished' : '';
+    return make('li', {}, `${words}: ${speed} mm/s (95 %: ${low} to ${high})${far} `, button);
   });
   byId('designs').replaceChildren(make('ol', {}, ...rows));
-  return facts.stopped;
+  return rows.length ? '' : Object.keys(bad)[0] ?? 'none of them can be printed';
 }
 
 let making = null;
@@ -174,16 +174,11 @@ export function startJobs() {
     start: 'measure-effects', stop: 'stop-effects', bar: 'effects-bar', tell: 'effects-told', name: 'effects', message,
     work: async ({ output }) => showEffects(JSON.parse(output), await ask('effects_drawn', message())),
   });
-  const wish = byId('wish');
+  const wished = byId('wished');
   jobOf({
-    start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'design', again: 'find',
-    message: () => ({ document: current(), wish: wish.value, value: byId('wished').valueAsNumber }),
-    work: ({ output }) => showDesigns(JSON.parse(output)),
-  });
-  wish.addEventListener('change', () => {
-    const unit = wish.selectedOptions[0].dataset.unit ?? '';
-    byId('wished-unit').textContent = unit;
-    byId('wished').closest('label').hidden = !unit;
+    start: 'find', stop: 'stop-search', bar: 'search-bar', tell: 'searching', name: 'nearest', again: 'find',
+    message: () => ({ document: current(), speed: wished.valueAsNumber }),
+    work: ({ output }) => showNearest(JSON.parse(output), wished.valueAsNumber),
   });
   for (const button of document.querySelectorAll('#take button, #take-more button'))
     button.addEventListener('click', () => take(button.dataset.what));

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, get_args
 
 from walkergen.errors import InputError
 from walkergen.files import assignments, columns, templates
-from walkergen.jobs.run.sweep import sweep_file
+from walkergen.jobs.run.sweep import nearest, sweep_file
 from walkergen.points import axes, kinds, request
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
 from walkergen.points.point import ALONE, PREDICTION
@@ -63,6 +63,16 @@ class Ask(NamedTuple):
             if kinds.kind_of(self.model) == ALONE:
                 check_alone(key, f"--set {key}")
         request.check()
+        return request
+
+    def request_for_wish(self) -> Request:
+        """Checked request of points that have a speed, predicted ones with bounds unless groups are chosen.
+
+        Raises InputError.
+        """
+        keep = self.keep or (("speed", "spread") if self.model == PREDICTION else None)
+        request = self._replace(keep=keep).request()
+        nearest.check(request.kind.columns(request.model, request.keep))
         return request
 
     def title(self) -> str:

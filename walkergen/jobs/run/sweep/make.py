@@ -34,6 +34,8 @@ class Job(NamedTuple):
     """Time for more runs where the error bars are worst, s; None for none."""
     kept: bool = False
     """True for a report that holds every row."""
+    wish: float | None = None
+    """Wished speed, to which the report sorts its rows, mm/s; None for rows in their order."""
 
     @property
     def drawn(self) -> bool:
@@ -62,7 +64,7 @@ def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: 
         stream = job.request.points()
         if job.budget_s is not None:
             stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
-        points = Points(_names(job), job.kept or job.drawn)
+        points = Points(_names(job), job.kept or job.drawn or job.wish is not None)
         folder.grow(table.NAME)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
             for values, done in _evaluated(job, stream, store, pool, progress):
@@ -70,7 +72,7 @@ def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: 
                 points.add(values, done)
         if job.budget_s is not None:
             points.stored = 0  # they are known by what the budget has just bought
-        result = report.of(job.request, job.title, points, warnings)
+        result = report.of(job.request, job.title, points, warnings, job.wish)
         _write_rest(job, folder, result, time.perf_counter() - started)
     return report.written(result, path, list(folder.hashes))
 
@@ -80,7 +82,7 @@ def find(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) ->
     points = Points(_names(job), kept=True)
     for values, done in _evaluated(job, job.request.points(), store, pool, progress):
         points.add(values, done)
-    return report.of(job.request, job.title, points)
+    return report.of(job.request, job.title, points, wish=job.wish)
 
 
 def _evaluated(
@@ -104,7 +106,7 @@ def _finished(job: Job, folder: Folder) -> SweepReport | None:
 
     None where the rows are wanted, which the manifest has not.
     """
-    facts, again = folder.earlier(), job.kept or job.budget_s is not None
+    facts, again = folder.earlier(), job.kept or job.budget_s is not None or job.wish is not None
     if again or facts.get("request") != _hash_of(job.request):
         return None
     if not folder.untouched() or (job.pictures and not _pictured(facts["files"])):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from walkergen.files.report import Report, Table
+from walkergen.jobs.run.sweep import nearest
 from walkergen.points.kinds import Picture
 from walkergen.points.point import STATUS, WENT, Went
 from walkergen.points.request import Request
@@ -54,19 +55,26 @@ class SweepReport(Report):
         return self.table._repr_html_()
 
 
-def of(request: Request, title: str, points: Points, warnings: Sequence[str] = ()) -> SweepReport:
+def of(
+    request: Request, title: str, points: Points, warnings: Sequence[str] = (), wish: float | None = None
+) -> SweepReport:
     """Report of points; without kept rows its table is empty, and there is no figure.
 
-    The warnings are those on an earlier table in the folder.
+    The warnings are those on an earlier table in the folder. With a wished speed the nearest points come first.
     """
     keys = request.space.keys
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
+    facts: dict[str, Any] = {"points": points.count, "known": points.stored, "bad": points.bad, "files": []}
+    shown = rows
+    if wish is not None:
+        shown = nearest.sort_by_distance(rows, keys, wish)
+        facts["nearest"] = [dict(zip(rows.keys, row, strict=True)) for row in shown.read or ()]
     return SweepReport(
         name="sweep",
         title=title,
-        tables=[rows],
+        tables=[shown],
         lines=_lines(points),
-        facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
+        facts=facts,
         figures=_figures(rows, keys, request.kind.pictures(request.keep)),
         keys=keys,
         warnings=warnings,

@@ -77,6 +77,9 @@ class SweepRequest(request.Request):
     file: Annotated[Path | None, request.File, Flag("All of this from a sweep.toml.", "FILE", takes="Name | None")] = (
         None
     )
+    wish: Annotated[
+        float | None, Field(ge=-1e6, le=1e6), Flag("Wished speed: list the points nearest to it first.", "MM/S")
+    ] = None
     budget: Annotated[
         float | None,
         BeforeValidator(request.parse_time),
@@ -95,7 +98,7 @@ class SweepRequest(request.Request):
         from walkergen.points.store import Store
 
         ask = self._ask()
-        points = ask.request()
+        points = ask.request() if self.wish is None else ask.request_for_wish()
         if self.budget is not None:
             self.refuse("not with --budget, which adds runs until it is spent", "error")
         folder = self.folder(Path("out") / "sweeps" / ask.name())
@@ -113,7 +116,7 @@ class SweepRequest(request.Request):
                     "yes",
                 )
             self._expect(lambda: Expected(self.budget) if self.budget else _time(estimate()))
-            job = make.Job(points, ask.title(), self.pictures, self.budget, kept=not self._shell)
+            job = make.Job(points, ask.title(), self.pictures, self.budget, not self._shell, self.wish)
             if folder is None:
                 return make.find(job, store, pool, progress)
             return make.make(job, folder, store, pool, progress)

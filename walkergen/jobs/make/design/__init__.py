@@ -1,1 +1,0 @@
-"""The job `design`: designs that meet a wish, searched, verified and written."""
