@@ -85,13 +85,13 @@ def test_noise_of_corners_is_the_error_that_is_told():
 
 def test_a_good_film_is_read_to_a_hundredth_of_a_pixel(plain):
     path, ways = plain
-    found, told = read(path)
+    found, rest, _ = read(path)
     off = films.errors(found, ways)
     assert (off.read, off.wrong) == (1.0, 0)
     assert abs(off.scale) < 0.002  # 0.05 of 25 pixels: the codec's blocks
     assert off.place_mm < 0.01  # 0.035 pixels: noise of 3 steps over 24 places a side
     assert off.heading_deg < 0.25  # the same over half a side
-    assert told.found.plane.tilt_deg < 3.0  # the cosine of 3 degrees is off by 0.0014
+    assert rest.plane.tilt_deg < 3.0  # the cosine of 3 degrees is off by 0.0014
 
 
 CASES = {
@@ -138,17 +138,17 @@ def test_bad_films_are_read_within_their_errors(tmp_path, name):
     shot, hand, share, scale, place, heading = CASES[name]
     ways = films.circles()
     drawn = {"hand": reaching} if hand else {}
-    found, told = read(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
+    found, rest, _ = read(films.film(tmp_path / "bad.mp4", ways, 60, shot, **drawn))
     error = found.mm_per_px_se / found.mm_per_px
     off = films.errors(found, ways)
-    print(name, off, told.found.plane.tilt_deg, error)
+    print(name, off, rest.plane.tilt_deg, error)
     assert off.read >= share
     assert off.wrong == 0
     assert abs(off.scale) < scale
     assert abs(off.scale) < 2.0 * error
     assert off.place_mm < place
     assert off.heading_deg < heading
-    assert told.found.plane.tilt_deg == pytest.approx(TILTS.get(name, 25.0), abs=1.0)
+    assert rest.plane.tilt_deg == pytest.approx(TILTS.get(name, 25.0), abs=1.0)
 
 
 def test_walkers_that_touch_keep_their_numbers(tmp_path):
@@ -286,7 +286,7 @@ def test_a_film_without_markers_and_a_mirrored_one_are_refused(tmp_path, picture
 
 def told(path):
     """Warnings of a film, in one text."""
-    return " ".join(read(path)[1].warnings)
+    return " ".join(read(path)[2].warnings)
 
 
 @pytest.mark.slow
@@ -335,7 +335,7 @@ def test_a_walker_that_comes_in_over_the_edge_was_not_lost_before(tmp_path):
     def ways(time):
         return np.array([(-110.0 + 300.0 * time, 0.0, 0.0), (0.0, 40.0, 0.0)])
 
-    found, told = read(films.film(tmp_path / "in.mp4", ways, 20))
+    found, _, told = read(films.film(tmp_path / "in.mp4", ways, 20))
     assert found.walkers[0].frames[0] > 1  # it was outside
     assert told.warnings == []
 

@@ -11,7 +11,7 @@ from walkergen.crowd.cards.card import Card
 from walkergen.crowd.flat import crowd as flat
 from walkergen.crowd.flat import deck, doors
 from walkergen.crowd.runs import Job, Kind
-from walkergen.crowd.statistics import CrowdFilm, CrowdStatistics, measure
+from walkergen.crowd.statistics import CrowdFilm, measure
 from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
@@ -83,11 +83,7 @@ class InPlane(NamedTuple):
 
     def quantities(self, records: Sequence[CrowdFilm]) -> list[Quantity]:
         """Statistics of the films of runs; of speeds only a walker's alone."""
-        return list(self.statistics(records).numbers.values())
-
-    def statistics(self, films: Sequence[CrowdFilm]) -> CrowdStatistics:
-        """Statistics of films."""
-        return measure(films)
+        return list(measure(records).numbers.values())
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""

@@ -12,7 +12,7 @@ from walkergen.crowd.runs import Array, Job, Kind
 from walkergen.crowd.space import run as crowds
 from walkergen.crowd.space.result import CrowdRun
 from walkergen.crowd.space.run import CrowdPlan
-from walkergen.crowd.statistics import CrowdFilm, CrowdStatistics, measure
+from walkergen.crowd.statistics import CrowdFilm, measure
 from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity
 from walkergen.points import expected
@@ -77,11 +77,7 @@ class InSpace(NamedTuple):
 
     def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
         """Statistics of the films of runs."""
-        return list(self.statistics([self.film(run) for run in records]).numbers.values())
-
-    def statistics(self, films: Sequence[CrowdFilm]) -> CrowdStatistics:
-        """Statistics of films."""
-        return measure(films)
+        return list(measure([self.film(run) for run in records]).numbers.values())
 
     def finer(self) -> None:
         """None: what a step leaves of a crowd is not known."""

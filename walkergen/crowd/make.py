@@ -1,5 +1,6 @@
 """A crowd by its model: walkers in space, or cards in a plane."""
 
+from walkergen.crowd import statistics
 from walkergen.crowd.in_plane import InPlane
 from walkergen.crowd.in_space import InSpace
 from walkergen.crowd.runs import Job, Simulated
@@ -18,4 +19,4 @@ def simulate(job: Job, threads: int | None, progress: Progress) -> Simulated:
     progress("measuring", 99, 100)
     films = tuple(map(crowd.film, measured.records))
     runs = () if job.model == "flat" else tuple(measured.records)
-    return Simulated(job, films, runs, crowd.statistics(films), measured.wall_s)
+    return Simulated(job, films, runs, statistics.measure(films), measured.wall_s)

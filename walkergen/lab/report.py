@@ -5,15 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from walkergen.errors import InputError
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.files.report import Report
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
-
-STEEPEST_DEG, MOST_DROPS = 20.0, 1000
-"""Largest deviation of a drop's first turn, and number of simulated drops from the hand."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -52,15 +48,3 @@ def written(report: R, job: Any, asked: Mapping[str, Any], comment: str = "", ev
 def named(original: str, path: Path, word: str = "") -> str:
     """Name of a design or scene after the file that it was measured by: never that of a shipped one."""
     return f"{original[:30]}-{word}{output.named_after(path)[:28]}"
-
-
-def check_drops(turn_deg: float, drops: int) -> None:
-    """Raise InputError for first turns and numbers of drops that are none to simulate."""
-    check("--roll-deg", turn_deg, 0.0, STEEPEST_DEG)
-    check("--drops", drops, 2, MOST_DROPS)
-
-
-def check(flag: str, value: float, low: float, high: float) -> None:
-    """Raise InputError for a value of an option that lies outside its range."""
-    if not low <= value <= high:
-        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from walkergen.files import report, words
 from walkergen.files.progress import Progress
@@ -10,17 +10,14 @@ from walkergen.files.report import Table
 from walkergen.lab import drops, inverse, resting
 from walkergen.lab.bench import drop
 from walkergen.lab.bench.drop import Dropped
+from walkergen.lab.calibrate.make import Job
 from walkergen.lab.inverse import Answer, Curve, Measured
-from walkergen.lab.report import LabReport, check, check_drops, written
-from walkergen.scene import Scene
+from walkergen.lab.report import LabReport, written
 from walkergen.walker import names
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-HIGHEST_MM = 1000.0
-"""Largest height of a drop."""
 
 REBOUNDS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
 """Columns of the rebounds under one condition."""
@@ -28,55 +25,36 @@ REBOUNDS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
 Value = float | str | None
 
 
-class Test(NamedTuple):
-    """Walker, feet, the rebound that was measured, if any, and whether pictures are made."""
-
-    design: Design
-    scene: Scene
-    measured: Measured | None
-    pictures: bool
-
-
-class Drop(NamedTuple):
-    """Choices of a drop: height (mm), deviation of pitch and roll from the hand (deg), drops."""
-
-    height: float = 10.0
-    turn_deg: float = 1.0
-    drops: int = 24
-
-
 def folder_of(design: Design) -> Path:
     """Folder of a drop by default: below out/ and the walker's name."""
     return Path("out") / design.name / f"bench_drop_{names.part(design)}"
 
 
-def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> LabReport:
-    """Drop a walker; writes drop.csv and a table for all else that counts, figure and page.
+def dropped(job: Job, height: float, measured: Measured | None, folder: Path, progress: Progress) -> LabReport:
+    """Drop a walker from a height (mm); writes drop.csv and a table for all else that counts, figure and page.
 
     Without a first turn only the flat drop counts. Raises InputError before anything is simulated.
     """
-    check("--height-mm", how.height, 0.01, HIGHEST_MM)
-    check_drops(how.turn_deg, how.drops)
-    rebounds = drop.drop(test.scene, test.design, *how, progress)
-    hand = f"pitch and roll ± {how.turn_deg:g} deg"
+    rebounds = drop.drop(job.scene, job.design, height, job.turn_deg, job.drops, progress)
+    hand = f"pitch and roll ± {job.turn_deg:g} deg"
     curves = {"let go flat": rebounds.curve(flat=True), f"from the hand ({hand})": rebounds.curve(flat=False)}
-    if how.turn_deg == 0.0:
+    if job.turn_deg == 0.0:
         curves.popitem()
-    answers = _answers(test, curves)
+    answers = _answers(job.design, measured, curves)
     notes = [
-        f"from the hand: {hand}, {how.height:g} mm; rebound: root of the height regained over that "
+        f"from the hand: {hand}, {height:g} mm; rebound: root of the height regained over that "
         "of the drop, of the body's middle over where it stands",
         *_on_flatness(rebounds),
     ]
     settings = _settings(answers)
-    caption = f"{resting.in_words(test.scene, test.design)}; dropped by {how.height:g} mm"
-    title = f"Drop of {test.design.name}, {test.design.tilt_deg:g} deg, {test.design.kind}"
+    caption = f"{resting.in_words(job.scene, job.design)}; dropped by {height:g} mm"
+    title = f"Drop of {job.design.name}, {job.design.tilt_deg:g} deg, {job.design.kind}"
     tables = _tables_of_drop(rebounds)
 
     def draw() -> "Figure":
         from walkergen.lab.bench import figures
 
-        return figures.of_drop(rebounds, title, how.turn_deg, test.measured)
+        return figures.of_drop(rebounds, title, job.turn_deg, measured)
 
     lines = [f"{condition}: {answer.text}" for condition, answer in answers]
     if settings:
@@ -100,19 +78,19 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> LabRepor
         notes=notes,
         figures={"drop": draw},
         folder=folder,
-        design=test.design,
-        scene=test.scene,
+        design=job.design,
+        scene=job.scene,
     )
-    measured = None if test.measured is None else test.measured.facts
-    return written(made, test, {"bench": "drop", "measured": measured, **how._asdict()})
+    asked = {"height": height, "turn_deg": job.turn_deg, "drops": job.drops}
+    return written(made, job, {"bench": "drop", "measured": measured and measured.facts, **asked})
 
 
-def _answers(test: Test, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
+def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
     """What the measured rebound tells by curves, each under its condition."""
-    if test.measured is None:
+    if measured is None:
         return []
     return [
-        (condition, inverse.invert(curve, test.measured, "foot restitution", f" at {test.design.tilt_deg:g} deg"))
+        (condition, inverse.invert(curve, measured, "foot restitution", f" at {design.tilt_deg:g} deg"))
         for condition, curve in curves.items()
         if curve is not None
     ]

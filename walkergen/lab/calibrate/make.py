@@ -15,7 +15,7 @@ from walkergen.lab.calibrate.estimate import Estimate
 from walkergen.lab.calibrate.form import Readings
 from walkergen.lab.calibrate.modulus import Bent
 from walkergen.lab.inverse import Answer
-from walkergen.lab.report import LabReport, check_drops, named, written
+from walkergen.lab.report import LabReport, named, written
 from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -35,7 +35,7 @@ class Job(NamedTuple):
     """Simulated drops from the hand for each restitution."""
     pictures: bool
     by: str = "both"
-    """Method whose modulus counts: one of specimens.METHODS."""
+    """Method whose modulus counts: BENDS or RINGS of `specimens`, or both."""
 
 
 def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabReport:
@@ -45,9 +45,6 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> LabRepo
     manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
     written, for readings that are unusable.
     """
-    if job.by not in specimens.METHODS:
-        raise InputError(f"--by {job.by[:30]!r}: must be one of {', '.join(specimens.METHODS)}")
-    check_drops(job.turn_deg, job.drops)
     readings = form.read(path)
     density = contact.density(readings)
     strips, notes = specimens.read(readings)

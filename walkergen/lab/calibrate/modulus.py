@@ -69,7 +69,7 @@ class Bent(NamedTuple):
     """Young's modulus that they agree on."""
     points: Sequence[Point]
     by: str
-    """Method that counts, of specimens.METHODS."""
+    """Method that counts, BENDS or RINGS of `specimens`, or both."""
     ring_over_bend: Quantity | None
     offset: Quantity | None
 

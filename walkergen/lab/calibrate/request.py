@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
     from walkergen.inputs import Inputs
     from walkergen.jobs.run.movie.make import Made
-    from walkergen.lab.bench.make import Drop, Test
+    from walkergen.lab.calibrate.make import Job
     from walkergen.printing.findings import Finding
 
 FPS = 20
@@ -165,26 +165,26 @@ class CalibrateRequest(request.Request):
         """Simulate drops, and invert the rebound that was measured."""
         from walkergen.lab import inverse
         from walkergen.lab.bench import make
+        from walkergen.lab.calibrate.make import Job
 
         if self.movie is not None and self.movie.suffix.lower() != ".gif":
             told = f"--movie {str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "movie")
         walker = given.one(self.design, self.tilt, self.legs)
         seen = inverse.measured(self.measured, self.measured_sd, self.tries, 1.0)
-        test = make.Test(walker, given.scene(self.scene), seen, self.pictures)
-        how = make.Drop(self.height_mm, self.roll_deg, self.drops)
-        report = make.dropped(test, how, self.out or make.folder_of(walker), progress)
+        job = Job(walker, given.scene(self.scene), self.roll_deg, self.drops, self.pictures)
+        report = make.dropped(job, self.height_mm, seen, self.out or make.folder_of(walker), progress)
         if self.movie is None:
             return report
-        return replace(report, files=[_filmed(test, how, self.movie, progress).gif])
+        return replace(report, files=[_filmed(job, self.height_mm, self.movie, progress).gif])
 
 
-def _filmed(test: "Test", how: "Drop", path: Path, progress: Progress) -> "Made":
+def _filmed(dropped: "Job", height: float, path: Path, progress: Progress) -> "Made":
     """Film of the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.jobs.run.movie import make
     from walkergen.lab import drops, resting
 
-    let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
-    seconds = drops.seconds_of(how.height)
-    job = make.plan([test.design], resting.filmed(test.scene), seconds=seconds, fps=FPS, view="perspective")
+    let = drops.from_hand(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
+    seconds = drops.seconds_of(height)
+    job = make.plan([dropped.design], resting.filmed(dropped.scene), seconds=seconds, fps=FPS, view="perspective")
     return make.make(job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress)

@@ -18,9 +18,6 @@ SIZES = ("thickness_mm", "width_mm", "free_length_mm")
 BENDS, RINGS = "deflection", "ring"
 """Methods by which a strip tells its modulus."""
 
-METHODS = (BENDS, RINGS, "both")
-"""Methods that may count."""
-
 SOLID = Quantity("air", "", 0.0, 0.05)
 """Share of air, and its error, in a strip of which nothing is said."""
 

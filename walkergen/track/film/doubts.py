@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,17 @@ READ, LEAST_S = 0.95, 0.5
 
 LOST = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
+
+
+class Told(NamedTuple):
+    """What is to be said of a film beside its tracks."""
+
+    facts: dict[str, Any]
+    """For JSON and the manifest, with units in the names."""
+    notes: list[str]
+    """What was looked for, in words, and the scale with its error."""
+    warnings: list[str]
+    """What went wrong, each with its size or its number of frames."""
 
 
 def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:

@@ -6,10 +6,12 @@ from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.track.film import films, heading, marked, marked_doubts, report, unmarked, unmarked_doubts
+from walkergen.track.film.doubts import Told
 from walkergen.track.film.films import Box, Film
+from walkergen.track.film.marked import Marked
 from walkergen.track.film.report import TrackReport
 from walkergen.track.film.result import Options, Tracked
-from walkergen.track.film.told import Told
+from walkergen.track.film.unmarked import Unmarked
 
 SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
@@ -39,23 +41,24 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     return tracks
 
 
-def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Told]:
-    """Walkers of a film, and what is to be said of it. Raises InputError."""
+def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+    """Walkers of a film, what they rest on, and what is to be said of it. Raises InputError."""
     films.require()
     check(options)
     film = films.about(path)
     if film.pictures and options.fps is None:
         raise InputError(f"{path}: pictures do not say when they were taken; give --fps, how many a second")
     part = part_of(film, options.region)
+    found: Unmarked | Marked
     lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
     try:
         if options.markers is None:
             tracked, seen = unmarked.track(film, part, options, lens, progress)
-            told = unmarked_doubts.of(tracked, seen)
+            found, told = seen, unmarked_doubts.of(tracked, seen)
         else:
             tracked, read = marked.track(film, part, options, lens, progress)
-            told = marked_doubts.of(tracked, read)
-        return tracked, told._replace(notes=[*_taken(film), *told.notes])
+            found, told = read, marked_doubts.of(tracked, read)
+        return tracked, found, told._replace(notes=[*_taken(film), *told.notes])
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
 

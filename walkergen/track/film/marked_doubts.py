@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.files import words
-from walkergen.track.film.doubts import LOST
+from walkergen.track.film.doubts import LOST, Told
 from walkergen.track.film.marked import MARKER_MM, Marked
 from walkergen.track.film.plane import ALIKE
 from walkergen.track.film.result import Tracked, Walker
-from walkergen.track.film.told import Told
 
 CROOKED = 0.7
 """Distance of corners from those of squares that is worth a warning, pixels."""
@@ -51,7 +50,7 @@ def of(tracked: Tracked, found: Marked) -> Told:
         "sightings_left_out": sum(out.bent.values()),
         "mirrored": list(out.mirrored),
     }
-    return Told(found, facts, list(_notes(tracked, found, change)), [*_left_out(tracked, found), *_bent(found)])
+    return Told(facts, list(_notes(tracked, found, change)), [*_left_out(tracked, found), *_bent(found)])
 
 
 def _scale_change(found: Marked) -> float:

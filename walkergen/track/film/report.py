@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.track.film import doubts
+from walkergen.track.film.doubts import Told
 from walkergen.track.film.result import Tracked
-from walkergen.track.film.told import Told
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,7 +73,7 @@ WALKERS = (
 )
 
 
-def of(tracked: Tracked, told: Told, folder: Path) -> TrackReport:
+def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
     """Report of a tracked film, to be written into a folder."""
     walkers, title = _walkers(tracked), tracked.film.path.name
     warnings = [*doubts.broken_off(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
@@ -98,7 +98,7 @@ def of(tracked: Tracked, told: Told, folder: Path) -> TrackReport:
         figures={"check": draw},
         folder=folder,
         tracked=tracked,
-        found=told.found,
+        found=found,
         picture=picture,
         warnings=warnings,
     )

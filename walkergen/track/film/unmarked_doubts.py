@@ -8,10 +8,9 @@ import numpy as np
 
 from walkergen.files import words
 from walkergen.track.film.blobs import Blobs
-from walkergen.track.film.doubts import LOST
+from walkergen.track.film.doubts import LOST, Told
 from walkergen.track.film.linking import Seen
 from walkergen.track.film.result import Array, Tracked, Whole
-from walkergen.track.film.told import Told
 from walkergen.track.film.unmarked import Unmarked
 
 INDEPENDENT = 10
@@ -48,9 +47,7 @@ def of(tracked: Tracked, found: Unmarked) -> Told:
         "size_change_se_share": _finite(size.error),
         "size_scatter_share": size.scatter,
     }
-    return Told(
-        found, facts, list(_notes(tracked, found)), [*_linked(tracked, found), *_seen(tracked, found, pull, size)]
-    )
+    return Told(facts, list(_notes(tracked, found)), [*_linked(tracked, found), *_seen(tracked, found, pull, size)])
 
 
 def _finite(value: float) -> float | None:
