@@ -36,7 +36,7 @@ from walkergen.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
-MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "growth", "impact_types", "landings"))
+MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "landings"))
 SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
@@ -258,7 +258,7 @@ PICTURES = (
     Picture(
         "validation.png",
         VALIDATE,
-        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/validate/*.py"),
+        (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "evidence/reproduce/maximum.py", "evidence/validate/*.py"),
         180,
         "validation.png",
         beside=("validation.md",),

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.analysis import curves, impact_types
+from evidence.reproduce import impact_types
+from walkergen.analysis import curves
 from walkergen.analysis.landings import QUIET_S
 from walkergen.numerics.quantity import Quantity
 

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.analysis import growth, walks
+from evidence.reproduce import growth
+from walkergen.analysis import walks
 from walkergen.analysis.tracks import Track, Tracks
 
 INTERVAL, LENGTH = 0.004, 2500

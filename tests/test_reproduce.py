@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 from evidence.commands import commands
 from evidence.published import FACTS
-from evidence.reproduce import compare, curves, figures, runs, theory
+from evidence.reproduce import compare, curves, figures, growth, impact_types, maximum, runs, theory
 from evidence.reproduce import make as reproduce
 from evidence.reproduce import motion as on_plane
 from evidence.reproduce.report import number
 from evidence.reproduce.runs import Assumption, Case, Point
-from walkergen.analysis import growth, impact_types, motion
+from walkergen.analysis import motion
 from walkergen.analysis.landings import QUIET_S
 from walkergen.files import figures as pictures
 from walkergen.files import templates
@@ -26,7 +26,6 @@ from walkergen.numerics.quantity import Quantity, Verdict, mean
 from walkergen.points import walkers
 from walkergen.scene import Scene
 from walkergen.simulation.run import Outcome, impacts_of
-from walkergen.theory import maximum
 from walkergen.walker.design import Design
 
 FIGURES = ("figure2", "figure5", "figure6", "mechanisms")
@@ -165,13 +164,13 @@ def test_the_theory_drawn_has_the_known_values(design, tilt, mode, factor):
     assert curve.speed[at] / scene.impact_speed == pytest.approx(factor, abs=3e-3)
 
 
-def test_the_contact_that_the_paper_measured_is_taken_where_a_scene_gives_none(design, scene):
-    fitted = templates.load("lane-90hz-fitted", "scenes", Scene)
-    for own, restitution in ((scene, 0.8), (scene.variant(**{"contact.restitution": 0.6}), 0.6)):
-        measured, other, low = reproduce.assumptions_of(reproduce.Job(design, own, fitted))
-        restitutions = [one.scene.contact.restitution for one in (measured, other, low)]
-        assert restitutions == [restitution, 0.9, 0.3]
-        assert {one.scene.contact.friction for one in (measured, low)} == {0.25}
+def test_the_contacts_are_those_that_the_paper_measured_and_fitted():
+    contacts = [one.scene.contact for one in reproduce.assumptions_of(reproduce.of(None, None, {}))]
+    assert [contact.restitution for contact in contacts] == [FACTS["restitution"].value, 0.9, 0.3]
+    assert contacts[0].friction == contacts[2].friction == FACTS["friction"].value
+    for name in ("restitution", "friction"):
+        sd = FACTS[name].high - FACTS[name].value
+        assert getattr(contacts[0], f"{name}_sd") == pytest.approx(sd)
 
 
 def test_impacts_at_the_theorys_stationary_speed_are_of_type_three(design):

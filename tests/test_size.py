@@ -31,7 +31,7 @@ LIMITS = {
     "walkergen/walker": 4880,
     "benchmarks": 3350,
     "docs": 630,
-    "evidence": 6880,
+    "evidence": 7080,
     "tests": 44270,
 }
 

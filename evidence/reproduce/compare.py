@@ -8,14 +8,14 @@ import numpy as np
 
 from evidence.published import FACTS
 from evidence.reproduce import curves
+from evidence.reproduce.impact_types import COUNTINGS
+from evidence.reproduce.maximum import Range
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import Assumption, Point
 from evidence.reproduce.theory import Curve, Theory
 from walkergen.analysis.curves import Top
-from walkergen.analysis.impact_types import COUNTINGS
 from walkergen.numerics.quantity import Quantity, Verdict, exact
-from walkergen.theory.maximum import Range
 
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from evidence.published import FACTS
 from evidence.reproduce.compare import LOW, Findings
 from evidence.reproduce.curves import lively, series_of, through_zero
+from evidence.reproduce.growth import HALFWAY
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import Point
-from walkergen.analysis.growth import HALFWAY
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
 

@@ -5,8 +5,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from evidence.published import FACTS
-from evidence.reproduce import compare, curves, figures, mechanisms, motion, page, report, runs, theory
+from evidence.reproduce import compare, curves, figures, maximum, mechanisms, motion, page, report, runs, theory
 from evidence.reproduce.compare import FITTED, LOW, Findings
 from evidence.reproduce.runs import Assumption, Case, Point
 from walkergen.errors import InputError
@@ -17,7 +16,6 @@ from walkergen.files.progress import Progress, stretch
 from walkergen.files.report import Report
 from walkergen.request import PAPER
 from walkergen.scene import Scene
-from walkergen.theory import maximum
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
 
@@ -161,14 +159,8 @@ def check(job: Job) -> Parts:
 
 def assumptions_of(job: Job) -> list[Assumption]:
     """List the sets of contact numbers: measured, fitted, and a low restitution of the foot."""
-    stated: dict[str, float] = {}
-    for name in ("restitution", "friction"):
-        fact = FACTS[name]
-        stated |= {name: fact.value, f"{name}_sd": fact.high - fact.value}
-    lacking = {key: stated[key] for key in stated.keys() - job.measured.contact.model_fields_set}
-    measured = _with("measured", job.measured, lacking)
-    low = _with(LOW, measured.scene, {"restitution": LOW_RESTITUTION})
-    return [measured, Assumption(FITTED, job.fitted), low]
+    low = _with(LOW, job.measured, {"restitution": LOW_RESTITUTION})
+    return [Assumption("measured", job.measured), Assumption(FITTED, job.fitted), low]
 
 
 def _with(name: str, scene: Scene, contact: Mapping[str, float]) -> Assumption:

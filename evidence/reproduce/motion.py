@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from evidence.reproduce import growth
+from evidence.reproduce.growth import Growth
 from evidence.reproduce.runs import LONGER, Assumption, on_plane
-from walkergen.analysis import growth, motion
-from walkergen.analysis.growth import Growth
+from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.files.progress import Progress

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Sequence
 from evidence.published import FACTS
 from evidence.reproduce import curves
 from evidence.reproduce.compare import Findings
+from evidence.reproduce.maximum import FRICTIONS, RESTITUTIONS
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.report import number
 from evidence.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
 from walkergen.files.report import Report
 from walkergen.numerics.quantity import exact
-from walkergen.theory.maximum import FRICTIONS, RESTITUTIONS
 
 CAPTIONS = {
     "figure2": "Speed against tilt. Star: the paper's stated peak, with our margins. Bands are one standard deviation "

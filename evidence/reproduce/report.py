@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from evidence.published import FACTS
 from evidence.reproduce.compare import Findings, Row
+from evidence.reproduce.impact_types import COUNTINGS, SUMS, TYPES
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import Assumption, Point
-from walkergen.analysis.impact_types import COUNTINGS, SUMS, TYPES
 from walkergen.analysis.motion import Curve
 from walkergen.files import report
 from walkergen.files.report import Report, Table

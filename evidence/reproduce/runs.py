@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import impact_types, landings
-from walkergen.analysis.impact_types import TYPES, Shares
+from evidence.reproduce import impact_types
+from evidence.reproduce.impact_types import TYPES, Shares
+from walkergen.analysis import landings
 from walkergen.files import templates
 from walkergen.files.progress import Progress
 from walkergen.jobs.run.sweep import sweep_file

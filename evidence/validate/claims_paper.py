@@ -6,13 +6,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from evidence.published import FACTS
+from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import exponent, in_space, paper_design, paper_model, rebound
 from walkergen.analysis import curves
 from walkergen.files import templates
 from walkergen.numerics.quantity import Quantity, exact
 from walkergen.scene import GRAVITY, Scene
-from walkergen.theory import maximum, prediction
+from walkergen.theory import prediction
 from walkergen.walker import solids
 
 PAPER = "Koumakis et al. 2016"
