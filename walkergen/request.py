@@ -66,6 +66,16 @@ class Flag(NamedTuple):
     """True where the shell may give it several times."""
 
 
+FILES = {"walkers": ("DESIGN", "Walker"), "scenes": ("SCENE", "Ground"), "printers": ("PRINTER", "Machine")}
+"""Placeholder and type of what is read from a template or a file, by the kind of templates."""
+
+
+def file_flag(kind: str, help: str, name: str = "", optional: bool = False, argument: bool = False) -> Flag:
+    """Flag of a walker, a scene or a printer; Python may leave an `optional` one None."""
+    metavar, takes = FILES[kind]
+    return Flag(help, metavar, name, f"{takes} | None" if optional else takes, templates=(kind,), argument=argument)
+
+
 class Request(BaseModel):
     """What a job is asked for."""
 
@@ -372,44 +382,16 @@ Words = BeforeValidator(lambda value: None if value is None else _listed(value))
 """List for which the shell gives a text with commas."""
 
 Kind = Literal["flexible", "braced"]
-Walker = Annotated[
-    Any,
-    Flag(
-        "Walker: a template, TOML file, drawing, picture or mesh.",
-        "DESIGN",
-        takes="Walker",
-        templates=("walkers",),
-        argument=True,
-    ),
-]
-Filmed = Annotated[
-    Any,
-    Flag(
-        "Walker: a template, TOML file, drawing, picture or mesh.",
-        "DESIGN",
-        "--design",
-        takes="Walker",
-        templates=("walkers",),
-    ),
-]
+WALKER = "Walker: a template, TOML file, drawing, picture or mesh."
+Walker = Annotated[Any, file_flag("walkers", WALKER, argument=True)]
+Filmed = Annotated[Any, file_flag("walkers", WALKER, "--design")]
 Text = Annotated[str | None, Flag("Letters as the walker's body: a name.", "WORD", sets="body.text")]
 Mirror = Annotated[bool | None, Flag("Turn a shape round: what pointed back is the front.", sets="body.mirror")]
-Ground = Annotated[Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground", templates=("scenes",))]
-Home = Annotated[
-    Any,
-    Flag(
-        f"Scene: a template or a TOML file; without, {LANE}, of a walker with a motor {TABLE}.",
-        "SCENE",
-        takes="Ground | None",
-        templates=("scenes",),
-    ),
-]
-Machine = Annotated[
-    Any, Flag("Printer: a template or a TOML file.", "PRINTER", takes="Machine", templates=("printers",))
-]
-Machines = Annotated[
-    Any, Flag("Printers: templates or TOML files.", "PRINTER", takes="Machine", templates=("printers",))
-]
+Ground = Annotated[Any, file_flag("scenes", "Scene: a template or a TOML file.")]
+HOME = f"Scene: a template or a TOML file; without, {LANE}, of a walker with a motor {TABLE}."
+Home = Annotated[Any, file_flag("scenes", HOME, optional=True)]
+Machine = Annotated[Any, file_flag("printers", "Printer: a template or a TOML file.")]
+Machines = Annotated[Any, file_flag("printers", "Printers: templates or TOML files.")]
 Tilt = Annotated[float | None, Flag("Tilt of the legs.", "DEG")]
 Legs = Annotated[Kind | None, Flag("Kind of legs: flexible or braced.", "KIND")]
 Tilts = Annotated[

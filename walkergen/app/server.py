@@ -8,7 +8,7 @@ import asyncio
 import hashlib
 import json
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -69,6 +69,8 @@ Result = TypeVar("Result")
 
 
 Door = Callable[[Server, Request], Awaitable[Response]]
+Asked = dict[str, Any]
+Given = Callable[[Server, Asked], Any]
 
 
 def application(server: Server) -> Any:
@@ -76,19 +78,19 @@ def application(server: Server) -> Any:
     doors: dict[str, Door] = {
         "start": _start,
         "walker": _walker,
-        "outlook": _told(answers.outlook),
-        "curve": _curve,
-        "shares": _shares,
-        "trouble": _told(answers.trouble),
-        "form": _told(form.whole),
-        "spans": _spans,
+        "outlook": _answer(answers.outlook),
+        "curve": _answer(curves.answer, _rough),
+        "shares": _answer(answers.shares, key="shares"),
+        "trouble": _answer(answers.trouble),
+        "form": _answer(form.whole),
+        "spans": _answer(spans.spans, _keys, key="spans"),
         "keep": _keep,
         "run": _run,
-        "crowd": _command(crowding.words, "crowds"),
-        "crowded": _made(crowding.played, "crowds"),
-        "effects": _command(effects.words, "effects"),
-        "effects_drawn": _made(effects.picture, "effects"),
-        "nearest": _nearest,
+        "crowd": _command(crowding.words, _folder("crowds")),
+        "crowded": _answer(crowding.played, _folder("crowds")),
+        "effects": _command(effects.words, _folder("effects")),
+        "effects_drawn": _answer(effects.picture, _folder("effects")),
+        "nearest": _command(taking.search, _speed, _folder("sweep")),
         "make": _make,
         "take": _take,
         "upload": _upload,
@@ -275,35 +277,53 @@ async def _walker(server: Server, request: Request) -> Response:
     return Response(packed, media_type="application/octet-stream")
 
 
-def _told(answer: Callable[[Document], Any]) -> Door:
-    """Door that tells what an answer says of a page's walker."""
+def _rough(server: Server, asked: Asked) -> bool:
+    """Whether a few points do, as while a slider moves."""
+    return asked.get("rough") is True
+
+
+def _keys(server: Server, asked: Asked) -> list[str]:
+    """Keys of the sliders whose ranges are asked for. Raises InputError."""
+    keys = asked.get("keys")
+    if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
+        raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
+    return keys
+
+
+def _speed(server: Server, asked: Asked) -> Any:
+    """Wished speed, as the page sent it."""
+    return asked.get("speed")
+
+
+def _folder(name: str) -> Given:
+    """Folder of this name, in which a command leaves what it makes."""
+    return lambda server, asked: server.folder / name
+
+
+async def _answered(work: Callable[..., Result], given: Sequence[Given], server: Server, request: Request) -> Result:
+    """Result of work on a page's walker, and on what is given beside it."""
+    document, asked = await _asked(server, request)
+    return await _worked(server.workers, request, work, document, *(one(server, asked) for one in given))
+
+
+def _answer(work: Callable[..., Any], *given: Given, key: str = "") -> Door:
+    """Door that answers by work on a page's walker; with a key in a table of this one."""
 
     async def door(server: Server, request: Request) -> Response:
-        document, _ = await _asked(server, request)
-        return _json(await _worked(server.workers, request, answer, document))
+        result = await _answered(work, given, server, request)
+        return _json({key: result} if key else result)
 
     return door
 
 
-async def _curve(server: Server, request: Request) -> Response:
-    """Curve of the walker against its tilt; of few points if `rough`, as while a slider moves."""
-    document, asked = await _asked(server, request)
-    rough = asked.get("rough") is True
-    return _json(await _worked(server.workers, request, curves.answer, document, rough))
+def _command(words: Callable[..., list[str]], *given: Given) -> Door:
+    """Door that runs a command of a page's walker."""
 
+    async def door(server: Server, request: Request) -> Response:
+        command = await _answered(words, given, server, request)
+        return Streamed(children.run(server.running, children.COMMANDS, [command]))
 
-async def _shares(server: Server, request: Request) -> Response:
-    document, _ = await _asked(server, request)
-    return _json({"shares": await _worked(server.workers, request, answers.shares, document)})
-
-
-async def _spans(server: Server, request: Request) -> Response:
-    """Ranges in which the walker can be built, for sliders of these keys."""
-    document, asked = await _asked(server, request)
-    keys = asked.get("keys")
-    if not isinstance(keys, list) or not all(isinstance(key, str) for key in keys):
-        raise InputError(f"{documents.SOURCE}: keys: must be a list of keys")
-    return _json({"spans": await _worked(server.workers, request, spans.spans, document, keys)})
+    return door
 
 
 async def _worked(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
@@ -342,35 +362,6 @@ async def _run(server: Server, request: Request) -> Response:
     document, asked = await _asked(server, request)
     sent = {"document": document._asdict(), "short": asked.get("short") is True}
     return Streamed(children.run(server.running, children.RUN, sent))
-
-
-def _command(words: Callable[[Document, Path], list[str]], name: str) -> Door:
-    """Door that runs the command of a page's walker, which leaves what it makes in a folder of this name."""
-
-    async def door(server: Server, request: Request) -> Response:
-        document, _ = await _asked(server, request)
-        command = await _worked(server.workers, request, words, document, server.folder / name)
-        return Streamed(children.run(server.running, children.COMMANDS, [command]))
-
-    return door
-
-
-def _made(shown: Callable[[Document, Path], dict[str, Any]], name: str) -> Door:
-    """Door that hands out what such a command has left."""
-
-    async def door(server: Server, request: Request) -> Response:
-        document, _ = await _asked(server, request)
-        return _json(await _worked(server.workers, request, shown, document, server.folder / name))
-
-    return door
-
-
-async def _nearest(server: Server, request: Request) -> Response:
-    """Sweep for the walkers nearest to a wished speed."""
-    document, asked = await _asked(server, request)
-    folder = server.folder / "sweep"
-    words = await _worked(server.workers, request, taking.search, document, asked.get("speed"), folder)
-    return Streamed(children.run(server.running, children.COMMANDS, [words]))
 
 
 async def _ordered(server: Server, request: Request) -> taking.Order:

@@ -50,11 +50,10 @@ class CrowdRequest(request.Request):
     ] = None
     scene: Annotated[
         Any,
-        Flag(
+        request.file_flag(
+            "scenes",
             f"Scene: a template or a TOML file; without, {request.PLANE}, of walkers with a motor {request.TABLE}.",
-            "SCENE",
-            takes="Ground | None",
-            templates=("scenes",),
+            optional=True,
         ),
     ] = None
     count: Annotated[

@@ -20,6 +20,8 @@ import markupsafe
 import numpy as np
 import numpy.typing as npt
 
+ASSETS = Path(__file__).with_name("assets")
+
 MOST_TRIANGLES = 300_000
 """Triangles of all parts in a view: some 4 MB of a notebook, and what a laptop turns smoothly."""
 
@@ -85,7 +87,7 @@ def _page(parts: Sequence[Part], title: str) -> str:
     corners = [part.vertices[part.triangles].astype("<f4").tobytes() for part in parts]
     own = _asset("part.js")
     listed = [{"name": part.name, "kind": part.kind, "triangles": len(part.triangles)} for part in parts]
-    return _template().render(
+    return template_of(ASSETS / "part.html.jinja").render(
         title=title,
         parts=listed,
         meshes=_packed(b"".join(corners)),
@@ -107,12 +109,13 @@ def _packed_viewer() -> str:
 
 def _asset(name: str) -> str:
     """Text of a file that is shipped beside this module."""
-    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
+    return (ASSETS / name).read_text(encoding="utf-8")
 
 
 @cache
-def _template() -> jinja2.Template:
+def template_of(path: Path) -> jinja2.Template:
+    """Template of a page in a file that is shipped."""
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    return environment.from_string(_asset("part.html.jinja"))
+    return environment.from_string(path.read_text(encoding="utf-8"))

@@ -36,11 +36,10 @@ class ExportRequest(request.Request):
     caps: request.Caps = None
     scene: Annotated[
         Any,
-        Flag(
+        request.file_flag(
+            "scenes",
             f"Scene of mjcf: a template or a TOML file; {request.LANE}, of a walker with a motor {request.TABLE}.",
-            "SCENE",
-            takes="Ground | None",
-            templates=("scenes",),
+            optional=True,
         ),
     ] = None
     text: request.Text = None

@@ -7,11 +7,9 @@ lets only the page's own scripts run and nothing be fetched.
 import base64
 import io
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
@@ -25,6 +23,8 @@ from walkergen.points.speed_table import MEANINGS
 from walkergen.walker import solids
 
 TABLE_PAGE, PREVIEW = "family.md", "preview.png"
+
+ASSETS = Path(__file__).with_name("assets")
 
 DOWNLOADS = {
     ".3mf": "model/3mf",
@@ -164,13 +164,13 @@ def render(
         ),
         "run": run,
     }
-    scripts = {"viewer": viewer.script(), "page": _asset("page.js")}
+    scripts = {"viewer": viewer.script(), "page": (ASSETS / "page.js").read_text(encoding="utf-8")}
     values |= {
-        "style": markupsafe.Markup(_asset("page.css")),
+        "style": markupsafe.Markup((ASSETS / "page.css").read_text(encoding="utf-8")),
         "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
         "script_hashes": [viewer.hashed(text) for text in scripts.values()],
     }
-    return _template().render(values).encode()
+    return viewer.template_of(ASSETS / "page.html.jinja").render(values).encode()
 
 
 def table(walkers: Sequence[Member]) -> Table:
@@ -308,16 +308,3 @@ def _in_words(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return ", ".join(map(_in_words, value)) if isinstance(value, list) else str(value)
-
-
-def _asset(name: str) -> str:
-    """Text of a file that is shipped beside this module."""
-    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
-
-
-@cache
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(_asset("page.html.jinja"))

@@ -55,12 +55,8 @@ class FamilyRequest(request.Request):
     page: Annotated[bool, Flag("Write report.html, a page of all of it.")] = False
     run_in: Annotated[
         Any,
-        Flag(
-            "Scene of a second's run for the page to play: a template or a TOML file.",
-            "SCENE",
-            "--run",
-            takes="Ground | None",
-            templates=("scenes",),
+        request.file_flag(
+            "scenes", "Scene of a second's run for the page to play: a template or a TOML file.", "--run", optional=True
         ),
     ] = None
     pictures: Annotated[bool, Flag("Draw speed.png and preview.png.")] = True

@@ -24,11 +24,10 @@ class PlateRequest(request.Request):
 
     design: Annotated[
         Any,
-        Flag(
+        request.file_flag(
+            "walkers",
             f"Walker: a template, TOML file, drawing or mesh; {request.PAPER} without --orders.",
-            "DESIGN",
-            takes="Walker | None",
-            templates=("walkers",),
+            optional=True,
             argument=True,
         ),
     ] = None

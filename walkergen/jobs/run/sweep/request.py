@@ -33,13 +33,7 @@ class SweepRequest(request.Request):
 
     design: Annotated[
         Any,
-        Flag(
-            "Walker: a template, TOML file, drawing or mesh.",
-            "DESIGN",
-            takes="Walker | None",
-            templates=("walkers",),
-            argument=True,
-        ),
+        request.file_flag("walkers", "Walker: a template, TOML file, drawing or mesh.", optional=True, argument=True),
     ] = None
     set: Annotated[
         Any,
@@ -52,9 +46,7 @@ class SweepRequest(request.Request):
             repeats=True,
         ),
     ] = {}
-    scene: Annotated[
-        Any, Flag("Scene: a template or a TOML file.", "SCENE", takes="Ground | None", templates=("scenes",))
-    ] = None
+    scene: Annotated[Any, request.file_flag("scenes", "Scene: a template or a TOML file.", optional=True)] = None
     model: Annotated[
         str | None, Flag("prediction, the default; a model to simulate by; or crowd, for keys of crowds.", "MODEL")
     ] = None
@@ -71,9 +63,7 @@ class SweepRequest(request.Request):
             takes="str | Iterable[str] | None",
         ),
     ] = None
-    printer: Annotated[
-        Any, Flag("Printer of --keep printability.", "PRINTER", takes="Machine | None", templates=("printers",))
-    ] = None
+    printer: Annotated[Any, request.file_flag("printers", "Printer of --keep printability.", optional=True)] = None
     file: Annotated[Path | None, request.File, Flag("All of this from a sweep.toml.", "FILE", takes="Name | None")] = (
         None
     )
