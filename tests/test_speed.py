@@ -66,14 +66,6 @@ def random_tensors(count, seed):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_no_horizontal_impulse_at_the_stationary_speed(law):
-    for H, mu, e in random_tensors(300, seed=1):
-        v_x = float(factor(H, e, mu, law=law))
-        out = resolve(H, (v_x, -1.0), e, mu, Law[law.upper()])
-        assert abs(out.F_x) <= 1e-9 * mu * out.F_y
-
-
-@pytest.mark.parametrize("law", LAWS)
 def test_stationary_speed_is_the_only_root(law):
     """Rival: bracket the sign change of F_x(v_x) of the impact kernel itself."""
     for H, mu, e in random_tensors(40, seed=2):

@@ -1,6 +1,7 @@
-"""Hard cases: something to run, the models to run it on, and what must hold."""
+"""Hard cases: something to run, the models to run it on, what must hold, and the one way to run them."""
 
-from collections.abc import Callable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from walkergen.simulation.effects import effect
@@ -38,6 +39,48 @@ class Case(NamedTuple):
     """Models on which the case runs, or parts of them."""
     check: Callable[[str], Iterator[Check]]
     """Function of the model that yields the checks."""
+
+
+class Result(NamedTuple):
+    """Result of a case on one model."""
+
+    section: str
+    case: str
+    source: str
+    model: str
+    method: str
+    checks: tuple[Check, ...]
+    """Checks that were made before an error, or all of them."""
+    error: str
+    """Error that the case raised, in one line; empty when it ran to its end."""
+    seconds: float
+
+    @property
+    def failing(self) -> list[Check]:
+        """Checks that do not hold."""
+        return [check for check in self.checks if not check.holds]
+
+    @property
+    def holds(self) -> bool:
+        """True when the case ran to its end and all its checks hold."""
+        return not (self.error or self.failing)
+
+
+def result_of(case: Case, model: str, checks: Sequence[Check], error: str, seconds: float) -> Result:
+    """Return the result of a case from its checks."""
+    return Result(case.section, case.name, case.source, model, METHODS[model], tuple(checks), error, seconds)
+
+
+def run_case(case: Case, model: str) -> Result:
+    """Run a case on a model; an error that it raises is reported as its failure."""
+    started, checks, error = time.perf_counter(), list[Check](), ""
+    try:
+        checks.extend(case.check(model))
+    except Exception as raised:  # any error at all: the table must name it
+        error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
+    if not (checks or error):
+        error = "it checked nothing"
+    return result_of(case, model, checks, error, time.perf_counter() - started)
 
 
 def exactly(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:

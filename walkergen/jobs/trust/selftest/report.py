@@ -6,8 +6,7 @@ from typing import Any
 
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.jobs.trust.selftest.case import Check
-from walkergen.jobs.trust.selftest.make import Result
+from walkergen.jobs.trust.selftest.case import Check, Result
 
 KEYS = ("section", "case", "on", "source", "checks", "tightest", "value", "limit", "margin")
 WORDS = ("section", "case", "on", "source", "tightest")
@@ -38,8 +37,7 @@ def _rows(result: Result) -> Iterator[tuple[str, ...]]:
     if result.error:
         yield (*start, result.error, "", "", "FAILED")
         return
-    failing = [check for check in result.checks if not check.holds]
-    for check in failing or [min(result.checks, key=_room)]:
+    for check in result.failing or [min(result.checks, key=_room)]:
         margin = "exact" if _room(check) == math.inf else f"x {_room(check):.2g}"
         yield (*start, check.what, f"{check.value:.2g}", f"{check.limit:.2g}", margin if check.holds else "FAILED")
 
