@@ -6,7 +6,7 @@ import pytest
 from walkergen.analysis import landings
 from walkergen.errors import InputError
 from walkergen.jobs.run.movie import shot
-from walkergen.jobs.run.simulate import tables
+from walkergen.jobs.run.simulate import numbers
 from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.lab import resting
 from walkergen.scene import Scene
@@ -60,10 +60,10 @@ def test_landings_of_three_feet_by_hand():
     assert found.corners.tolist() == [1, 1, 0, 1, 1, 1]
     assert found.edges.tolist() == [1, 0, 1]
     assert (found.pairs, found.alone, found.groups) == (1, 0, 2)
-    counted = tables.counted(("leg 1", "leg 2", "leg 3"))
-    assert counted["leg_3_edge"][1](found) == 1
-    assert counted["leg_2_right"] == (True, counted["leg_2_right"][1])
-    assert counted["several_feet"][1](found) == 1
+    names = numbers.landing_names(("leg 1", "leg 2", "leg 3"))
+    counted = dict(zip(names, numbers.count_landings(found), strict=True))
+    assert counted["leg_3_edge"] == counted["leg_2_right"] == counted["several_feet"] == 1
+    assert names.index("leg_2_right") < 2 * 3  # among single corners
 
 
 def test_poses_and_outline_of_a_walker_seen_from_above():

@@ -180,7 +180,7 @@ def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reaso
     text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").split())
     assert "space, tips of 5 um, restitution 0.8, friction 0.25" in text
     assert "poisson" not in text
-    for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edges"):
+    for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edge"):
         assert words in text, words
     short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2", "--all").split())
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short

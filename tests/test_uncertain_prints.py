@@ -102,7 +102,7 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
     assert found.between_prints_mm_s == 0.0
     low, _, _, high = found.bounds_mm_s
     assert low < 52.0 < high
-    assert "not resolved" in dict(prints.rows(found))["between prints"]
+    assert "not resolved" in dict(prints.rows(found))["deviation, print to print"].refused
     assert "half of the variance is taken out" in " ".join(prints.notes(found))
     assert found.shares == ()
 

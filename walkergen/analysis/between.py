@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import moments
-from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, UNITS, WRITTEN, Frame, quantity, refusal
+from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, UNITS, Frame, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.files import quantities
 from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
 from walkergen.numerics.tails import fisher_tail
@@ -98,7 +99,9 @@ def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
         least = chdtri(free, 0.95)  # chi^2 lies above it with 95 %
         most = math.sqrt(max(total * free / least - noise, 0.0))
         bound = (
-            f"below {most:.2g} {WRITTEN[UNITS[name]]} (95 %)" if most else "smaller than each one's own error makes it"
+            f"below {most:.2g} {quantities.UNITS[UNITS[name]]} (95 %)"
+            if most
+            else "smaller than each one's own error makes it"
         )
         return refusal(name, f"not resolved: {bound}")
     from scipy.special import fdtri

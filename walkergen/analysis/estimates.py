@@ -10,7 +10,6 @@ import numpy.typing as npt
 from walkergen.analysis import spreads, walks
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.walks import Spread
-from walkergen.files import words
 from walkergen.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
@@ -66,9 +65,6 @@ displacements, which also lose direction where walkers turn apart. Its error, an
 time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
 `self_alignment` and `slope_turning` are of walkers on a slope (see `alignment`).
 """
-
-WRITTEN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"}
-"""Units as people read them, where these are not as keys write them."""
 
 FITS = ("amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first", "shortened")
 """Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
@@ -332,10 +328,3 @@ def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     numbers["diffusivity"] = 0.5 * float(slope)
     numbers["crossover_time"] = float(slope) / speed**2 if speed else math.nan
-
-
-def with_error(number: Quantity) -> str:
-    """Format a value with its error to two digits of the error, or the reason of its refusal."""
-    if number.value is None or number.se is None:
-        return number.refused
-    return words.with_error(number.value, number.se)

@@ -5,7 +5,7 @@ A crowd takes minutes: its record holds every statistic, so that others may be s
 
 from collections.abc import Sequence
 
-from walkergen.crowd import in_space, make, members, tables
+from walkergen.crowd import in_space, make, members
 from walkergen.crowd.runs import Simulated
 from walkergen.crowd.statistics.measuring import TIMELESS, UNITS
 from walkergen.files import words
@@ -47,7 +47,7 @@ def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
     made = []
     for name in keep:
         value, _, low, high = columns_of(name)
-        made.append(Picture(name, value, low, high, tables.in_words(name)))
+        made.append(Picture(name, value, low, high, name.replace("_", " ") + (" (mm/s)" if UNITS[name] else "")))
     return tuple(made)
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.crowd.statistics.measuring import NO_WALL, UNITS, CrowdStatistics
-from walkergen.files import words
+from walkergen.crowd.statistics.measuring import NO_WALL, CrowdStatistics
+from walkergen.files import quantities, words
 from walkergen.files.report import Column, Table
 from walkergen.numerics.quantity import Quantity
 
@@ -74,20 +74,6 @@ def _walkers(statistics: CrowdStatistics) -> str:
     return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
 
 
-def in_words(name: str) -> str:
-    """Name of a number in words, with its unit."""
-    return name.replace("_", " ") + (" (mm/s)" if UNITS[name] else "")
-
-
-def stated(number: Quantity) -> str:
-    """Number with its error, for people; or why it, or its error, is not known."""
-    if number.value is None:
-        return number.refused
-    if number.se is None:
-        return f"{words.number(number.value)} ± ?: {number.refused}"
-    return words.with_error(number.value, number.se)
-
-
 def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
     """Row of crowd.csv."""
     bounds = number.interval() or (None, None)
@@ -99,21 +85,12 @@ def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
     """What people read of a row: by the quantity of its first cell."""
     numbers = {number.column: number for number in statistics.numbers.values()}
 
-    def bounds(row: Sequence[Any]) -> str:
-        number = numbers[row[0]]
-        return " to ".join(words.to_digits_of(number.se, number.interval() or ())) if number.se else ""
-
     def chance(row: Sequence[Any]) -> str:
         number = numbers[row[0]]
         value = statistics.by_chance.get(number.key)
         return "" if value is None or number.value is None else words.number(value)
 
-    return (
-        Column("", lambda row: in_words(numbers[row[0]].key)),
-        Column("value ± standard error", lambda row: stated(numbers[row[0]])),
-        Column("95 %", bounds),
-        Column("at random", chance, right=True),
-    )
+    return (*quantities.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
 
 
 def _curves(statistics: CrowdStatistics) -> Iterator[Table]:

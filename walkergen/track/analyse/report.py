@@ -1,6 +1,6 @@
 """Report of measured motion: estimates, each walker, speeds by plate speed, and curves."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from walkergen.analysis import doubts, facts
 from walkergen.analysis.between import Alone
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, LEVEL, NO_HEADINGS, UNITS, WRITTEN, with_error
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, LEVEL, NO_HEADINGS, UNITS
 from walkergen.analysis.facts import OF_WALKERS
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks
-from walkergen.files import words
+from walkergen.files import quantities, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.numerics.quantity import Quantity
 
@@ -104,12 +104,9 @@ def _tables(motion: Motion) -> Iterator[Table]:
         yield Table("analysis", rows, ESTIMATES)
         yield _walkers(motion)
         return
-    columns = [
-        Column("", lambda row: estimates[row[0]].key.replace("_", " ")),
-        Column("", lambda row: WRITTEN.get(estimates[row[0]].unit, estimates[row[0]].unit)),
-        Column("value ± standard error", lambda row: _with_scale(estimates[row[0]], motion)),
-        Column("95 %", lambda row: _bounds(estimates[row[0]])),
-    ]
+    name, unit, value, bounds = quantities.columns(lambda row: estimates[row[0]])
+    value = value._replace(cell=lambda row: _with_scale(estimates[row[0]], motion))
+    columns = [name, unit, value, bounds]
     readable = [row for row in rows if row[-1] not in (IN_A_LANE, HEADINGS_KNOWN, NO_HEADINGS, LEVEL)]
     yield Table("analysis", rows, ESTIMATES, columns, "Motion", read=readable)
     yield _walkers(motion)
@@ -120,13 +117,7 @@ def _with_scale(number: Quantity, motion: Motion) -> str:
     """Value with its error and, where the scale has one, that of the scale beside it."""
     by_scale = facts.scale_se(number, motion)
     scale = f" ± {words.number(by_scale, 2)} (scale)" if by_scale and number.known else ""
-    return with_error(number) + scale
-
-
-def _bounds(number: Quantity) -> str:
-    """Bounds of 95 % to two digits of the error; '' without any."""
-    ends = number.interval()
-    return " to ".join(words.to_digits_of(number.se, ends)) if ends and number.se else ""
+    return quantities.format_value(number) + scale
 
 
 def _at_plates(motion: Motion) -> Table:
@@ -153,21 +144,14 @@ def _walkers(motion: Motion) -> Table:
     columns = [
         Column("walker", lambda row: str(row[0])),
         Column("seen (s)", lambda row: words.number(row[1], 3), right=True),
-        *(_own(heading, name, alone) for heading, name in zip(headings, OF_WALKERS, strict=False)),
+        *(Column(heading, _own(name, alone)) for heading, name in zip(headings, OF_WALKERS, strict=False)),
     ]
     return Table("walkers", rows, ALONE, columns, "Walkers", read=rows[:MOST_WALKERS])
 
 
-def _own(heading: str, name: str, alone: Mapping[int, Alone]) -> Column:
-    """Column of a number of each walker by itself: with its error, or the reason why that is not known."""
-
-    def cell(row: tuple[int, ...]) -> str:
-        number = alone[row[0]].of(name)
-        if number.value is None or number.known:
-            return with_error(number)
-        return f"{words.number(number.value)} ± ?: {number.refused}"
-
-    return Column(heading, cell)
+def _own(name: str, alone: Mapping[int, Alone]) -> Callable[[tuple[int, ...]], str]:
+    """Return the cell of a number of each walker by itself."""
+    return lambda row: quantities.format_value(alone[row[0]].of(name))
 
 
 def _line(motion: Motion) -> Iterator[str]:

@@ -11,6 +11,7 @@ from walkergen.files.output import Folder
 from walkergen.files.report import Report, Table
 from walkergen.jobs.run.simulate.report import LINES, Line
 from walkergen.numerics import statistics
+from walkergen.numerics.quantity import Quantity
 from walkergen.points.draws import Uncertain
 from walkergen.points.speed_table import SHARES
 from walkergen.walker.design import Design
@@ -62,20 +63,17 @@ def write(report: Report, folder: Path) -> None:
         report.write_figures(target)
 
 
-def rows(spread: Uncertain) -> Iterator[tuple[str, str]]:
+def rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
     low2, low1, high1, high2 = spread.bounds_mm_s
-    yield "mean over prints", f"{words.with_error(spread.speed_mm_s, spread.speed_se_mm_s)} mm/s"
-    likely, wide = words.span(low1, high1, 3), words.span(low2, high2, 3)
-    yield "a print", f"{likely} mm/s (68 %), {wide} (95 %)"
-    scatter = f"standard deviation {words.number(spread.between_prints_mm_s)} mm/s"
-    if not spread.between_prints_mm_s:
-        scatter = "not resolved by runs so short; longer --seconds would"
-    yield "between prints", scatter
-    step = spread.by_step_mm_s
-    unknown = "not known: see `simulate` without --uncertain"
-    yield "by the step", unknown if step is None else f"± {words.number(step, 2)} mm/s"
-    yield "statistical", f"± {words.number(spread.statistical_mm_s, 2)} mm/s of each short run"
+    scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
+    yield "mean over prints", Quantity("mean", "mm_s", spread.speed_mm_s, spread.speed_se_mm_s)
+    yield "a print", f"{words.span(low1, high1, 3)} mm/s (68 %), {words.span(low2, high2, 3)} (95 %)"
+    short = "not resolved by runs so short; longer --seconds would"
+    yield "deviation, print to print", Quantity("deviation", "mm_s", scatter, 0.0, refused="" if scatter else short)
+    unknown = "not known: see `simulate` without --uncertain" if step is None else ""
+    yield "error by the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
+    yield "error of each short run", Quantity("statistical", "mm_s", spread.statistical_mm_s, 0.0)
     outcomes = ", ".join(f"{count} x {name}" for name, count in spread.outcomes.items())
     yield "runs", f"model {spread.model}, a run a draw: {outcomes}"
     for note in notes(spread):

@@ -2,16 +2,18 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.analysis import facts
 from walkergen.analysis.motion import Motion
 from walkergen.errors import InputError
-from walkergen.files import report, words
+from walkergen.files import quantities, report, words
 from walkergen.files.progress import Progress, silent
-from walkergen.files.report import Report, Table
-from walkergen.jobs.run.simulate import tables, trajectories
+from walkergen.files.report import Column, Report, Table
+from walkergen.jobs.run.simulate import numbers, tables, trajectories
 from walkergen.jobs.run.simulate.make import Simulated
+from walkergen.numerics.quantity import Quantity
 from walkergen.points.walkers import tracks_of
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
@@ -27,13 +29,17 @@ RATE_HZ = 1000.0
 
 
 class Line(NamedTuple):
-    """Name and value in words."""
+    """Name and value of what was found; a quantity is formatted where people read it."""
 
     name: str
-    value: str
+    value: str | Quantity
 
 
-LINES = (report.text("", "name"), report.text("", "value"))
+def _cell(line: Line) -> str:
+    return line.value if isinstance(line.value, str) else quantities.format_whole(line.value)
+
+
+LINES = (report.text("", "name"), Column("", _cell))
 
 FIRST = (
     "walker",
@@ -47,9 +53,9 @@ FIRST = (
     "prints",
     "chosen",
     "error, 95 %",
-    "turning",
-    "self-alignment",
-    "persistence",
+    "turning bias",
+    "self alignment",
+    "persistence time",
     "runs",
 )
 """Names of the lines that people read unless they ask for all."""
@@ -118,15 +124,8 @@ def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
 def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
     """Lines that people read first: without refused numbers; how runs ended if not well."""
     ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
-    unknown = {
-        title
-        for name, (title, _) in tables.MOVED.items()
-        if simulated.motion is None or simulated.motion.estimates[name].value is None
-    }
-    names = {*FIRST, *(() if ended_well else ("outcomes",))} - unknown
-    first = [line for line in lines if line.name in names]
-    marks = " ".join(line.value for line in first)
-    return [line for line in lines if line in first or (line.name[:1] == "(" and line.name in marks)]
+    names = {*FIRST, *(() if ended_well else ("outcomes",))}
+    return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
 
 
 def _row(simulated: Simulated, design: Design) -> Table:
@@ -139,7 +138,7 @@ def _row(simulated: Simulated, design: Design) -> Table:
         "model": simulated.point.model,
         "method": simulated.point.method,
     }
-    values = named | _flat(tables.of_drive(simulated.point.summary._asdict(), simulated.scene))
+    values = named | _flat(numbers.of_drive(simulated.point.summary._asdict(), simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
@@ -191,7 +190,7 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     if simulated.landings:
         data["landings"] = tables.landings_as_dict(simulated)
     data["step"] = tables.step_as_dict(simulated)
-    data = tables.of_drive(data, scene)
+    data = numbers.of_drive(data, scene)
     orbit = simulated.orbit
     data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
     if simulated.simplest is not None:
@@ -200,7 +199,7 @@ def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     return data if chosen is None else data | {"chosen": chosen.facts}
 
 
-def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str]]:
+def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, tables.plate_in_words(scene)
@@ -211,11 +210,16 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
     yield from tables.bound_rows(simulated)
     if simulated.chosen is not None:
         yield from simulated.chosen.lines
-    yield from tables.motion_rows(simulated)
+    if simulated.untold:
+        yield "motion", f"unknown: {simulated.untold}"
+    found = [numbers.motion_numbers(simulated), numbers.observed_numbers(simulated), numbers.landing_numbers(simulated)]
+    rest, marks = quantities.mark_reasons(chain(*found))
+    yield from ((quantities.name_of(number), number) for number in rest)
+    yield from marks.items()
+    yield from (("note", note) for note in numbers.notes(simulated))
     yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
     correlation = summary.correlation_time_s
     yield "correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
-    yield from tables.statistic_rows(simulated)
     yield "largest pitch", f"{summary.max_pitch_deg:.2f} deg, an extreme: the more, the longer"
     outcomes = (f"{count} x {name}" for name, count in summary.outcomes.items())
     yield "outcomes", ", ".join(outcomes)

@@ -1,0 +1,67 @@
+"""Quantities as people read them: a value with its error and unit, its bounds, or the reason why there is none."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from walkergen.files import words
+from walkergen.files.report import Column
+from walkergen.numerics.quantity import Quantity
+
+UNITS = {
+    **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},
+    "percent": "%",
+}
+"""Units as people read them, where these are not as keys write them."""
+
+
+def name_of(number: Quantity) -> str:
+    """Return the name of a quantity in words."""
+    return number.key.replace("_", " ")
+
+
+def unit_of(number: Quantity) -> str:
+    """Return the unit of a quantity as people read it."""
+    return UNITS.get(number.unit, number.unit)
+
+
+def format_value(number: Quantity) -> str:
+    """Format a value with its error; the reason where one of them is not known."""
+    if number.value is None:
+        return number.refused
+    if number.se is None:
+        return f"{words.number(number.value)} ± ?{number.refused and ': ' + number.refused}"
+    return words.with_error(number.value, number.se)
+
+
+def format_whole(number: Quantity) -> str:
+    """Format a value with its error and unit; a reason comes last."""
+    if number.value is None:
+        return number.refused
+    value = format_value(number._replace(refused=""))
+    return " ".join(filter(None, (value, unit_of(number), number.refused)))
+
+
+def format_bounds(number: Quantity) -> str:
+    """Format the bounds of 95 % to two digits of the error; nothing without any."""
+    ends = number.interval()
+    return " to ".join(words.to_digits_of(number.se, ends)) if ends and number.se else ""
+
+
+def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Column, Column]:
+    """Return the columns of a quantity's name, unit, value with its error, and bounds; a function finds it in a row."""
+    return (
+        Column("", lambda row: name_of(number_of(row))),
+        Column("", lambda row: unit_of(number_of(row))),
+        Column("value ± standard error", lambda row: format_value(number_of(row))),
+        Column("95 %", lambda row: format_bounds(number_of(row))),
+    )
+
+
+def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], Mapping[str, str]]:
+    """Replace reasons that several quantities share by marks; return the quantities, and the marks' reasons."""
+    listed = list(numbers)
+    shared = [reason for reason, count in Counter(number.refused for number in listed).items() if reason and count > 1]
+    marks = {reason: f"({letter})" for reason, letter in zip(shared, "abcdefgh", strict=False)}
+    marked = [number._replace(refused=marks.get(number.refused, number.refused)) for number in listed]
+    return marked, {mark: reason for reason, mark in marks.items()}
