@@ -12,15 +12,13 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError
 from walkergen.jobs.make.family import preview
 from walkergen.printing import cap_sheet
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import caps, mass, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.fittings import Cap
-
-KINDS = ("engraved", "raised", "paper")
 
 
 @pytest.fixture
@@ -214,38 +212,9 @@ def test_a_sheet_is_read_and_in_true_size():
     assert len(cap_sheet.pages([Cap(kind="paper", marker_mm=120.0)] * 2)) == 2
 
 
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"number": 50}, r"number = 50: .* 0\.\.49; '4x4_100' has more"),
-        ({"dictionary": "6x6"}, "'4x4_50', '4x4_100'"),
-        ({"relief_mm": 0.9}, "relief_mm = 0.9: pockets may be 0.7"),
-        ({"marker_mm": 0.0}, "marker_mm = 0"),
-        ({"number": -1}, "number = -1"),
-    ],
-)
-def test_caps_that_are_none_are_refused(keys, words):
-    with pytest.raises(InputError, match=words):
-        capped(**keys)
-
-
 def test_a_cap_that_the_body_does_not_hold_is_refused():
     with pytest.raises(GeometryError, match=r"cap.marker_mm = 30: 14 % of the cap's 40 mm square"):
         solids.mass_of(capped(marker_mm=30.0))
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--caps", "april"), "--caps 'april': must be one of aruco"),
-        (("--caps", "aruco", "--copies", "60"), "has numbers up to 49"),
-    ],
-)
-def test_orders_of_caps_that_cannot_be_are_refused(run, tmp_path, words, message):
-    done = run("plate", *words)
-    assert isinstance(done.exception, InputError)
-    assert message in str(done.exception)
-    assert not list(tmp_path.iterdir())
 
 
 def test_cells_finer_than_lines_are_told(run):

@@ -217,41 +217,9 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
     assert made == {names.part(member) for member in members}
 
 
-@pytest.mark.parametrize(
-    ("words", "hint"),
-    [
-        (("predict", "nosuch"), "known: bristle, bristlebot, coinbo"),
-        (("predict", "none.toml"), "no such file"),
-        (("predict", "../../etc/passwd"), "no such file"),
-        (("predict", "x" * 300), "no such template"),
-        (("predict", "a\0b.toml"), "control characters"),
-        (("predict", "--tilt", "nan"), "not a number"),
-        (("predict", "--tilt", "inf"), "not a number"),
-        (("predict", "--tilt", "1e300"), "-85..85"),
-        (("predict", "--tilt", "ten"), "not a number"),
-        (("predict", "--tilt", ""), "not a number"),
-        (("predict", "--tilt", "0:40:0"), "step"),
-        (("predict", "--tilt", "0:40:-1"), "step"),
-        (("predict", "--tilt", "0:40"), "FIRST:LAST:STEP"),
-        (("predict", "--tilt", "0:80:1e-9"), "larger step"),
-        (("predict", "--tilt", "80"), "tilt up to 68.16 deg"),
-        (("predict", "--legs", "soft"), "flexible, braced"),
-        (("predict", "--restitution", "1.5"), "contact.restitution = 1.5"),
-        (("predict", "--restitution", "nan"), "must be a number"),
-        (("predict", "--friction", "-1"), "contact.friction = -1"),
-        (("predict", "--mode", "exact"), "coulomb, paper"),
-        (("predict", "--law", "hooke"), "'poisson', 'newton', 'stronge'"),
-        (("predict", "--mode", "paper", "--law", "newton"), "poisson only"),
-        (("predict", "--scene", "nosuch"), "known scenes"),
-        (("export", "--format", "step"), "stl, 3mf"),
-        (("plate", "--printer", "nosuch"), "known printers"),
-        (("family", "--tilt", "0,65"), "tilt up to"),
-        (("family", "--out", "x" * 300), "cannot be written"),
-    ],
-)
-def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
-    message = refused(run, *words)
-    assert hint in message
+def test_a_folder_that_cannot_be_written_is_one_clear_line(run, tmp_path):
+    message = refused(run, "family", "--out", "x" * 300)
+    assert "cannot be written" in message
     assert len(message.splitlines()) == 1
     assert not list(tmp_path.iterdir())
 

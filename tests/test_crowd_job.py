@@ -76,40 +76,6 @@ def job_of(names, counts, **keys):
     return crowd_space.asked(scene, designs, counts, 10.0)
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (("--count", "0"), "--count '0'"),
-        (("--count", "10000000"), "--count '10000000': must be a whole number in 1..100000"),
-        (("--count", "-3"), "--count '-3'"),
-        (("--count", "1e3"), "--count '1e3'"),
-        (("--count", "rotator:x"), "DESIGN:N"),
-        (("--count", "rotator:1,rotator:2"), "twice"),
-        (("--count", "nobody:3"), "no such template"),
-        (("koumakis2016", "--count", "rotator:3"), "names the designs"),
-        (("--count", "rotator:2,polar-disc:2", "--tilt", "5"), "--tilt 5"),
-        (("--count", "5000", "--arena", "disc:5000"), "--model flat"),
-        (("--packing", "1.2"), "packing"),
-        (("--packing", "0.0001"), "0 walkers of 224 mm²"),
-        (("--packing", "0.3", "--count", "3"), "keep one of them"),
-        (("--count", "30", "--arena", "disc:20"), "29.39 mm across"),
-        (("--count", "30", "--arena", "disc:106"), "beyond"),
-        (("--arena", "hexagon:3"), "must be one of disc:120"),
-        (("--count", "2", "--seconds", "1e6"), "samples"),
-        (("--count", "2", "--seconds", "0.1"), "--rate-hz 25 of 0.1 s"),
-        (("--count", "2", "--rate-hz", "nan"), "--rate-hz nan: must be a number"),
-        (("--count", "2", "--movie", "dish.mpeg"), ".mp4, .gif, .png"),
-        (("--count", "2", "--set", "printer.nozzle_mm=1"), "takes no printer"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, tmp_path, words, named):
-    result = run(*words)
-    error = result.exception
-    assert isinstance(error, InputError) or result.exit_code == 2
-    assert named in f"{error} {result.output}"
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
     ring = (
         '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60">'

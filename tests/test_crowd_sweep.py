@@ -17,7 +17,6 @@ from walkergen.crowd import in_space as crowd_space
 from walkergen.crowd.make import simulate
 from walkergen.crowd.members import RATE_HZ
 from walkergen.crowd.space import run as crowds
-from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.jobs.run.sweep import ask, make
 from walkergen.points import axes
@@ -197,25 +196,3 @@ def test_a_file_asks_for_crowds_as_the_command_line_does(tmp_path):
     )
     line, _ = request_of(PACKINGS, "scene.run.seconds=2", keep=["milling"])
     assert ask.of_file(file).request() == line._replace(data=line.data)
-
-
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["--set", PACKINGS, "--model", "compliant"], "--model crowd"),
-        (["--set", "scene.crowd.friction=0.1", "--model", "prediction"], "scene.crowd.friction"),
-        (["--set", PACKINGS, "--error", "5%"], "scene.run.runs"),
-        (["--set", PACKINGS, "--budget", "10m"], "--budget"),
-        (["--set", PACKINGS, "--keep", "masses"], "--keep 'masses': must be one of packing"),
-        (["--set", "legs.tilt_deg=2,4", "--keep", "milling"], "--keep 'milling'"),
-        (["--set", "scene.crowd.pack=1,2"], "scene.crowd.pack"),
-        (["--set", "scene.crowd.arena_mm=disc:90,square:3"], "square:3"),
-    ],
-)
-def test_what_is_of_one_walker_and_what_of_crowds_is_refused_by_name(tmp_path, monkeypatch, words, named):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    error = CliRunner().invoke(command_line, ["sweep", *words]).exception
-    assert isinstance(error, InputError)
-    assert named in str(error)
-    assert not (tmp_path / "out").exists()

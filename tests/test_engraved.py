@@ -5,7 +5,7 @@ them, and refusals.
 import numpy as np
 import pytest
 
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.shapes import outlines
 from walkergen.shapes.lettering import letters
@@ -40,20 +40,6 @@ def test_letters_on_a_disc_read_from_above():
     stem = floor[z < 0.0]
     assert stem[:, 0].max() < 0.5 * (x.min() + x.max())
     assert built.walker.vertices[:, 1].max() == pytest.approx(1.5)
-
-
-@pytest.mark.parametrize(
-    ("base", "marks", "told"),
-    [
-        (DISC, {"text": "walkers", "text_height_mm": 10.0}, "make text_height_mm smaller"),
-        (DISC, {"text": "HH", "text_height_mm": 12.0}, "the letters leave the outline"),
-        (DISC, {"text": "A", "depth_mm": 2.0}, "at most half of 3 mm"),
-        ({"body": {"profile_mm": [[0, 0], [20, 0], [20, 3], [0, 3]]}}, {"text": "A"}, "side view"),
-    ],
-)
-def test_what_does_not_fit_is_refused(base, marks, told):
-    with pytest.raises(GeometryError, match=told):
-        solids.build(design_of(base, **marks))
 
 
 def test_text_goes_with_its_kind():

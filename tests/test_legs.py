@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import soundness
 
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError
 from walkergen.files import config
 from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
@@ -120,49 +120,6 @@ FORTY = [
 def test_forty_legs_are_one_sound_solid():
     built = soundness.check(listed(*FORTY))
     assert len(built.legs) == 40
-
-
-LEG, TWO = "[[legs]]\nalong_mm = ", "[[legs]]\nalong_mm = -6\n[[legs]]\nalong_mm = 6\n"
-REFUSED = {
-    "not level": (TWO + "length_mm = 7", ":5: legs[2].length_mm = 7: ", "7.5000 mm would reach"),
-    "key not written": (TWO[:-2] + "6\ntilt_deg = 0", ":1: legs[1].length_mm = 7.5: ", "0.114 mm"),
-    "cross": (
-        f"{LEG}-9\n{LEG}-1\ntilt_deg = 20\n{LEG}1\ntilt_deg = -20",
-        ":7: legs[3].along_mm = 1: ",
-        "crosses leg 2",
-    ),
-    "same place": (TWO + LEG + "6", ":6: legs[3].along_mm = 6: ", "crosses leg 2"),
-    "off the end": (f"{LEG}-6\n{LEG}14", ":4: legs[2].along_mm = 14: ", "reaches x = 15.505 mm"),
-    "off the side": (
-        TWO + "width_mm = 2\nacross_mm = 3.5",
-        ":4: legs[2].along_mm = 6: ",
-        "reaches z = 4.500 mm, the body ends at 4.000 mm",
-    ),
-    "on a line": (
-        f"{LEG}0\nwidth_mm = 2\nacross_mm = -3\n{LEG}0\nwidth_mm = 2\nacross_mm = 3",
-        ":2: legs[1].along_mm = 0: ",
-        "falls over",
-    ),
-    "tilt": (TWO + "tilt_deg = 95", ":5: legs[2].tilt_deg = 95: ", "must be a number >= -85"),
-    "spelling": (TWO + "tlt_deg = 9", ":5: legs[2].tlt_deg: ", "did you mean legs[2].tilt_deg?"),
-    "inline": ("legs = [{along_mm = 1},\n  {along_mm = 'x'}]", ":1: legs[2].along_mm = 'x': ", "must be a number"),
-    "no place": (TWO + "[[legs]]", ":5: legs[3].along_mm is missing: ", "must be a number"),
-    "too many": (TWO * 33, ":1: legs: ", "66 entries: must be at most 64"),
-    "none": ("legs = []", ":1: legs: ", "0 entries: must be at least 1"),
-    "no list": ("legs = 3", ":1: legs = 3: ", "must be a table [legs] of keys, or tables [[legs]]"),
-    "a tag": ("[legs]\ntable = 3", ":2: legs.table: ", "unknown key"),
-    "family's": ("leg_tilt_deg = 5\n[legs]", ":1: leg_tilt_deg: ", "is for a list [[legs]]"),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_names_leg_line_and_limit(tmp_path, name):
-    text, start, end = REFUSED[name]
-    with pytest.raises(InputError) as caught:
-        read(tmp_path, text)
-    first = str(caught.value).splitlines()[0]
-    assert first.startswith(f"{tmp_path / 'mine.toml'}{start}")
-    assert end in first
 
 
 def test_the_length_told_for_a_short_leg_reaches_the_plate():

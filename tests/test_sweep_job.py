@@ -188,34 +188,6 @@ def test_points_that_cannot_be_are_rows_with_a_reason(home):
     assert beyond["speed_mm_s"] == ""
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["--set", "legs.tilt=5"], "did you mean legs.tilt_deg?"),
-        (["--set", "scene.drive.gama=1,2"], "did you mean"),
-        (["--set", "legs.tilt_deg=0:inf:1"], "finite"),
-        (["--set", "legs.tilt_deg=nan:5:1"], "finite"),
-        (["--set", "legs.tilt_deg=0:10:0"], "does not lead"),
-        (["--set", "legs.tilt_deg=0:10"], "--sample"),
-        (["--set", TILTS, "--set", TILTS], "given 2 times"),
-        (["--set", TILTS, "--sample", "sobol:8"], "no key to sample"),
-        (["--set", "legs.tilt_deg=0:9", "--sample", "halton:8"], "sobol:N or latin:N"),
-        (["--set", TILTS, "--error", "5%"], "the prediction has no runs"),
-        (["--set", TILTS, "--budget", "10m"], "predictions have no runs"),
-        (["--set", TILTS, "--model", "string"], "must be one of prediction"),
-        (["--set", TILTS, "--keep", "speed,mass"], "must be one of speed"),
-        (["--set", TILTS, "--keep", "printability"], "needs a printer"),
-        (["--set", TILTS, "--keep", "persistence"], "needs a simulation"),
-        (["--set", TILTS, "--workers", "0"], "1..1024"),
-        (["--set", TILTS, "--workers", "2", "--dask", "tcp://x:1"], "not with --dask"),
-    ],
-)
-def test_what_means_nothing_is_refused_before_anything_is_written(home, arguments, told):
-    found = swept(*arguments, "--out", "one", code=1)
-    assert told in str(found.exception)
-    assert not (home / "one").exists()
-
-
 def test_a_thousand_million_points_ask_first(home):
     axes_ = [f"scene.contact.{key}=0:1:0.001" for key in ("restitution", "friction", "friction_sd")]
     given = [part for text in axes_ for part in ("--set", text)]

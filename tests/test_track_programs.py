@@ -199,39 +199,6 @@ def test_parts_that_deeplabcut_is_not_sure_of_do_not_count(tmp_path):
     assert np.flatnonzero(np.isnan(track.position[:, 0])).tolist() == [2]
 
 
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("<svg/>", "<svg> seen: must be TrackMate's"),
-        ('<!DOCTYPE a [<!ENTITY b "c">]><Tracks/>', "declares entities"),
-        ("<Tracks", "no sound XML"),
-        ("<Tracks/>", "no track in it"),
-        ("MTrackJ 1.5.1 Data File\n", "no track in it"),
-        ("scorer,a\nnothing,b\n", "has no lines bodyparts and coords"),
-        ("scorer,a\nbodyparts,b\ncoords,x\n0,1\n", "the part b has no x and y"),
-        ("scorer,a,a\nbodyparts,b\ncoords,x,y\n", "lines of its names have 2, 3 and 2 cells"),
-        ("Track n,Slice n,Where\n1,1,2\n", "rename the one that holds it to x_mm, x_cm or x_px"),
-        ('<object class="org.osp.TrackerPanel" />', "axes or scale change from frame to frame"),
-        ("frame_idx,node,x,y,track\n0,head,1,1,a\n0,tail,2,2,a\n", "has a row for a part of a walker; give SLEAP's"),
-        ("frame_idx,track,a.x,b.y\n0,w,1,1\n", "no part has both columns .x and .y"),
-        ('<Tracks><particle><detection t="1e400" x="1" y="1"/></particle></Tracks>', "no number within ±1e+12"),
-        ('<?xml version="1.0" encoding="UTF-t"?><Tracks/>', "is no sound XML of tracks: "),
-        ("frame_idx,inst0.track,inst0.a.x,inst0.a.y\n0,a,1,1\n", "has a row for all walkers of a frame"),
-        ("\tmass A\t\t\nt\tx\tr\t\n0\t1\t2\n", "no column 'y'"),
-        ("#multi:\n\ta\t\t\tb\t\nt\tx\ty\tx\t\n0\t1\t2\t3\n", "2 columns x and 1 columns y: export both"),
-        ("\tmass A\t\t\nt\tx\ty\t\n0\t\t\n", "nothing to read: no frame has both x and y"),
-        ("\tmass A\t\t\nt\tx\ty\t\n0,04\t1,5\t2,5\n", ":3: a comma seen"),
-    ],
-)
-def test_what_is_no_such_file_is_refused_in_one_line(tmp_path, text, told):
-    path = tmp_path / "tracks.txt"
-    path.write_text(text)
-    with pytest.raises(InputError) as caught:
-        track_files.read(path, PIXELS)
-    assert told in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_headings_of_fasttrack_count_counterclockwise_though_its_y_goes_down(tmp_path):
     """As its tracking.cpp has them: 2 pi less the angle in the picture, whose rows go down."""
     ways = [np.arctan2(*reversed(np.gradient(walker, axis=0).T)) for walker in WALKERS]  # in the picture

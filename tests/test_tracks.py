@@ -80,46 +80,6 @@ def test_bad_rows_are_counted_named_and_left_out(tmp_path):
         assert told in found.note, found.note
 
 
-@pytest.mark.parametrize(
-    ("text", "units", "hint"),
-    [
-        ("frame,particle,x,y\n0,0,1,1\n", Units(fps=100.0), "give --mm-per-px"),
-        ("frame,particle,x,y\n0,0,1,1\n", Units(fps=0.0, mm_per_px=1.0), "--fps 0: must be"),
-        ("t_s,x_mm\n0,1\n1,2\n", FILM, "--fps 100"),
-        ("t_s,x_mm\n0,1\n1,2\n", Units(y_down=True), "--y-down"),
-        ("t_s,x_mm\n0,1\n1,2\n2.4,2\n3,3\n4,3\n", Units(), "line 4 lies off the regular times"),
-        ("a,b\n1,2\n", FILM, "(seen: a, b)"),
-        ("frame,particle,x\n0,0,1\n", FILM, "no column 'y'; rename the one that holds it to y_mm"),
-        ("when,x,y\n0,0,1\n", FILM, "no column 'time'; rename the one that holds it to t_s, or frame"),
-        ("frame,particle,x,y\n0,0,1,1\n", Units(), "give --fps and --mm-per-px"),
-        ("frame,x,y\n0,0,1\n1,1,1\n", FILM._replace(unit="mm,cm"), "--unit mm,cm: must be a unit of places"),
-        ("frame,x_mm,y_mm\n0,0,1\n1,1,1\n", FILM, "--mm-per-px 0.5"),
-        ("time,x,y\n0,0,1\n1,1,1\n", Units(unit="mm"), "whole numbers without a unit; give --unit s"),
-        ("time,x,y\n0,0,1\n0.1,1,1\n", Units(), "x has no unit; give --unit mm"),
-        ("frame,x,y,theta\n0,0,1,359\n1,1,1,2\n", FILM, "reaches 359, more than a turn in radians; give --unit deg"),
-        ("frame,x,y\n0,200,000,300,000\n1,197,606,299,826\n", FILM, ":2: 5 cells, the header has 3: separate cells"),
-        ("frame;x;y\n0;200,000;300,000\n", FILM, ":2: a comma seen in '0;200,000;300,000'"),
-        ("frame,x\n0,0,1\n1,1,1\n", FILM._replace(lane=True), "are the first ones names of rows, as R's?"),
-        ("frame,x,y,theta,theta_deg\n0,0,1,1,1\n", FILM, "both theta"),
-        ("frame,x,y\n0,0,1\n0,0,2\n", FILM, "link the positions first"),
-        ("time [s] x_mm y_mm\n0 1 1\n1 2 2\n", Units(), ":2: 3 words, the header has 4: separate cells by commas"),
-        ("frame x y particle\n0 1 1 0\n1 1  0\n", FILM, ":3: 3 words, the header has 4"),
-        ("t_s,x_mm,y_mm\n0,1,1\n1,2,2\n", Units(unit="cm"), "has its own x_mm in mm; leave it out"),
-        ("time (ms),x,y\n0,1,1\n1,2,2\n", Units(unit="mm,s"), "has its own time (ms) in ms; leave it out"),
-        ("frame,x,y,theta_deg\n0,1,1,1\n", FILM._replace(unit="rad"), "has its own theta_deg in deg; leave it out"),
-        ("frame,particle,x,y\n0,0,a,1\n1,0,b,1\n", FILM, "2 bad rows left out: line 2"),
-        ("frame,particle,x,y\n0.5,0,1,1\n", FILM, "whole number"),
-        ("frame,particle,x,y\n0,0,1,1\n1,0,1,1\n900000000,0,1,1\n", FILM, "mistyped"),
-        ("frame,particle,x,y,plate_speed_mm_s\n0,0,1,1,3\n1,0,1,1,4\n", FILM, "number the particle"),
-    ],
-)
-def test_unusable_files_are_refused_in_one_line(tmp_path, text, units, hint):
-    with pytest.raises(InputError, match=r".*") as refused:
-        read(tmp_path, text, units)
-    assert hint in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
 POGO = "time,x,y,theta,particle\n"
 
 

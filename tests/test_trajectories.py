@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
-from walkergen.errors import InputError
 from walkergen.files import extended_xyz
 from walkergen.files.progress import silent
 from walkergen.jobs.run.simulate import make, trajectories
@@ -149,9 +148,3 @@ def test_samples_kept_are_not_simulated_again(monkeypatch):
     point = make.measure(one, silent).point
     monkeypatch.setattr(trajectories.walkers, "simulate", None)
     assert len(trajectories.of(one, point, silent).rows) == 14
-
-
-@pytest.mark.parametrize("name", ["run", "run.gsd", "run.csv.gz", ".xyz"])
-def test_an_unknown_suffix_is_refused_by_name(tmp_path, name):
-    with pytest.raises(InputError, match=r"must end in one of \.csv, \.npz, \.xyz"):
-        trajectories.check(tmp_path / name)

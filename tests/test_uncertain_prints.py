@@ -8,7 +8,6 @@ from scipy import stats
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import InputError
 from walkergen.jobs.run.simulate import prints
 from walkergen.points import draws as uncertain
 from walkergen.theory.uncertain import Input, draws
@@ -129,20 +128,6 @@ def test_equal_seeds_give_equal_bytes(tmp_path):
         CliRunner().invoke(command_line, [*QUICK, "--quiet", "--out", str(tmp_path / name)])
     one, two = ((tmp_path / name / "draws.csv").read_bytes() for name in ("one", "two"))
     assert one == two
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--draws", "3"), "--draws 3: must lie in 16..4096"),
-        (("--runs", "8"), "--runs 8: not with --uncertain"),
-        (("--error", "5%"), "--error 5%: not with --uncertain"),
-    ],
-)
-def test_what_contradicts_it_is_refused(words, told):
-    result = CliRunner().invoke(command_line, [*QUICK, *words])
-    assert isinstance(result.exception, InputError)
-    assert told in str(result.exception)
 
 
 def test_a_folder_is_for_uncertain_prints_only(tmp_path):

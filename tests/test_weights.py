@@ -147,67 +147,10 @@ def names_of_family():
     return [names.part(one) for one in PAPER.members()]
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "walker_t15.0_flexible_s0.50",  # of another thickness
-        "walker_t15.00_flexible_s0.40",
-        "walker_t80.0_flexible_s0.40",
-        "walker_t1.5.0_flexible_s1",
-        "walker_t15.0_soft_s0.40",
-        "duck_t15.0_flexible_s0.40",
-        "walker_t15.0_flexible_s0.40-0",
-    ],
-)
-def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
-    with pytest.raises(InputError, match=r":2: part .* is not among"):
-        read(f"part,grams\n{name},0.9\n{TEN},0.9\n")
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("part,grams\nwalker_t5_flexible_s0.40,1", f":2: part .* did you mean {FIVE}"),
-        ("part,grams\n\nzzz,1", ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t05.0"),
-        (f"part,grams\n{FIVE}-0,1", ":2: part"),
-        (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number in"),
-        (f"part,grams\n{FIVE},nan", ":2: grams = 'nan'"),
-        (f"part,grams\n{FIVE},inf", ":2: grams = 'inf'"),
-        (f"part,grams\n{FIVE},1e999", ":2: grams = '1e999'"),
-        (f"part,grams\n{FIVE},0,81", ":2: 3 cells, the header has 2: .*decimal point"),
-        (f'part,grams\n{FIVE},"0,81"', ":2: grams = '0,81'"),
-        (f"part,grams\n{FIVE}", ":2: 1 cells"),
-        ("part;grams\nx;1", ":1: no comma, but ';' seen: separate cells by commas"),
-        ("part,gram\nx,1", ":1: columns"),
-        ("part,grams,grams\nx,1,2", ":1: column 'grams' occurs twice"),
-        ("grams,leg_g\n1,1", ":1: columns"),
-        ("part\nx", ":1: columns"),
-        ("", ": is empty; give a CSV file"),
-    ],
-)
-def test_bad_lines_are_named(read, text, told):
-    with pytest.raises(InputError, match=told):
-        read(text)
-
-
 def test_all_bad_lines_are_told_at_once(read):
     with pytest.raises(InputError) as caught:
         read(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
     assert [line.split(":")[1] for line in str(caught.value).splitlines()] == ["2", "3", "5"]
-
-
-@pytest.mark.parametrize(
-    ("cells", "told"),
-    [
-        ("grams,body_g,leg_g\n{},1,0.8,0.1", "one too many"),
-        ("grams\n{},890", "a body of 830.* g by the balance, 0.8333 g by the mesh: more than 10"),
-        ("grams,body_g\n{},0.8,0.9", "a leg of -0.05 g"),
-        ("leg_g\n{},0.8", "a leg of 0.8 g"),
-    ],
-)
-def test_impossible_masses_are_refused(read, cells, told):
-    with pytest.raises(InputError, match=f"{TEN}: .*{told}"):
-        predicted(read("part," + cells.format(TEN) + "\n"))
 
 
 def test_files_that_cannot_be_read_are_one_line(tmp_path):
