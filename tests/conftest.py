@@ -1,6 +1,7 @@
-"""Assertions of helper modules say what they saw, as those of tests do."""
+"""Fixtures of many tests; assertions of helper modules say what they saw, as those of tests do."""
 
 import pytest
+from typer.testing import CliRunner
 
 pytest.register_assert_rewrite("soundness", "threemf")
 
@@ -14,3 +15,18 @@ def _short_simulations():
     short.LONGEST_S, short.PRINT_S, short.PRINTS, short.MOST_RUNS = 0.3, 0.2, 16, 8
     yield
     short.LONGEST_S, short.PRINT_S, short.PRINTS, short.MOST_RUNS = kept
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Run the command line with words, in an empty folder."""
+    from walkergen.cli import command_line
+
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(command_line, list(map(str, words)))
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pictures take longer than all the rest of a short film's tracking."""
+    monkeypatch.setattr("walkergen.files.figures.png", lambda figure: b"")

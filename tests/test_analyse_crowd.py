@@ -5,17 +5,9 @@ import json
 import numpy as np
 import pytest
 from crowd_films import gas
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.crowd import files as crowd_files
 from walkergen.errors import InputError
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(words))
 
 
 @pytest.fixture

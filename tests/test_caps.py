@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 import shapely
 from PIL import Image
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import GeometryError
 from walkergen.jobs.make.family import preview
 from walkergen.printing import cap_sheet
@@ -19,12 +17,6 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.walker import caps, mass, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.fittings import Cap
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(map(str, words)))
 
 
 def capped(kind="engraved", **keys):

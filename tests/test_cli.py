@@ -8,9 +8,8 @@ import sys
 import time
 
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line, main
+from walkergen.cli import main
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.scene import Scene
@@ -47,16 +46,6 @@ COLUMNS = [
     "theory_note",
     "note",
 ]
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
 
 
 def refused(run, *words):

@@ -80,12 +80,6 @@ TIMES = {
 }
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Pictures take longer than all the rest of a short film's tracking."""
-    monkeypatch.setattr("walkergen.files.figures.png", lambda figure: b"")
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", TIMES)

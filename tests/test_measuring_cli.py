@@ -6,25 +6,13 @@ import json
 import numpy as np
 import pytest
 from synthetic_tracks import Walker, film
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.scene import Scene
 
 WALKER = Walker()
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
 
 
 def as_trackpy_writes(path, filmed, mm_per_px):

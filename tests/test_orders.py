@@ -9,9 +9,7 @@ import json
 import numpy as np
 import pytest
 import threemf
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import order_list
@@ -34,12 +32,6 @@ contact_spacing_mm = 9.0
 [marks]
 kind = "notches"
 """
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
 
 @pytest.fixture

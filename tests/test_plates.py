@@ -13,9 +13,7 @@ from pathlib import Path
 import executed
 import pytest
 import threemf
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import InputError, PlateError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import make as batch
@@ -41,12 +39,6 @@ def png_size(data: bytes) -> tuple[int, int]:
 
 def table(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(path.read_text())))
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
 
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)

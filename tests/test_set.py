@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 import typer
-from typer.testing import CliRunner
 
 from walkergen import inputs
 from walkergen.cli import command_line, main
@@ -42,16 +41,6 @@ OUTSIDE = {
     "printer": ("printer.margin_mm=-9", "printer.margin_mm = -9: must be a number >= 0"),
 }
 PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
 
 
 def refused(run, *words):

@@ -5,9 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 
 KEYS = {
@@ -30,16 +28,6 @@ KEYS = {
 }
 
 SHORT = ("--seconds", "0.5", "--runs", "2")
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
 
 
 def test_json_has_the_named_keys(run):

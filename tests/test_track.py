@@ -213,12 +213,6 @@ def run(tmp_path, monkeypatch):
     return lambda *words: CliRunner().invoke(command_line, ["track", *map(str, words)])
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Pictures take longer than all the rest of a short film's tracking."""
-    monkeypatch.setattr("walkergen.files.figures.png", lambda figure: b"")
-
-
 RIGHT = [(40.0 + 3.0 * n, 60.0 + 0.5 * n, 0.2 + 0.01 * n) for n in range(30)]
 LEFT = [(200.0 - 2.5 * n, 120.0, math.pi - 0.02 * n) for n in range(30)]
 
