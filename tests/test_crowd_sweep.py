@@ -10,9 +10,7 @@ from pathlib import Path
 import pytest
 from scipy import stats
 from test_crowd_job import walk
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.crowd import in_space as crowd_space
 from walkergen.crowd.make import simulate
 from walkergen.crowd.members import RATE_HZ

@@ -12,8 +12,7 @@ from walkergen import extras
 from walkergen.analysis import track_files
 from walkergen.analysis.track_files import Units
 from walkergen.errors import InputError
-from walkergen.files import netcdf
-from walkergen.jobs.run.simulate import trajectories
+from walkergen.jobs.run.simulate import netcdf, trajectories
 from walkergen.jobs.run.simulate.trajectories import Written
 
 PLACES = np.stack(WALKERS, axis=-1)[:, :, None]

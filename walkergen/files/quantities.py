@@ -1,7 +1,7 @@
 """Quantities as people read them: a value with its error and unit, its bounds, or the reason why there is none."""
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from walkergen.files import words
@@ -25,21 +25,14 @@ def unit_of(number: Quantity) -> str:
     return UNITS.get(number.unit, number.unit)
 
 
-def format_value(number: Quantity) -> str:
-    """Format a value with its error; the reason where one of them is not known."""
+def format_value(number: Quantity, unit: str = "") -> str:
+    """Format a value with its error, then its unit, then the reason why there is no error; the reason of no value."""
     if number.value is None:
         return number.refused
-    if number.se is None:
-        return f"{words.number(number.value)} ± ?{number.refused and ': ' + number.refused}"
-    return words.with_error(number.value, number.se)
-
-
-def format_whole(number: Quantity) -> str:
-    """Format a value with its error and unit; a reason comes last."""
-    if number.value is None:
-        return number.refused
-    value = format_value(number._replace(refused=""))
-    return " ".join(filter(None, (value, unit_of(number), number.refused)))
+    if number.se is not None:
+        return f"{words.with_error(number.value, number.se)} {unit}".rstrip()
+    reason = f": {number.refused}" if number.refused else ""
+    return f"{words.number(number.value)} ± ? {unit}".rstrip() + reason
 
 
 def format_bounds(number: Quantity) -> str:
@@ -58,8 +51,8 @@ def columns(number_of: Callable[[Any], Quantity]) -> tuple[Column, Column, Colum
     )
 
 
-def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], Mapping[str, str]]:
-    """Replace reasons that several quantities share by marks; return the quantities, and the marks' reasons."""
+def mark_reasons(numbers: Iterable[Quantity]) -> tuple[list[Quantity], dict[str, str]]:
+    """Replace reasons that several quantities share by marks; return the quantities, and the reasons by marks."""
     listed = list(numbers)
     shared = [reason for reason, count in Counter(number.refused for number in listed).items() if reason and count > 1]
     marks = {reason: f"({letter})" for reason, letter in zip(shared, "abcdefgh", strict=False)}

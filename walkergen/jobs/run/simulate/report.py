@@ -36,7 +36,9 @@ class Line(NamedTuple):
 
 
 def _cell(line: Line) -> str:
-    return line.value if isinstance(line.value, str) else quantities.format_whole(line.value)
+    """Return the text of a line; of a quantity with its unit."""
+    number = line.value
+    return number if isinstance(number, str) else quantities.format_value(number, quantities.unit_of(number))
 
 
 LINES = (report.text("", "name"), Column("", _cell))

@@ -15,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import extended_xyz, netcdf, output
+from walkergen.files import extended_xyz, output
 from walkergen.files.extended_xyz import Bodies
 from walkergen.files.progress import Progress
+from walkergen.jobs.run.simulate import netcdf
 from walkergen.points import walkers
 from walkergen.simulation import trajectory
 from walkergen.simulation.experiments import Results, Walker
