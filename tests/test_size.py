@@ -23,7 +23,7 @@ LIMITS = {
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
-    "walkergen/printing": 2960,
+    "walkergen/printing": 2970,
     "walkergen/shapes": 4230,
     "walkergen/simulation": 9560,
     "walkergen/theory": 2190,

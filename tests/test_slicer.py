@@ -22,6 +22,7 @@ from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
+from walkergen.walker.sections import section_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.programs]
 
@@ -84,7 +85,7 @@ def test_legs_get_the_plastic_that_the_checks_promise(sliced_family):
     for walker in sliced_family.walkers:
         mesh = mass.weigh(solids.build(walker.design).legs[0], 1.0).volume
         promised = walls.leg_plastic(walker.limb, walker.printer)
-        tolerance = walker.limb.section.PLASTIC_TOLERANCE
+        tolerance = section_of(walker.limb).PLASTIC_TOLERANCE
         assert walker.legs.sum(axis=0) / mesh == pytest.approx([promised] * 2, abs=tolerance)
 
 

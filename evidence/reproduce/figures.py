@@ -19,6 +19,7 @@ from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import Point
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
+from walkergen.walker.sections import section_of
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {
@@ -196,7 +197,7 @@ def _profile(axes: Axes, mechanism: Mechanism) -> None:
     design = mechanism.design
     side, ground = design.body.shape.side, min(limb.foot_height for limb in design.limbs)
     assert side is not None  # the mechanisms' bodies are rectangles
-    legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in limb.section.profile(limb, 16)]
+    legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in section_of(limb).profile(limb, 16)]
     axes.add_collection(PolyCollection([side], facecolors=GREY))
     axes.add_collection(PolyCollection(legs, facecolors=INK))
     axes.axhline(ground, color="black", linewidth=0.8)

@@ -12,6 +12,7 @@ from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
+from walkergen.walker.sections import section_of
 from walkergen.walker.solids import Solids
 
 ON_SIDE = "on its side, no supports"
@@ -58,7 +59,7 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     grams = {key: round(mass.weigh(mesh, density).mass, 7) for key, mesh in distinct.items()}
     leg_weights = {}
     for limb, mesh in zip(design.limbs, built.legs, strict=True):
-        tolerance = limb.section.PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
+        tolerance = section_of(limb).PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
         leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, side), tolerance)
     whole = mass.weigh(built.walker, density).mass
     sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)

@@ -36,6 +36,7 @@ from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
+from walkergen.walker.sections import section_of
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -123,7 +124,7 @@ def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
 
 def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
     """Thickness, slant and height of a leg's brace as a wall; None when it has none."""
-    for strut in limb.section.struts(limb):
+    for strut in section_of(limb).struts(limb):
         if side:
             return strut.thickness, 1.0, limb.width
         return min(strut.thickness, limb.width), 1.0, -limb.anchor_to_foot[1]
@@ -158,7 +159,7 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
     """
     slant = 1.0 if side else math.cos(limb.tilt)
     pieces = [(limb.thickness / slant, limb.length * slant)]
-    pieces += [(strut.thickness, limb.length * math.cos(limb.tilt)) for strut in limb.section.struts(limb)]
+    pieces += [(strut.thickness, limb.length * math.cos(limb.tilt)) for strut in section_of(limb).struts(limb)]
     drawn = sum(thickness * length for thickness, length in pieces)
     return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
 

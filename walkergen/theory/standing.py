@@ -12,6 +12,7 @@ from walkergen.theory.hertz import tip_stiffness
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties
+from walkergen.walker.sections import section_of
 
 
 def reason(scene: Scene, design: Design, mass: MassProperties) -> str:
@@ -56,7 +57,7 @@ def _amplification(scene: Scene, design: Design, mass: MassProperties) -> float:
 
 def _upright_softness(limb: Limb, modulus: float) -> float:
     """Vertical compliance of a leg, s^2/g, whose foot slides: it bends as a cantilever and is pressed."""
-    softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * limb.section.axial(limb))
+    softness = math.cos(limb.tilt) ** 2 / (modulus * limb.width * section_of(limb).axial(limb))
     if not limb.rigid:
-        softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * limb.section.second_moment(limb))
+        softness += math.sin(limb.tilt) ** 2 * limb.length**3 / (3.0 * modulus * section_of(limb).second_moment(limb))
     return softness

@@ -8,6 +8,7 @@ import numpy as np
 
 from walkergen.walker.body import Shape, Size
 from walkergen.walker.limbs import Legs, Limb, pair_of
+from walkergen.walker.sections import section_of
 
 LEVEL_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
@@ -32,7 +33,7 @@ def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
     problems = []
     for number, limb in enumerate(limbs, start=1):
         texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
-        texts += [*limb.section.problems(limb), *_struts_off_body([limb], size.length)]
+        texts += [*section_of(limb).problems(limb), *_struts_off_body([limb], size.length)]
         problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
     return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
 
@@ -49,8 +50,8 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
             f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
             f"the plate, the contact spacing is {spacing:g} mm"
         )
-    problems += back.section.problems(back)
-    for strut in back.section.struts(back):
+    problems += section_of(back).problems(back)
+    for strut in section_of(back).struts(back):
         span = abs(strut.offset)
         if span + back.half_width + 0.5 * strut.thickness >= spacing:
             problems.append(
@@ -98,7 +99,7 @@ def _off_side(limb: Limb, depth: float) -> list[str]:
 
 def _struts_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
     half_body = 0.5 * length
-    struts = [(limb.anchor[0], strut) for limb in limbs for strut in limb.section.struts(limb)]
+    struts = [(limb.anchor[0], strut) for limb in limbs for strut in section_of(limb).struts(limb)]
     reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
     if reach <= half_body:
         return []
@@ -122,7 +123,9 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
 
     problems = []
     sections = [
-        shapely.union_all([shapely.Polygon(piece + np.array(limb.anchor)) for piece in limb.section.profile(limb, 16)])
+        shapely.union_all(
+            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in section_of(limb).profile(limb, 16)]
+        )
         for limb in limbs
     ]
     for (i, limb), (j, other) in itertools.combinations(enumerate(limbs), 2):
@@ -175,7 +178,7 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
     for number, limb in enumerate(limbs, start=1):
         x, half = limb.anchor[0], limb.half_width
         left, right = x - half, x + half
-        for strut in limb.section.struts(limb):
+        for strut in section_of(limb).struts(limb):
             left = min(left, x + strut.offset - 0.5 * strut.thickness)
             right = max(right, x + strut.offset + 0.5 * strut.thickness)
         top = shapely.box(left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width)

@@ -17,6 +17,7 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.walker.body import Body, Shape, Size
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import SolidMass, weigh
+from walkergen.walker.sections import section_of
 
 MARGIN_MM = 0.05
 """Depth by which a leg reaches into the body beyond where its section is covered, mm."""
@@ -77,7 +78,7 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     met = limb._replace(length=length, bottom=float(footing.anchor[1]))
     # Beyond its anchor a leg goes straight up, as its struts do
     upright = [(0.0, 2.0 * met.half_width)] if sin else []
-    upright += [(strut.offset, strut.thickness) for strut in met.section.struts(met)]
+    upright += [(strut.offset, strut.thickness) for strut in section_of(met).struts(met)]
     above = math.inf if sin else footing.above - length
     for offset, thickness in upright:
         foot = np.array([met.anchor[0] + offset, end[1], anchor[2]])

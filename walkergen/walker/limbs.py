@@ -7,9 +7,8 @@ behind the anchor for tilt > 0.
 """
 
 import math
-from functools import cache
 from operator import not_
-from typing import Annotated, Literal, NamedTuple, Protocol, get_args
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +22,9 @@ Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+RIGID_KINDS: tuple[Kind, ...] = ("braced",)
+"""Kinds of legs that are part of the body: they neither bend nor twist."""
+
 FootKind = Literal["square", "flat", "round"]
 
 MOST_LEGS = 64
@@ -111,14 +113,9 @@ class Limb(NamedTuple):
     restitution: float | None
 
     @property
-    def section(self) -> "CrossSection":
-        """Cross-section: what follows from the kind."""
-        return section_of(self.kind)
-
-    @property
     def rigid(self) -> bool:
         """True when the leg neither bends nor twists, as one with a brace."""
-        return self.section.RIGID
+        return self.kind in RIGID_KINDS
 
     @property
     def anchor_to_foot(self) -> Point:
@@ -160,48 +157,6 @@ class Strut(NamedTuple):
     """Place of its middle along the run, from the anchor, mm."""
     thickness: float
     """Thickness along the run, mm."""
-
-
-class CrossSection(Protocol):
-    """Cross-section of a kind of legs: a module of `walkergen.walker.sections`, as flexible.py.
-
-    A new one is its file, its name and its thickness here, and its look in `files.figures`.
-    """
-
-    RIGID: bool
-    """True for a leg that is part of the body: it neither bends nor twists."""
-    PLASTIC_TOLERANCE: float
-    """Relative uncertainty of the plastic of a whole leg that prints on its side."""
-
-    def profile(self, limb: Limb, segments: int) -> list[Polygon]:
-        """Polygons below the underside, counter-clockwise, the leg's first; anchor at the origin."""
-
-    def struts(self, limb: Limb) -> tuple[Strut, ...]:
-        """Supports beside the leg."""
-
-    def second_moment(self, limb: Limb) -> float:
-        """Second moment of area about the axis across the run, mm^4."""
-
-    def torsion_constant(self, limb: Limb) -> float:
-        """Torsion constant about the leg's long axis, mm^4."""
-
-    def axial(self, limb: Limb) -> float:
-        """Stiffness along the leg, over Young's modulus times the width."""
-
-    def problems(self, limb: Limb) -> list[str]:
-        """Reasons why the leg cannot be built, whatever the body."""
-
-
-@cache
-def section_of(kind: Kind) -> CrossSection:
-    """Cross-section of a kind of legs."""
-    if kind == "braced":
-        from walkergen.walker.sections import braced
-
-        return braced
-    from walkergen.walker.sections import flexible
-
-    return flexible
 
 
 def embedding_in(bottom: float) -> float:

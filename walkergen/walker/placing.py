@@ -19,6 +19,7 @@ from walkergen.errors import GeometryError, InputError, Remedy, SolidError
 from walkergen.shapes import joining, units
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Legs, Limb, pair_of
+from walkergen.walker.sections import section_of
 
 if TYPE_CHECKING:
     from shapely.geometry.base import BaseGeometry
@@ -293,7 +294,7 @@ def _reach(leg: Limb) -> Reach:
     """What a leg takes up along the run, from its foot."""
     anchor = -leg.anchor_to_foot[0]
     ends = [anchor - leg.half_width, anchor + leg.half_width]
-    for strut in leg.section.struts(leg):
+    for strut in section_of(leg).struts(leg):
         ends += [anchor + strut.offset - 0.5 * strut.thickness, anchor + strut.offset + 0.5 * strut.thickness]
     return Reach(min(ends), max(ends))
 

@@ -22,6 +22,7 @@ from walkergen.walker import mass
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb, Polygon
 from walkergen.walker.mass import Array, MassProperties, SolidMass
+from walkergen.walker.sections import section_of
 
 if TYPE_CHECKING:
     import trimesh
@@ -234,7 +235,7 @@ def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
     for limb in limbs:
         shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
         if shape not in by_shape:
-            below = limb.section.profile(limb, foot_segments)
+            below = section_of(limb).profile(limb, foot_segments)
             raised = tuple(_raised(part, limb.embedding) for part in below)
             by_shape[shape] = _Section(below, raised)
         sections.append(by_shape[shape])
@@ -353,7 +354,7 @@ def window_width(limb: Limb) -> float:
 
     There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
     """
-    struts = limb.section.struts(limb)
+    struts = section_of(limb).struts(limb)
     return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
 
 
@@ -370,7 +371,7 @@ def clearance(limbs: Sequence[Limb]) -> float:
         else:
             apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
         for limb in (back, front):
-            for strut in limb.section.struts(limb):
+            for strut in section_of(limb).struts(limb):
                 crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
                 apart.append(spacing - crossing)
     return min(apart)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.walker import names
 from walkergen.walker.limbs import Limb
+from walkergen.walker.sections import section_of
 
 NAME, SWITCH = "leg compliance", "legs.model"
 
@@ -54,7 +55,7 @@ def _slowest(frequencies: Mapping[str, float]) -> str:
 
 def stiffness(limb: Limb, modulus: float) -> float:
     """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
-    return CANTILEVER * modulus * limb.section.second_moment(limb) / limb.length
+    return CANTILEVER * modulus * section_of(limb).second_moment(limb) / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:

@@ -16,6 +16,7 @@ from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.theory.hertz import landing_depth, tip_stiffness
 from walkergen.walker.limbs import Limb
 from walkergen.walker.material import Material
+from walkergen.walker.sections import section_of
 
 NAME, KEY = "compliant tips", "feet.rigid_tips"
 
@@ -39,7 +40,7 @@ def axial_stiffness(limb: Limb, modulus: float) -> float:
 
     `modulus`: Young's, Pa.
     """
-    return 0.5 * modulus * limb.width * limb.section.axial(limb)
+    return 0.5 * modulus * limb.width * section_of(limb).axial(limb)
 
 
 def restitution(damping_ratio: float) -> float:

@@ -9,6 +9,7 @@ from walkergen.simulation.effects.compliance import natural_frequency
 from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 from walkergen.walker.limbs import Limb
 from walkergen.walker.material import Material
+from walkergen.walker.sections import section_of
 
 NAME, SWITCH = "leg twist", "leg_twist"
 
@@ -40,4 +41,4 @@ RULE = Rule(judge, SWITCH, planar=False, usual={f"effects.{SWITCH}": True})
 def stiffness(limb: Limb, material: Material) -> float:
     """Torsional stiffness of a flexible leg about its long axis, g mm^2/s^2 per rad."""
     shear = material.youngs_modulus / (2.0 * (1.0 + material.poisson_ratio))
-    return shear * limb.section.torsion_constant(limb) / limb.length
+    return shear * section_of(limb).torsion_constant(limb) / limb.length

@@ -9,8 +9,6 @@ from walkergen.walker.sections import flexible
 from walkergen.walker.sections.flexible import second_moment as second_moment
 from walkergen.walker.sections.flexible import torsion_constant as torsion_constant
 
-RIGID = True
-
 PLASTIC_TOLERANCE = 0.08
 """A brace shares lines with its leg where they meet (measured; `printing.walls`)."""
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from walkergen.walker.limbs import Limb, Polygon, Strut
 
-RIGID = False
-
 PLASTIC_TOLERANCE = 0.05
 """Its ends differ from its middle, for which the plastic is known (measured; `printing.walls`)."""
 

@@ -8,6 +8,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.walker.design import Design
+from walkergen.walker.sections import section_of
 
 
 class Shape(NamedTuple):
@@ -79,7 +80,7 @@ def brace_outside(design: Design) -> float:
     the body to 0 at the foot.
     """
     limb = design.limbs[0]
-    (strut,) = limb.section.struts(limb)
+    (strut,) = section_of(limb).struts(limb)
     cos, brace = math.cos(limb.tilt), strut.thickness
     height, offset = limb.length * cos, abs(strut.offset)
     within = 0.5 * (limb.thickness / cos - brace)
