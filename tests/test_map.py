@@ -27,6 +27,16 @@ def test_every_file_says_what_it_holds():
         assert path.read_text(encoding="utf-8").startswith('"""'), path
 
 
+def test_every_equation_that_the_code_cites_is_numbered_once():
+    physics = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
+    numbered = re.findall(r"\((\d\.\d+)[);]", physics)
+    code = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "walkergen").rglob("*.py"))
+    cited = set(re.findall(r"[Ee]q\. (\d\.\d+)", code))
+    assert len(numbered) == len(set(numbered))
+    assert len(cited) >= 20
+    assert cited <= set(numbered)
+
+
 ARROWS = set(re.findall(r"^ {4}(\w+)(?:\[.*?\])? --> (\w+)", MAP, re.MULTILINE))
 
 

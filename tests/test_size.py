@@ -25,7 +25,7 @@ LIMITS = {
     "walkergen/points": 3110,
     "walkergen/printing": 2970,
     "walkergen/shapes": 4230,
-    "walkergen/simulation": 9560,
+    "walkergen/simulation": 9580,
     "walkergen/theory": 2190,
     "walkergen/track": 3680,
     "walkergen/walker": 4880,

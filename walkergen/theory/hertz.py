@@ -1,7 +1,7 @@
 """Hertzian contact of a foot's tip with the plate: its effective modulus, its stiffness, how deep a landing presses it.
 
 A tip of effective radius R has the force K depth^1.5, K = 4/3 E* sqrt(R), 1/E* = (1 - nu^2)/E of foot and plate added
-(Johnson, Contact Mechanics, 1985, eq. 4.23).
+(Johnson, Contact Mechanics, 1985, equation 4.23).
 """
 
 import math

@@ -128,7 +128,7 @@ def _follow(
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
     sticks = abs(H_xy) <= friction * H_xx
     if sticks:
-        ratio_2 = -H_xy / H_xx
+        ratio_2 = -H_xy / H_xx  # eq. 3.2
         slope_x2 = 0.0
         slope_y2 = determinant(H_xx, H_xy, H_yy) / H_xx
     else:
@@ -136,7 +136,7 @@ def _follow(
         slope_x2 = H_xy + ratio_2 * H_xx
         slope_y2 = H_yy + ratio_2 * H_xy
 
-    # Before the stop: slide against friction up to the normal impulse `stop` (perhaps infinite).
+    # Before the stop (eq. 3.1): slide against friction up to the normal impulse `stop` (perhaps infinite).
     ratio_1 = ratio_2
     slope_x1 = slope_x2
     slope_y1 = slope_y2
@@ -161,7 +161,7 @@ def _follow(
     left = math.inf if stops_early else stop - compression
     slope = slope_y2 if stops_early else slope_y1
     if law == POISSON:
-        extra = restitution * compression
+        extra = restitution * compression  # eq. 3.3
     elif law == NEWTON:
         target = -restitution * v_y
         extra = target / slope
@@ -233,4 +233,5 @@ def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
 
     Negative when energy is lost; Newton's law can make it positive with friction.
     """
+    # Eq. 3.4
     return 0.5 * (outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y))

@@ -59,11 +59,12 @@ def factor(
         share = np.where(mu > 0, ratio / (mu + ratio), np.where(magnitude > 0, 0.5, 0.0))
     forward_slope = mu * H.xx + magnitude
     if law == "poisson":
-        impulse = (1 + e) / (H.yy + e * ratio * magnitude)
+        impulse = (1 + e) / (H.yy + e * ratio * magnitude)  # eq. 4.2
     elif law == "newton":
         impulse = (1 + e) / (H.yy + 0.0 * ratio)
     else:
         impulse = _stronge_impulse(H, e, mu, ratio, share)
+    # Eq. 4.1
     result: Array = -np.sign(H.xy) * share * forward_slope * impulse
     return result
 

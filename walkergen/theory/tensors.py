@@ -24,7 +24,7 @@ class InverseMass(NamedTuple):
 
 def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
     """Inverse of I/mass + P(lever)/inertia, in g: the mass felt at a point of a free rigid body."""
-    x, y = lever[..., 0], lever[..., 1]
+    x, y = lever[..., 0], lever[..., 1]  # eq. 2.4
     scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y))
 
@@ -57,6 +57,7 @@ def flexible(M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c
     det = xx * yy - xy * xy
     S_xx, S_xy, S_yy = yy / det, -xy / det, xx / det
 
+    # Eq. 2.5, with r = perp(c)
     p_x, p_y = -c_A[..., 1], c_A[..., 0]
     about_anchor = j + m * (p_x * p_x + p_y * p_y)
     r_x, r_y = p_x - c_T[..., 1], p_y + c_T[..., 0]

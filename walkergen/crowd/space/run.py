@@ -114,7 +114,7 @@ def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
     step = min(plan.world.options.step for plan in every)
     tick = step * 2.0 ** math.floor(math.log2(TOUCH_S / TICKS / step))
     return bodies.Law(
-        0.5 * (math.pi / TOUCH_S) ** 2,
+        0.5 * (math.pi / TOUCH_S) ** 2,  # eq. 9.1, half of it at either end of an edge
         (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
         (scene.crowd.friction, scene.arena.wall_friction),
         scene.drive.peak_speed,

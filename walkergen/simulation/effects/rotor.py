@@ -42,6 +42,7 @@ def acts(rotor):
 def swing(rotor, mass, phase, swung):
     """Fill s (mm), its rate and its second derivative, body axes, as rows of `swung`."""
     c, s, radius, omega = math.cos(phase), math.sin(phase), rotor.moment / mass, rotor.omega
+    # Eq. 8.1: s = (S/M) e
     for i in range(3):
         ahead = radius * (rotor.first[i] * c + rotor.second[i] * s)
         swung[0, i] = ahead
@@ -62,6 +63,7 @@ def spin(rotor, centre, mass, swung):
 
     `centre`: C -> O, mm.
     """
+    # p x M s' + h n of eq. 8.2
     x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
     return x + rotor.spin[0], y + rotor.spin[1], z + rotor.spin[2]
 
@@ -69,6 +71,7 @@ def spin(rotor, centre, mass, swung):
 @lean
 def torque(rotor, centre, mass, swung):
     """Torque of the rotor on the body about C, body axes, g mm^2/s^2."""
+    # p x S Omega^2 e of eq. 8.2, for s'' = -Omega^2 s
     return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
 
 

@@ -52,9 +52,10 @@ def _linearise(near, i, h, depth):
     depth = max(depth, SHALLOWEST * (abs(contact.gap[0]) + h * abs(contact.speed[0])) + 1e-300)
     force, k_n, viscous = response(contact.spring, contact.tip, depth)
     share = contact.share
+    # Eq. 7.8: the damper of the contact
     contact.about, contact.k_n, contact.c_n = depth, k_n, contact.damper * math.sqrt(viscous)
     contact.push = force
-    contact.b_n = share * (contact.c_n + 0.5 * share * h * k_n)
+    contact.b_n = share * (contact.c_n + 0.5 * share * h * k_n)  # eq. 7.11: b = c + h k / 2
 
 
 @lean
@@ -83,6 +84,7 @@ def _resist(near, i, h, held):
     near[i].b_t = 0.5 * h * near[i].k_t
     e_1, e_2 = near[i].gap[1], near[i].gap[2]
     near[i].strain = 0.5 * held * (e_1 * e_1 + e_2 * e_2)
+    # After eq. 7.9: a stiffer spring keeps its force, a softer one its stretch
     if near[i].k_t > held:
         near[i].gap[1], near[i].gap[2] = e_1 * held / near[i].k_t, e_2 * held / near[i].k_t
 
@@ -164,6 +166,7 @@ def aim(near, i, u_1, u_2, press, h):
     """
     share = near[i].share
     radius = near[i].friction * press / (share * near[i].k_t)
+    # Eq. 7.10 in the middle of the share and at its end
     n_1, n_2, near[i].end[0], near[i].end[1] = dragged(
         near[i].gap[1], near[i].gap[2], u_1, u_2, 0.5 * share * h, radius
     )
@@ -198,7 +201,7 @@ def _assemble(near, H, A, m, h):
                 b, pull = near[i].b_n, -_push_at_start(near, i)
             else:
                 b, pull = near[i].b_t, near[i].k_t * near[i].gap[p]
-            half = 0.5 * h * b
+            half = 0.5 * h * b  # eq. 7.11: (1 + b h W / 2) f = F_0 - b u_free
             for j in range(m):
                 c, column = 3 * j, near[j].unknown
                 if near[j].tried == STICK:
@@ -265,7 +268,7 @@ def _move(near, H, m, h):
                     total += (
                         H[r, c] * near[i].force[0] + H[r, c + 1] * near[i].force[1] + H[r, c + 2] * near[i].force[2]
                     )
-            near[j].middle[p] = near[j].free[p] + 0.5 * h * total
+            near[j].middle[p] = near[j].free[p] + 0.5 * h * total  # implicit midpoint: u = u_free + h W f / 2
 
 
 @lean
@@ -283,7 +286,7 @@ def _correct(near, H, m, h):
                 _linearise(near, i, h, depth)
                 changed += 1
         press = near[i].force[0]
-        limit = near[i].friction * press
+        limit = near[i].friction * press  # Coulomb's cone
         if near[i].tried == STICK:
             size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
             if size > limit:

@@ -32,6 +32,7 @@ def stiffen(walker, work, h):
         for j in range(n):
             A[i, j] = walker.hinge_inertia[i, j]
             swing[i, j] = 1.0 if i == j else 0.0
+        # Eq. 7.5 by the implicit midpoint: G + h c / 2 + h^2 k / 4
         A[i, i] += 0.5 * h * walker.damping[i] + 0.25 * h * h * walker.stiffness[i]
     for i in range(n):
         pivot = 1.0 / A[i, i]
@@ -52,6 +53,7 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
     n = J.shape[1] - 6
     p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     t_x, t_y, t_z = p_y * d_z - p_z * d_y, p_z * d_x - p_x * d_z, p_x * d_y - p_y * d_x
+    # Eq. 7.6: (d, r x d, d . (dr/dq - P - Lambda x r))
     J[m, 0], J[m, 1], J[m, 2] = d_x, d_y, d_z
     J[m, 3], J[m, 4], J[m, 5] = t_x, t_y, t_z
     for j in range(n):
@@ -100,6 +102,7 @@ def _bend(state, now, points, side, leg, f, n, k):
 @lean
 def _move_by(J, MJ, ML, swing, mass, inverse, rows):
     """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
+    # Eq. 7.3: kinetic energy has no cross terms, so that M^-1 is three blocks
     n = J.shape[1] - 6
     for r in range(rows):
         t_x, t_y, t_z = J[r, 3], J[r, 4], J[r, 5]
@@ -291,6 +294,7 @@ def accelerate(world, state, work):
     if _motor_acts(world.acting.motor):
         m_x, m_y, m_z = _motor_spin(world.acting.motor, walker.centre, walker.mass, work.thrown)
         l_x, l_y, l_z = l_x + m_x, l_y + m_y, l_z + m_z
+    # Eq. 7.4, with a motor eq. 8.2: (I_C W + spin) x w
     t_x, t_y, t_z = (l_y * now[5] - l_z * now[4], l_z * now[3] - l_x * now[5], l_x * now[4] - l_y * now[3])
     for row in range(3):
         acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z

@@ -104,6 +104,7 @@ def place(world, state, work):
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
     rotation(state, R)
     for row in range(3):
+        # Eq. 7.2: w = W - Lambda q'
         spin = state[W_X + row]
         for j in range(n):
             spin -= lock[row, j] * state[LEGS + n + j]
@@ -156,7 +157,7 @@ def locate(world, state, work):
             s, c = s * alpha, 1.0 - c * alpha * alpha
             r_x = c * walker.reach[k, 0] - s * walker.reach[k, 1]
             r_y = s * walker.reach[k, 0] + c * walker.reach[k, 1]
-            # n = z x axis: across the leg, in the plane
+            # Eq. 7.1, with n = z x axis: across the leg, in the plane
             n_x = -(s * walker.axis[k, 0] + c * walker.axis[k, 1])
             n_y = c * walker.axis[k, 0] - s * walker.axis[k, 1]
             s, c = turned_by(twist * twist)

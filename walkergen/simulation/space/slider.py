@@ -40,6 +40,7 @@ def dragged(e_1, e_2, u_1, u_2, t, radius):
         return n_1, n_2, m_1, m_2
     if not size > 0.0:
         return a_1, a_2, a_1, a_2
+    # Eq. 7.10, integrated: the tangent of half the angle to the slip falls as exp(-|u| t / R)
     shrunk = math.exp(-way / radius) if radius > 0.0 else 0.0
     n_1, n_2 = _closer(a_1, a_2, side_1, side_2, size + along, size - along, shrunk)
     m_1, m_2 = _closer(a_1, a_2, side_1, side_2, size + along, size - along, shrunk * shrunk)

@@ -22,7 +22,7 @@ def _root_of_tip_depth(spring, tip, depth):
     """Root of the depth of the tip, mm^0.5, where the whole contact is pressed by `depth` (mm)."""
     ratio, x = tip / spring, math.sqrt(depth)
     x *= 2.0 / (2.0 + ratio * x)  # for a leg much stiffer than its tip
-    while True:  # convex and increasing: after its first step Newton's method descends to the root
+    while True:  # eq. 7.7, convex and increasing: after its first step Newton's method descends to the root
         stretched = ratio * x
         change = (x * x * (1.0 + stretched) - depth) / (x * (2.0 + 3.0 * stretched))
         x -= change
@@ -37,6 +37,7 @@ def response(spring, tip, depth):
         return spring * depth, spring, spring
     x = _root_of_tip_depth(spring, tip, depth)
     soft, leg = 1.0 / (tip * x), 1.0 / spring  # delta / F, and the leg's share
+    # F = K delta^(3/2); eq. 7.9; 2 U / F^2 of tip and leg in series
     return tip * x * x * x, 1.0 / (leg + soft * (2.0 / 3.0)), 1.0 / (leg + 0.8 * soft)
 
 
@@ -49,4 +50,5 @@ def elastic_energy(spring, tip, depth):
         return 0.5 * spring * depth * depth
     x = _root_of_tip_depth(spring, tip, depth)
     force = tip * x * x * x
+    # U = F^2 / (2 k) + 2/5 F delta
     return 0.5 * force * force / spring + 0.4 * force * x * x

@@ -72,7 +72,8 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     if not loose:
         inverse_inertia = np.diag([0.0, 0.0, 1.0 / inertia[2, 2]])
     limbs = _limbs([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
-    lock = inverse_inertia @ limbs.spin
+    lock = inverse_inertia @ limbs.spin  # Lambda = I_C^-1 L of eq. 7.2
+    # G of eq. 7.3: the legs' inertia without what the whole takes over
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinges(case, free, freedoms)
     points = points_of(case, free, centre, resolved.on(WALLS), resolved.on(LID))
@@ -217,6 +218,7 @@ def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
     sideways = np.concatenate([3 * corners + 1, 3 * corners + 2])
     up = math.sqrt(_largest(H[np.ix_(3 * corners, 3 * corners)], stiff))
     slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
+    # Eq. 7.12: 0.23 / omega of the landing, and the fastest modes of all feet
     own = min(RESOLVED / math.sqrt(stiff.max() / share), RESOLVED_UP / up, RESOLVED_SIDEWAYS / slip)
     # An overdamped corner settles in its damper's time, 1 / (2 zeta omega)
     damped = walker.damper[corners] * np.sqrt(np.diag(H)[3 * corners])
