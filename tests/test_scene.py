@@ -130,7 +130,7 @@ def test_misspelt_keys_and_those_gone_are_refused(key, told):
 @pytest.mark.parametrize(
     ("keys", "told"),
     [
-        ({"effects.off": ["drag"]}, "effects.off[1] = 'drag': must be one of 'second_harmonic', "),
+        ({"effects.off": ["drag"]}, "effects.off[1] = 'drag': must be one of 'air_drag', "),
         ({"effects.on": ["air_drag"], "effects.off": ["air_drag"]}, "air_drag: in effects.on and in effects.off"),
         ({"effects.air_drag": True}, 'this key is gone: write effects.off = ["air_drag"] for false'),
     ],

@@ -18,7 +18,7 @@ LIMITS = {
     "walkergen/app": 2620,
     "walkergen/cli": 890,
     "walkergen/crowd": 7780,
-    "walkergen/files": 3310,
+    "walkergen/files": 3320,
     "walkergen/jobs": 14090,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,

@@ -41,6 +41,7 @@ FORMS = {
 }
 """Forms of a value in words, by pydantic's names of the mistake of another."""
 
+MOST_CHOICES = 10  # words of which a message names all; of more it names the nearest three
 SHORT = reprlib.Repr()
 SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 200
 
@@ -224,7 +225,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    rule = FORMS.get(mistake["type"]) or allowed(location, model) or mistake["msg"]
+    rule = FORMS.get(mistake["type"]) or allowed(location, model, mistake["input"]) or mistake["msg"]
     return f"{place}: {key}{seen}: {rule}"
 
 
@@ -359,8 +360,11 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
     return _section_of(field.annotation, listed="[" in location[-1]) if field else None
 
 
-def allowed(location: tuple[str, ...], model: type[Section]) -> str:
-    """Values that a key may hold, in words, from the model's constraints; '' when it has none."""
+def allowed(location: tuple[str, ...], model: type[Section], seen: object = None) -> str:
+    """Values that a key may hold, in words, from the model's constraints; '' when it has none.
+
+    Of many words it names those nearest to what was `seen`.
+    """
     field = _field_at(location, model)
     if field is None:
         return ""
@@ -370,7 +374,10 @@ def allowed(location: tuple[str, ...], model: type[Section]) -> str:
     while types:
         annotation = types.pop()
         if get_origin(annotation) is Literal:
-            return "must be one of " + ", ".join(map(repr, get_args(annotation)))
+            choices = get_args(annotation)
+            every = seen is None or len(choices) <= MOST_CHOICES
+            shown = choices if every else difflib.get_close_matches(str(seen), choices, 3, 0.0)
+            return "must be one of " + ", ".join(map(repr, shown)) + ("" if every else ", ...")
         metadata += getattr(annotation, "__metadata__", ())
         types += get_args(annotation)
     if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
