@@ -26,13 +26,13 @@ LIMITS = {
     "walkergen/printing": 2970,
     "walkergen/shapes": 4230,
     "walkergen/simulation": 9580,
-    "walkergen/theory": 2190,
+    "walkergen/theory": 2570,
     "walkergen/track": 3680,
     "walkergen/walker": 4880,
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 7080,
-    "tests": 43550,
+    "tests": 43660,
 }
 
 

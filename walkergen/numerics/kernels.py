@@ -24,6 +24,7 @@ SOURCES = (
     "shapes/crossings.py",
     "theory/balance.py",
     "theory/impact.py",
+    "theory/paper_simulation.py",
     "simulation/**/*.py",
     "crowd/space/*.py",
 )
