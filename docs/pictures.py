@@ -41,6 +41,8 @@ SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
 
+PAGE = ("walkergen/files/viewer.py", "walkergen/files/web_page.py", "walkergen/files/assets/pa*", "viewer/*.js")
+
 FAMILY = "walkergen family koumakis2016"
 MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 --slow 150"
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:40:1 --set scene.contact.restitution=0.4:1:0.05"
@@ -184,7 +186,7 @@ PICTURES = (
     Picture(
         "page.png",
         f"{FAMILY} --page",
-        (*PREDICTION, "walkergen/jobs/make/family/**/*"),
+        (*PREDICTION, "walkergen/jobs/make/family/**/*", *PAGE),
         10,
         page,
         program="chromium",

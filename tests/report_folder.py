@@ -4,7 +4,7 @@ import json
 
 from walkergen.files import templates
 from walkergen.jobs.make.family import make as family
-from walkergen.jobs.make.family import page
+from walkergen.jobs.make.family import page, report
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -51,9 +51,9 @@ def files_of(folder):
     return {name: (folder / name).read_bytes() for name in names if name != "report.html"}
 
 
-def rendered(made, files, walkers=None, **design):
-    """The page's text of a family that was made, of other files, walkers or keys of the design, without a curve."""
+def rendered(made, files, parts=None, **design):
+    """The page's text of a family that was made, of other files, parts or keys of the design."""
     facts = json.loads((made.folder / "manifest.json").read_text(encoding="utf-8"))
     del facts["files"]
     facts["design"] |= design
-    return page.render(walkers or made.members, None, made.caption, files, facts).decode()
+    return page.render(parts or report.view_parts(made.members), files, facts).decode()

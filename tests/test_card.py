@@ -3,6 +3,7 @@
 import json
 import math
 import random
+import re
 import runpy
 
 import numpy as np
@@ -150,7 +151,8 @@ def test_a_simulated_walker_has_a_card_with_errors(run, tmp_path):
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
     page = (tmp_path / "a" / "card.html").read_text(encoding="utf-8")
     assert "data:image/png;base64," in page
-    assert "http" not in page
+    assert "default-src 'none'" in page
+    assert not re.search("https?:", page)
 
 
 def test_filmed_walkers_have_a_card(run, tmp_path):

@@ -12,15 +12,14 @@ from html.parser import HTMLParser
 import matplotlib.image
 import numpy as np
 import pytest
-from report_folder import files_of, rendered
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, requested
 
 import walkergen as wg
 from walkergen.errors import InputError
 from walkergen.files import viewer
-from walkergen.jobs.make.family import page, play
 from walkergen.shapes import stl
 from walkergen.walker import solids
 
@@ -77,9 +76,9 @@ def test_the_size_is_told_and_nothing_is_fetched():
     assert text == PAPER._repr_html_()
     document = unescape(Outer(text).frames[0]["srcdoc"])
     policy = re.search(r'Content-Security-Policy" content="(.*?)"', document)[1]
-    assert policy.startswith("default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-")
+    assert policy.startswith("default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-")
     assert "unsafe-eval" not in policy
-    assert not re.search(r"<[^>]+\b(src|href)=", document)
+    assert not re.search(r'<[^>]+\b(src|href)="(?!data:)', document)
     packed = zlib.decompress(base64.b64decode(held(document, "viewer"))).decode()
     assert packed == viewer.script()
 
@@ -116,26 +115,8 @@ def test_what_is_too_fine_is_left_out_by_name_and_what_cannot_stand_says_why(mon
 
 @pytest.fixture(scope="module")
 def bristles(tmp_path_factory):
-    return wg.family(BRISTLE, tmp_path_factory.mktemp("bristle"), tilt=[0, 20], model="theory", pictures=False)
-
-
-def stood(corners):
-    """Corners of an STL file of a part that prints legs up, as the page's script turns them."""
-    x, y, z = corners.reshape(-1, 3).T
-    return np.column_stack([x, -z, y])
-
-
-def test_a_part_that_prints_legs_up_is_turned_onto_its_feet(bristles):
-    for member in bristles.members:
-        assert page._part(member)["legs_up"] is True
-        name = f"{member.name}.stl"
-        corners = stl.unpack((bristles.folder / "stl" / name).read_bytes(), name)[0]
-        mesh, turned = member.mesh, stood(corners)
-        # A played run has O and the corners of feet in the frame of the mesh so turned.
-        turned[:, 1] += play._lowered(member.design)
-        truth = mesh.vertices[mesh.triangles].reshape(-1, 3)
-        np.testing.assert_allclose(turned, truth, atol=1e-5)
-    assert play._lowered(PAPER) == 0.0
+    folder = tmp_path_factory.mktemp("bristle")
+    return wg.family(BRISTLE, folder, tilt=[0, 20], model="theory", pictures=False, page=True)
 
 
 def test_the_stl_of_a_family_is_what_its_name_says(bristles):
@@ -151,7 +132,6 @@ def browser(bristles, tmp_path_factory):
     (folder / "bare.html").write_text(
         f"<!DOCTYPE html><meta charset=utf-8><body>{bristles._repr_html_()}", encoding="utf-8"
     )
-    (folder / "report.html").write_text(rendered(bristles, files_of(bristles.folder)), encoding="utf-8")
     browser = browser_at(folder / "bare.html", folder / "profile")
     browser.implicitly_wait(10)
     yield browser
@@ -190,11 +170,15 @@ class TestInABrowser:
         Select(browser.find_element(By.ID, "part")).select_by_index(1)
         assert np.mean(part(browser) != upright) > 0.005
         assert "t20.0" in browser.find_element(By.ID, "told").text
+        browser.find_element(By.ID, "slide").send_keys(Keys.ARROW_LEFT)
+        assert "t00.0" in browser.find_element(By.ID, "told").text
+        assert browser.find_element(By.ID, "part").get_attribute("value") == "0"
         browser.switch_to.default_content()
         assert "3D view: 0.2" in browser.find_element(By.TAG_NAME, "small").text
 
-    def test_the_page_shows_it_on_its_feet_too_and_nobody_complains(self, browser):
-        browser.get(browser.current_url.replace("bare.html", "report.html"))
+    def test_the_page_shows_it_on_its_feet_too_and_nobody_complains(self, browser, bristles):
+        browser.get((bristles.folder / "report.html").as_uri())
+        until_drawn(browser)
         assert is_on_its_feet(browser)
         assert [one for one in browser.get_log("browser") if one["level"] != "INFO"] == []
         own = ("file:", "data:", "blob:", "about:srcdoc")

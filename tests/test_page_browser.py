@@ -11,11 +11,13 @@ import matplotlib.image
 import numpy as np
 import pytest
 from browsed import BROWSER, DRIVER, WANTED, chromium
-from report_folder import files_of, made_in, rendered
+from report_folder import files_of, job_of, made_in, rendered
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import WebDriverWait
 
+from walkergen.jobs.make.family import report
 from walkergen.points.members import Simulated
 
 TILTS = (0.0, 10.0, 35.0)
@@ -61,8 +63,17 @@ def browser(page, tmp_path_factory):
     browser.quit()
 
 
-def shown(browser):
-    return browser.find_element(By.ID, "shown").text
+def told(browser):
+    """What the view says of its part, once it is drawn."""
+    WebDriverWait(browser, 10, 0.05).until(lambda found: "Lines are" in found.find_element(By.ID, "told").text)
+    return browser.find_element(By.ID, "told").text
+
+
+def choose(browser, name):
+    """Choose a part by its name, as it begins."""
+    told(browser)
+    (part,) = (one for one in browser.find_elements(By.CSS_SELECTOR, "#part option") if one.text.startswith(name))
+    part.click()
 
 
 def pixels(browser):
@@ -76,43 +87,29 @@ def coloured(image):
     return np.mean(np.ptp(image, axis=2) > 0.2)
 
 
-def column(browser, number):
-    cells = browser.find_elements(By.CSS_SELECTOR, f"#family tbody tr > :nth-child({number})")
-    return [cell.get_attribute("data-value") for cell in cells]
-
-
 def test_the_part_is_seen_in_the_colour_of_its_kind(browser):
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
+    choose(browser, "walker_t10.0_flexible")
     image = pixels(browser)
     assert 0.03 < coloured(image) < 0.6
     red, _, blue = image[np.ptp(image, axis=2) > 0.2].mean(axis=0)
     assert blue > red
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+    choose(browser, "walker_t10.0_braced")
     image = pixels(browser)
     red, _, blue = image[np.ptp(image, axis=2) > 0.2].mean(axis=0)
     assert red > blue
 
 
-def test_the_slider_runs_over_the_tilts_of_the_kind_by_keyboard(browser):
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
-    slider = browser.find_element(By.ID, "tilt")
-    slider.send_keys(Keys.HOME)
-    told = "walker_t00.0_flexible_s0.40; flexible legs, 0°: predicted 0.0 mm/s (68 %: −"
-    assert shown(browser).startswith(told)
+def test_the_slider_runs_over_the_parts_by_keyboard_with_their_speeds(browser):
+    choose(browser, "walker_t00.0_flexible")
+    slider = browser.find_element(By.ID, "slide")
+    assert told(browser).startswith("walker_t00.0_flexible_s0.40: stands.")
     upright = pixels(browser)
     slider.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
-    assert shown(browser).startswith("walker_t35.0_flexible_s0.40; flexible legs, 35°")
-    assert slider.get_attribute("aria-valuetext") == "35 degrees"
+    assert re.match(r"walker_t35.0_flexible_s0.40: \d.*mm/s\. Drag", told(browser))
     assert np.abs(pixels(browser) - upright).max() > 0.3
-    slider.send_keys(Keys.ARROW_RIGHT)
-    assert "legs, 35°" in shown(browser)  # the last one
-
-
-def test_another_kind_keeps_the_tilt(browser):
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
-    browser.find_element(By.ID, "tilt").send_keys(Keys.HOME, Keys.ARROW_RIGHT)
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
-    assert shown(browser).startswith("walker_t10.0_braced_s1.00; braced legs, 10°")
+    slider.send_keys(Keys.END, Keys.ARROW_RIGHT)
+    assert told(browser).startswith("walker_t35.0_braced")  # the last one
+    assert browser.find_element(By.ID, "part").get_attribute("value") == "5"
 
 
 def test_dragging_and_arrow_keys_turn_the_part(browser):
@@ -126,35 +123,6 @@ def test_dragging_and_arrow_keys_turn_the_part(browser):
     assert np.mean(np.abs(pixels(browser) - dragged)) > 0.001
     browser.find_element(By.CSS_SELECTOR, "[data-view=front]").click()
     assert np.mean(np.abs(pixels(browser) - front)) < 0.001
-
-
-def test_headings_sort_by_number_and_back(browser):
-    headings = browser.find_elements(By.CSS_SELECTOR, "#family thead button")
-    names = [heading.text for heading in headings]
-    speed = names.index("your print (mm/s)") + 1
-    headings[speed - 1].click()
-    values = [float(text) for text in column(browser, speed)]
-    assert values == sorted(values)
-    assert min(values) < 0 < max(values)
-    headings[speed - 1].click()
-    assert [float(text) for text in column(browser, speed)] == sorted(values, reverse=True)
-    mass = names.index("m (g)") + 1  # braced legs have none: empty, last both ways
-    for _ in range(2):
-        headings[mass - 1].click()
-        assert column(browser, mass)[-3:] == ["", "", ""]
-
-
-def test_a_part_is_chosen_in_the_table_and_in_the_chart(browser):
-    rows = browser.find_elements(By.CSS_SELECTOR, "#family tbody tr")
-    row = next(row for row in rows if "t35.0_braced" in row.text)
-    row.find_element(By.CSS_SELECTOR, ".pick").click()
-    assert shown(browser).startswith("walker_t35.0_braced")
-    assert "chosen" in row.get_attribute("class")
-    point = browser.find_element(By.CSS_SELECTOR, ".point[data-member='1'] .touch")
-    ActionChains(browser).move_to_element(point).click().perform()
-    assert shown(browser).startswith("walker_t10.0_flexible")
-    told = browser.find_element(By.ID, "readout").text
-    assert re.match(r"flexible legs, 10°: predicted \d\d\.\d mm/s \(68 %: ", told)
 
 
 def styled(browser, **features):
@@ -179,25 +147,12 @@ def test_in_the_dark_the_page_and_its_viewer_are_dark(browser):
             assert bool(np.median(image) < 0.3) is dark
             assert coloured(image) > 0.03  # the part is seen on either ground
             lightness = browser.execute_script(
-                "return [document.body, document.querySelector('#readout')].map((one, i) => "
+                "return [document.body, document.querySelector('#told')].map((one, i) => "
                 "getComputedStyle(one)[i ? 'color' : 'backgroundColor'].match(/\\d+/g)[0] / 255)"
             )
             assert abs(lightness[0] - lightness[1]) > 0.6  # words stand out
     finally:
         styled(browser, prefers_color_scheme="light")
-
-
-@pytest.mark.parametrize("width", [360, 390])
-def test_a_phone_shows_the_speed_without_scrolling(browser, width):
-    try:
-        size(browser, width)
-        headings = browser.find_elements(By.CSS_SELECTOR, "#family thead th")
-        heading = next(one for one in headings if one.text.startswith("your print"))
-        edge = heading.rect["x"] + heading.rect["width"]
-        assert edge <= width
-        assert browser.execute_script("return document.documentElement.scrollWidth") <= width
-    finally:
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def reach(browser, selector):
@@ -213,10 +168,10 @@ def reach(browser, selector):
 def test_the_print_sheet_is_unfolded_and_fits(browser, width):
     try:
         size(browser, width)
-        sheet = browser.find_element(By.CSS_SELECTOR, ".markdown")
+        sheet = browser.find_element(By.CSS_SELECTOR, ".sheet")
         for words in ("After the print: weigh", "infill overlap", "prusa-slicer --load"):
             assert words in sheet.text  # of what is displayed, and no other
-        assert max(reach(browser, ".markdown *, img")) <= width
+        assert max(reach(browser, ".sheet *, img")) <= width
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
@@ -226,21 +181,22 @@ def simulated_page(made, tmp_path_factory):
     """The page of a family that was simulated too, whose table has the most columns."""
     runs = [Simulated(55.9, 0.5, 53.7, 58.1, "space", "step", f"{k} ok", "agree") for k in range(len(made.members))]
     walkers = [member._replace(simulated=one) for member, one in zip(made.members, runs, strict=True)]
-    path = tmp_path_factory.mktemp("simulated") / "report.html"
-    path.write_text(rendered(made, files_of(made.folder), walkers), encoding="utf-8")
+    job, path = job_of(TILTS), tmp_path_factory.mktemp("simulated") / "report.html"
+    table = report.of(job.design, job.scene, job.mode, walkers, made.folder).markdown().encode()
+    path.write_text(rendered(made, files_of(made.folder) | {"family.md": table}), encoding="utf-8")
     return path
 
 
 @pytest.mark.parametrize("simulated", [False, True])
 def test_the_table_is_uncut_on_a_desk_and_scrolls_in_its_frame_on_a_phone(browser, page, simulated_page, simulated):
-    frame = "const one = document.querySelector('#family').parentNode; "
+    frame = "const one = document.querySelector('#family'); return [one.scrollWidth, one.clientWidth]"
     try:
         browser.get((simulated_page if simulated else page).as_uri())
         size(browser, 1280)
-        widths = browser.execute_script(frame + "return [one.scrollWidth, one.clientWidth]")
+        widths = browser.execute_script(frame)
         assert widths[0] == widths[1]
         size(browser, 390)
-        widths = browser.execute_script(frame + "return [one.scrollWidth, one.clientWidth]")
+        widths = browser.execute_script(frame)
         assert widths[0] > widths[1]
         assert reach(browser, "img")[1] <= 390
     finally:
@@ -276,20 +232,20 @@ def test_paper_has_every_column_of_the_table(browser):
     try:
         size(browser, 688)  # 182 mm: a page of A4 between its margins
         styled(browser)
-        table = browser.find_element(By.ID, "family").rect
+        table = browser.find_element(By.CSS_SELECTOR, "#family table").rect
         assert table["x"] + table["width"] <= 688
         assert not browser.find_element(By.ID, "canvas").is_displayed()
-        assert browser.find_element(By.CSS_SELECTOR, "#no-viewer img").is_displayed()
+        assert browser.find_element(By.CSS_SELECTOR, "[alt^='Every part']").is_displayed()
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         styled(browser, prefers_color_scheme="light")
 
 
-def test_the_chosen_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_path):
+def test_a_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_path):
     browser.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
-    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
-    browser.find_element(By.CSS_SELECTOR, "#save a").click()
-    name = f"{shown(browser).split(';')[0]}.stl"
+    browser.execute_script("document.querySelector('details').open = true")
+    name = "walker_t10.0_braced_s1.00.stl"
+    browser.find_element(By.CSS_SELECTOR, f"[download='{name}']").click()
     until = time.monotonic() + 10.0
     while not (tmp_path / name).exists() and time.monotonic() < until:
         time.sleep(0.02)
@@ -309,9 +265,7 @@ def test_without_webgl_the_rest_is_shown_and_the_reason_told(page, tmp_path):
     browser = browser_at(page, tmp_path, "--disable-gpu", "--disable-3d-apis")
     try:
         assert not browser.find_element(By.ID, "canvas").is_displayed()
-        assert "no WebGL" in browser.find_element(By.ID, "no-viewer-reason").text
-        assert browser.find_element(By.CSS_SELECTOR, "#no-viewer img").is_displayed()
-        browser.find_element(By.CSS_SELECTOR, "#family th:nth-child(2) button").click()
-        assert column(browser, 2) == ["0.0", "0.0", "10.0", "10.0", "35.0", "35.0"]
+        assert "no WebGL" in browser.find_element(By.ID, "told").text
+        assert browser.find_element(By.CSS_SELECTOR, "[alt^='Every part']").is_displayed()
     finally:
         browser.quit()

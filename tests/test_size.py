@@ -18,8 +18,8 @@ LIMITS = {
     "walkergen/app": 2620,
     "walkergen/cli": 890,
     "walkergen/crowd": 7780,
-    "walkergen/files": 3320,
-    "walkergen/jobs": 14090,
+    "walkergen/files": 3380,
+    "walkergen/jobs": 13390,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 3350,
     "docs": 630,
     "evidence": 7080,
-    "tests": 43660,
+    "tests": 43330,
 }
 
 

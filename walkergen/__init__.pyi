@@ -82,15 +82,13 @@ def family(
     runs: int | None = None,
     measured: Name | None = None,
     page: bool = False,
-    run_in: Ground | None = None,
     pictures: bool = True,
     strict: bool = False,
     progress: Progress | None = None,
 ) -> FamilyReport:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures.
 
-    With --page also one self-contained HTML page that opens offline; with --run it plays a second of a walker's run,
-    in a scene in which walkers move in space, such as plane-90hz.
+    With --page also one self-contained HTML page that opens offline.
 
     Example: `wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")`
     """

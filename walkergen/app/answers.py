@@ -3,7 +3,6 @@
 Every number comes from the job that the command line calls for it.
 """
 
-import base64
 import json
 import re
 from collections.abc import Iterator, Sequence
@@ -17,7 +16,7 @@ from walkergen.app import document as documents
 from walkergen.app import sentences
 from walkergen.app.document import Document
 from walkergen.errors import InputError, WalkergenError
-from walkergen.files import plain
+from walkergen.files import plain, web_page
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import findings
@@ -151,15 +150,10 @@ def trouble(document: Document) -> dict[str, str]:
     try:
         document.design()
     except UnplacedError as error:
-        return {"picture": address(figures.png(drawing.figure(error), 100))}
+        return {"picture": web_page.data_url("image/png", figures.png(drawing.figure(error), 100))}
     except WalkergenError:
         pass  # the page says it already
     return {"picture": ""}
-
-
-def address(picture: bytes) -> str:
-    """Address that holds a picture (PNG) itself."""
-    return f"data:image/png;base64,{base64.b64encode(picture).decode()}"
 
 
 def triangles(mesh: Mesh) -> npt.NDArray[np.float32]:

@@ -6,6 +6,7 @@ from walkergen.app import answers
 from walkergen.app import document as documents
 from walkergen.app.document import Document
 from walkergen.errors import InputError
+from walkergen.files import web_page
 
 MOST_BYTES = 10_000_000
 """Largest picture that is handed out."""
@@ -23,7 +24,7 @@ def picture(document: Document, folder: Path) -> dict[str, str]:
         data = path.read_bytes()[:MOST_BYTES]
     except OSError:
         raise InputError(f"{documents.SOURCE}: no effects of this walker were measured") from None
-    return {"picture": answers.address(data)}
+    return {"picture": web_page.data_url("image/png", data)}
 
 
 def _folder(document: Document, folder: Path) -> Path:

@@ -52,7 +52,7 @@ def _predict(design: "Design", scene: "Scene") -> None:
 
 
 def _simulate(design: "Design", scene: "Scene") -> None:
-    from walkergen.jobs.make.family import play
+    from walkergen.jobs.run.movie import play
 
     run, tell = scene.run, _teller()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
@@ -65,7 +65,7 @@ def _simulate(design: "Design", scene: "Scene") -> None:
         first = scene.model_copy(update={"run": few})
         children.say(_measured(design, first, stretch(tell, 0.0, shares[0])) | {"first": True})
     with contextlib.suppress(WalkergenError):  # it moves in a plane, or falls at once, which the runs tell
-        children.say({"played": play.run(design, scene, seconds=PLAYED_S)})
+        children.say({"played": play.run(design, scene, PLAYED_S)})
     children.say(_measured(design, scene, stretch(tell, shares[1], 1.0)) | {"first": False})
 
 

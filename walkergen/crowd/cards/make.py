@@ -1,13 +1,12 @@
 """Card of a walker: measured, judged, and written as JSON, a page and inputs for other programs."""
 
-import base64
 from collections.abc import Mapping
 from dataclasses import replace
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 
 from walkergen.analysis.track_files import Units
 from walkergen.crowd.cards import card as cards
@@ -16,6 +15,7 @@ from walkergen.crowd.cards.card import Card, measured
 from walkergen.crowd.cards.report import CardReport
 from walkergen.crowd.cards.walker_motion import Measured
 from walkergen.errors import InputError
+from walkergen.files import web_page
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.numerics.quantity import Quantity
@@ -25,13 +25,6 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 FILE = "card.json"
-
-STYLE = (
-    "body{font:16px/1.4 sans-serif;max-width:46em;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;margin:1em 0}td{padding:.2em .8em .2em 0;"
-    "border-bottom:1px solid #ddd;vertical-align:top}img{max-width:100%}h2{font-size:1.1em}"
-)
-"""Style of the page."""
 
 
 def folder_of(design: Design) -> Path:
@@ -140,19 +133,12 @@ def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: 
 
 
 def page(result: CardReport, pictures: bool) -> bytes:
-    """One HTML file with tables, figures if `pictures` are wanted, and notes, that loads nothing."""
-    parts = [f"<h1>{escape(result.title)}</h1><p>{escape(result.caption)}</p>"]
-    for table in result.shown():
-        rows = [[column.cell(row) for column in table.columns] for row in table.rows]
-        cells = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-        parts.append(f"<h2>{escape(table.title)}</h2><table>{cells}</table>")
+    """Return one HTML file with tables and notes, and figures if `pictures` are wanted."""
+    parts = [web_page.from_markdown(result.markdown())]
     if pictures:
         from walkergen.files import figures  # brings matplotlib
 
         for draw in result.figures.values():
-            data = base64.b64encode(figures.png(draw())).decode()
-            parts.append(f'<img alt="{escape(result.title)}: figure" src="data:image/png;base64,{data}">')
-    parts += [f"<p>{escape(line)}</p>" for line in result.lines]
-    head = f'<meta charset="utf-8"><title>{escape(result.title)}</title><style>{STYLE}</style>'
-    body = "".join(parts)
-    return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>{body}</body></html>\n'.encode()
+            address = web_page.data_url("image/png", figures.png(draw()))
+            parts.append(Markup('<img alt="{}: figure" src="{}">').format(result.title, address))
+    return web_page.render(result.title, Markup("\n").join(parts), ("part.css", "page.css")).encode()

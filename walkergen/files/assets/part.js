@@ -1,4 +1,4 @@
-// The part, or one of several, on the plate in a frame of its own. The viewer and the meshes are
+// The part, or one of several, on the plate in a frame or a page. The viewer and the meshes are
 // packed (zlib, base64); `walkergenViewer` is the bundle built from viewer/.
 'use strict';
 
@@ -44,14 +44,18 @@
   }
   function choose(index) {
     chosen = index;
-    viewer.show(index, colourOf(parts[index].kind));
-    tell(`${parts[index].name}. Drag or press arrow keys to turn; click, then scroll to zoom. ` +
+    const { name, kind, words } = parts[index];
+    viewer.show(index, colourOf(kind));
+    tell(`${name}${words && `: ${words}`}. Drag or press arrow keys to turn; click, then scroll to zoom. ` +
       `Lines are ${viewer.spacing} mm apart.`);
+    for (const choice of choices) choice.value = index;
   }
-  choose(0);
+  const choices = document.querySelectorAll('#part, #slide');
+  choose(parts.length >> 2);
   paint();
   viewer.repainted(paint);
-  byId('part')?.addEventListener('change', (event) => choose(Number(event.target.value)));
+  for (const choice of choices)
+    choice.addEventListener(choice.type === 'range' ? 'input' : 'change', () => choose(Number(choice.value)));
   for (const button of byId('views').children)
     button.addEventListener('click', () => viewer.look(button.dataset.view));
 })();

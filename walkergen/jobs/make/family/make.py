@@ -64,9 +64,6 @@ class Job(NamedTuple):
     """Measured speeds of printed walkers, for the figure."""
     page: bool = False
     """True to write report.html, one page of all of it that opens offline."""
-    run_in: Scene | None = None
-    """Scene in which the page plays a second of a run, of the member that is the design itself, else
-    of the first; None for no run."""
 
 
 Tell = Callable[[Sequence[Finding]], None]
@@ -92,7 +89,6 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     )
     tell(layout.findings)
     refuse(layout.findings, job.strict)
-    run = None if job.run_in is None else _played(job, job.run_in)
     with Folder(path) as folder:
         walkers: list[Member] = []
         every = members.predicted(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
@@ -122,7 +118,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
             from walkergen.jobs.make.family import page
 
             files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
-            folder.write("report.html", page.render(walkers, shown, written.caption, files, facts, run))
+            folder.write("report.html", page.render(report.view_parts(walkers), files, facts))
         folder.finish(facts)
         progress("done", steps, steps)
     return written
@@ -143,15 +139,6 @@ def drawn(error: GeometryError, path: Path | None) -> GeometryError:
     with Folder(path, "") as folder:
         folder.write("trouble.png", figures.png(trouble.figure(error), 100))
     return GeometryError(f"{error}; drawn in {path / 'trouble.png'}", *error.keys)
-
-
-def _played(job: Job, scene: Scene) -> dict[str, Any]:
-    """Run of a member for the page to play. Raises InputError where walkers do not move in space."""
-    from walkergen.jobs.make.family import play
-
-    own = job.design.tilt_deg, job.design.kind
-    number = next((at for at, one in enumerate(job.members) if (one.tilt_deg, one.kind) == own), 0)
-    return play.run(job.members[number], scene, "--run ") | {"member": number}
 
 
 def _taken(design: Design) -> bytes | None:

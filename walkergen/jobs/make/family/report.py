@@ -11,11 +11,14 @@ from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.points import speed_table
 from walkergen.points.members import Member
 from walkergen.scene import Scene
+from walkergen.theory import prediction
 from walkergen.walker import names
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from walkergen.files.viewer import Part
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -31,10 +34,15 @@ class FamilyReport(Report):
 
     def _repr_html_(self) -> str:
         from walkergen.files import viewer
-        from walkergen.walker import view
 
-        parts = [view.part_of(member.design, member.mesh) for member in self.members]
-        return viewer.frame(parts, str(self.folder)) + super()._repr_html_()
+        return viewer.frame(view_parts(self.members), str(self.folder)) + super()._repr_html_()
+
+
+def view_parts(walkers: Sequence[Member]) -> "list[Part]":
+    """Return the walkers for a 3D view, each with its speed in words."""
+    from walkergen.walker import view
+
+    return [view.part_of(walker.design, walker.mesh)._replace(words=prediction.brief(walker.row)) for walker in walkers]
 
 
 def of(

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from walkergen import inputs, request
 from walkergen.errors import GeometryError
@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 class FamilyRequest(request.Request):
     """Make a family of walkers: STL files, plates, predicted speeds, pictures.
 
-    With --page also one self-contained HTML page that opens offline; with --run it plays a second of a walker's run,
-    in a scene in which walkers move in space, such as plane-90hz.
+    With --page also one self-contained HTML page that opens offline.
     """
 
     by_position: ClassVar = ("design", "out")
@@ -53,12 +52,6 @@ class FamilyRequest(request.Request):
         Path | None, request.File, Flag("Measured speeds (CSV) for speed.png.", "FILE", takes="Name | None")
     ] = None
     page: Annotated[bool, Flag("Write report.html, a page of all of it.")] = False
-    run_in: Annotated[
-        Any,
-        request.file_flag(
-            "scenes", "Scene of a second's run for the page to play: a template or a TOML file.", "--run", optional=True
-        ),
-    ] = None
     pictures: Annotated[bool, Flag("Draw speed.png and preview.png.")] = True
     strict: request.Strict = False
 
@@ -67,9 +60,6 @@ class FamilyRequest(request.Request):
         from walkergen.jobs.make.family import make
         from walkergen.printing import findings as printed
 
-        if not self.page:
-            self.refuse("is for --page", "run_in")
-        run_in = None if self.run_in is None else inputs.of({}, {}, ["scene"]).scene(self.run_in)
         given = self.inputs()
         try:
             design = given.design(self.design)
@@ -97,7 +87,6 @@ class FamilyRequest(request.Request):
             strict=self.strict,
             measured=measured,
             page=self.page,
-            run_in=run_in,
         )
         folder = self.out or Path("out") / design.name
         report = make.make(job, folder, progress, findings.extend)

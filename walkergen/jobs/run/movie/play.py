@@ -16,46 +16,30 @@ from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import from_centre
 
-SECONDS = 1.0
-"""Length of the run, s."""
-
 RATE = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
 
 
-def run(design: Design, scene: Scene, before: str = "", seconds: float = SECONDS) -> dict[str, Any]:
+def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
 
-    `before` stands in messages before the scene's name. Raises InputError for a scene in which
-    walkers do not move in space, or not at all.
+    Raises InputError for a scene in which walkers do not move in space, or not at all.
     """
     mass = solids.mass_of(design)
     model = resolve(scene, design, mass).model
     if model != "space":
         raise InputError(
-            f"{before}{scene.name}: there the walker moves in a plane (model '{model}'); the "
+            f"{scene.name}: there the walker moves in a plane (model '{model}'); the "
             "viewer plays runs in space: choose a scene with a plane to run on, or "
             "legs.model = 'space'"
         )
     short = scene.run.model_copy(update={"seconds": seconds})
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
-        raise InputError(f"{before}{scene.name}: the run ended at once ({motion.outcome.value})")
+        raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
-    O[1] -= _lowered(design)
     return _packed(motion, O) | {"words": _words(motion, scene, names.part(design))}
-
-
-def _lowered(design: Design) -> float:
-    """Distance by which the viewer's mesh lies lower than the design's, mm.
-
-    A part that prints with its legs up has its upper side at z = 0 of its file, hence at y = 0 once
-    the viewer has turned it onto its feet.
-    """
-    if solids.on_side(design):
-        return 0.0
-    return float(solids.build(design).walker.vertices[:, 1].max())
 
 
 def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
