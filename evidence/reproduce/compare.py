@@ -12,7 +12,7 @@ from evidence.reproduce.impact_types import COUNTINGS
 from evidence.reproduce.maximum import Range
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
-from evidence.reproduce.runs import Assumption, Point
+from evidence.reproduce.runs import PAPER, Assumption, Point
 from evidence.reproduce.theory import Curve, Theory
 from walkergen.analysis.curves import Top
 from walkergen.numerics.quantity import Quantity, Verdict, exact
@@ -21,7 +21,7 @@ FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""
 
 LOW = "low restitution"
-"""Name of the assumption whose restitution is chosen for the experiment's speeds."""
+"""Name of the assumption whose restitution is chosen, not measured."""
 
 TEN = 10.0
 """Tilt at which the paper states a speed, deg."""
@@ -146,7 +146,7 @@ def _predicted_peak(curve: Curve) -> Top:
 
 def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     model, name = series[0].model, series[0].assumption.name
-    if model in ("rigid", "space, braced"):
+    if model == "space, braced":
         yield Row("braced", model, name, max((point.speed for point in series), key=curves.size))
         return
     yield from _of_top(model, name, curves.peak(series))
@@ -156,7 +156,7 @@ def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     at = {point.tilt_deg: point.speed for point in series}
     yield Row("speed at 10 deg", model, name, at.get(TEN, Quantity("speed", "mm_s", None)))
     for count_name, counting, both, third in COUNTED:
-        if model == "space" and "rest" in third:
+        if model != PAPER and "rest" in third:
             continue  # elastic feet never land at exactly no slip
         for fact, kind in (("types II and III", both), ("mostly type III", third)):
             yield Row(fact, f"{model}, {count_name}", name, _percent(curves.smallest(series, counting, kind)))

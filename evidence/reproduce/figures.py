@@ -16,18 +16,16 @@ from evidence.reproduce.curves import lively, series_of, through_zero
 from evidence.reproduce.growth import HALFWAY
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
-from evidence.reproduce.runs import Point
+from evidence.reproduce.runs import PAPER, Point
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
 from walkergen.walker.sections import section_of
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {
-    "relaxed": (Look("#009E73", "-.", "^"), "simulated, relaxed legs (the paper's)"),
-    "compliant": (Look("#D55E00", "-", "o"), "simulated, legs on springs"),
+    PAPER: (Look("#009E73", "-.", "^"), "simulated, the paper's own model"),
     "space": (Look("#CC79A7", "-", "D"), "simulated, in space"),
     "space, noisy plate": (Look("#882255", "--", "v"), "simulated, in space, noisy plate"),
-    "rigid": (Look("#000000", ":", "s"), "simulated, braced"),
     "space, braced": (Look("#000000", "--", "x"), "simulated, braced, in space"),
 }
 THEORY = {"coulomb": Look("#0072B2"), "paper": Look("#56B4E9", "--")}

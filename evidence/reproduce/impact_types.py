@@ -27,10 +27,9 @@ SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"), "III
 """Shares taken together: an impact from rest is the limit of type III for v_x to 0."""
 
 COUNTINGS = ("every impact", "landings", "by impulse")
-"""Ways to take a share: of all impacts, chatter included (of relaxed legs a cascade's geometric
-tail counts once; in space every contact of a corner, from the first force to the last); of
-landings, a foot's first impact after a time without any (`landings.QUIET_S`); or of the normal
-impulse, of relaxed legs that of a whole cascade under the type of its first impact."""
+"""Ways to take a share: of all impacts, in space every contact of a corner from the first force to the last, in the
+paper's model all impacts of a foot at one instant by the type of the first; of landings, a foot's first impact after a
+time without any (`landings.QUIET_S`); or of the normal impulse of these impacts."""
 
 Shares = Mapping[tuple[str, str], Quantity]
 """Shares by counting and type, or sum of types."""
@@ -52,17 +51,12 @@ def of_run(rows: Array, corners: int) -> Impacts:
     return Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landings.of_feet(impacts.time, impacts.foot // corners))
 
 
-def shares(runs: Sequence[Impacts], every: Sequence[Array]) -> Shares:
-    """Mean shares over runs that all have landings; empty for fewer than two.
-
-    `every`: shares among all impacts of a run, in the order of TYPES, from its tally.
-    """
-    rows = [
-        (counted, of_weights(run.kind, run.landing.astype(np.float64)), of_weights(run.kind, run.impulse))
-        for run, counted in zip(runs, every, strict=True)
-    ]
-    if len(rows) < 2:
+def shares(runs: Sequence[Impacts]) -> Shares:
+    """Return mean shares over runs that all have landings; empty for fewer than two."""
+    if len(runs) < 2:
         return {}
+    weights = [(np.ones(len(run.kind)), run.landing.astype(np.float64), run.impulse) for run in runs]
+    rows = [[of_weights(run.kind, own) for own in ways] for run, ways in zip(runs, weights, strict=True)]
     table, names = np.array(rows), list(TYPES)
     return {
         (counting, name): mean(name, "", table[:, row, [names.index(kind) for kind in kinds]].sum(axis=1))

@@ -26,15 +26,14 @@ TILT_OF_DRIVES = 15.0
 """Tilt of the walkers in figure 5, deg (stated)."""
 
 SECONDS, RUNS, FEWEST_RUNS = 8.0, 8, 8
-"""Length (s) and number of each planar ensemble's runs, and least number, since standard errors
-come from the spread of independent runs."""
+"""Length (s) and number of the runs of an ensemble of the paper's model, and least number, since standard errors come
+from the spread of independent runs."""
 
 SHORTEST = 0.1
 """Least length of runs, s: those of figure 6 then last for some displacements over 40 ms."""
 
 LOW_RESTITUTION = 0.3
-"""Restitution of the foot with which compliant legs have about the experiment's speeds, in their
-plane and in space: chosen for that, not measured."""
+"""Restitution of the foot of the third contact: chosen, not measured."""
 
 
 class Job(NamedTuple):
@@ -108,8 +107,8 @@ def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> P
     """Simulations of a job at these tilts and drives, by the shipped sweeps."""
     assumptions = assumptions_of(job)
     flexible, braced = job.design.variant(kind="flexible"), job.design.variant(kind="braced")
-    of_flexible = _cases(assumptions, flexible, "relaxed", "compliant", "space")
-    tilted = of_flexible + _cases(assumptions, braced, "rigid", "space, braced")
+    of_flexible = _cases(assumptions, flexible, runs.PAPER, "space")
+    tilted = of_flexible + _cases(assumptions, braced, "space, braced")
     driven = [*of_flexible, *_cases(assumptions, flexible, "space, noisy plate")]
     restitutions, tilts_of_restitutions = runs.swept("figure2-restitutions")
     varied = [_with(f"e = {e:g}", assumptions[0].scene, {"restitution": e}) for e in restitutions]

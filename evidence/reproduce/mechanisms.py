@@ -17,7 +17,7 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 MODEL = "space"
-"""Series of `runs.SERIES` by which all three are simulated."""
+"""Series of `runs.NOISE` by which all three are simulated."""
 
 TILT = 10.0
 """Tilt of the flexible legs, deg: that of the paper's peak."""
@@ -68,7 +68,7 @@ def _beside(what: str, design: Design, point: Point) -> Mechanism:
     assumption = point.assumption
     mass, inputs = solids.mass_of(design), uncertain.inputs(assumption.scene, design, PREDICTION)
     contact, values = assumption.scene.contact, uncertain.draws(inputs, DRAWS, SEED)
-    foot_speeds = stationary(design, mass, contact.restitution, contact.friction, law=contact.law)
+    foot_speeds = stationary(design, mass, contact.restitution, contact.friction)
     drawn = theory_speeds(design, mass, assumption.scene, "coulomb", uncertain.named(inputs, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
     speed = float(foot_speeds.factor) * assumption.scene.impact_speed

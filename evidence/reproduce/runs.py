@@ -1,13 +1,11 @@
 """Simulated walkers of the reproduction: speed, impact speed and types of impacts of an ensemble."""
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from evidence.reproduce import impact_types
-from evidence.reproduce.impact_types import TYPES, Shares
+from evidence.reproduce.impact_types import Impacts, Shares
 from walkergen.analysis import landings
 from walkergen.files import templates
 from walkergen.files.progress import Progress
@@ -15,15 +13,12 @@ from walkergen.jobs.run.sweep import sweep_file
 from walkergen.numerics.quantity import Quantity, mean
 from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation import record
-from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.run import ENDED_WELL, impacts_of
+from walkergen.theory import paper_simulation
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-
-Array = npt.NDArray[np.float64]
 
 NOISE_RATIO = 0.5
 """Noise of the noisy plate, rms velocity over the drive's peak speed, in the scene's band: chosen
@@ -31,19 +26,21 @@ since with it the speed becomes proportional to the plate's; the paper does not 
 """
 
 SHORTER, LONGER = 0.5, 1.5
-"""Length of runs in space over that of planar runs, whose speeds scatter more; of those of figure 6,
+"""Length of runs in space over that of runs of the paper's model, whose speeds scatter more; of those of figure 6,
 whose lags reach a quarter of it."""
 
+PAPER = "paper's model"
+"""Series of ensembles of the paper's own model."""
 
-SERIES: dict[str, tuple[ModelName, float]] = {
-    "relaxed": ("relaxed", 0.0),
-    "compliant": ("compliant", 0.0),
-    "rigid": ("rigid", 0.0),
-    "space": ("space", 0.0),
-    "space, noisy plate": ("space", NOISE_RATIO),
-    "space, braced": ("space", 0.0),
+NOISE = {"space": 0.0, "space, noisy plate": NOISE_RATIO, "space, braced": 0.0}
+"""Noise of the plate of each series in space, all of which run on a plane."""
+
+OUTCOMES = {
+    paper_simulation.OK: "ok",
+    paper_simulation.FALLEN: "toppled",
+    paper_simulation.ENDLESS: "impacts without end",
 }
-"""Models and noise of series of ensembles by their names in tables; in space they run on a plane."""
+"""Outcomes of runs of the paper's model."""
 
 
 class Assumption(NamedTuple):
@@ -64,7 +61,7 @@ class Case(NamedTuple):
 
     assumption: Assumption
     model: str
-    """One of SERIES."""
+    """PAPER or a series of NOISE."""
     design: Design
     gamma: float | None = None
     """Peak acceleration of the plate over g at the scene's frequency; None for the scene's."""
@@ -80,11 +77,8 @@ class Case(NamedTuple):
         return scene.model_copy(update={"drive": scene.drive.model_copy(update=drive)})
 
     def walker(self) -> Walker:
-        """Walker of which every impact is kept."""
-        model, noise_ratio = SERIES[self.model]
-        legs = self.scene.legs.model_copy(update={"model": model})
-        in_space = model == "space"
-        scene = on_plane(self.scene, SHORTER, noise_ratio) if in_space else self.scene.model_copy(update={"legs": legs})
+        """Walker in space of which every impact is kept."""
+        scene = on_plane(self.scene, SHORTER, NOISE[self.model])
         return Walker(scene, self.design, solids.mass_of(self.design), impacts=True)
 
 
@@ -93,7 +87,7 @@ class Point(NamedTuple):
 
     assumption: Assumption
     model: str
-    """One of SERIES."""
+    """PAPER or a series of NOISE."""
     tilt_deg: float
     plate_speed_mm_s: float
     """Peak speed of the plate."""
@@ -115,11 +109,10 @@ def swept(name: str) -> list[list[float]]:
 
 
 def on_plane(scene: Scene, longer: float, noise_ratio: float = 0.0) -> Scene:
-    """Scene of the model in space: the same drive and contact on an open plane, without walls."""
+    """Return the same drive and contact on an open plane, without walls."""
     run = {"step_us": None, "seconds": longer * scene.run.seconds}
     changes = {
         "arena": scene.arena.model_copy(update={"kind": "plane", "gap_mm": None}),
-        "legs": scene.legs.model_copy(update={"model": "space"}),
         "run": scene.run.model_copy(update=run),
         "plate": scene.plate.model_copy(update={"noise_ratio": noise_ratio}) if noise_ratio else scene.plate,
     }
@@ -128,34 +121,44 @@ def on_plane(scene: Scene, longer: float, noise_ratio: float = 0.0) -> Scene:
 
 def simulated(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
-    titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases]
-    results = walkers.each([case.walker() for case in cases], titles, progress)
-    for case, point in zip(cases, results, strict=True):
-        yield _point(case, point)
+    in_space = [case for case in cases if case.model != PAPER]
+    titles = [f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in in_space]
+    results = walkers.each([case.walker() for case in in_space], titles, progress)
+    for case in cases:
+        yield _by_paper(case) if case.model == PAPER else _in_space(case, next(results))
 
 
-def _point(case: Case, point: Results) -> Point:
-    """Point of a case, from its simulated runs and their impacts."""
-    results = point.results
-    good = [result for result in results if result.outcome in ENDED_WELL]
-    corners = landings.CORNERS if point.model == "space" else 1
-    runs = [(impact_types.of_run(impacts_of(result), corners), result.tally.counts) for result in good]
-    landed = [(impacts, counts) for impacts, counts in runs if impacts.landing.any()]
-    landing_speeds = [float(impacts.speed[impacts.landing].mean()) for impacts, _ in landed]
+def _by_paper(case: Case) -> Point:
+    """Return the point of a case by the paper's own model."""
+    runs = paper_simulation.simulate(case.scene, case.design, solids.mass_of(case.design))
+    good = [run for run in runs if run.status == paper_simulation.OK]
+    impacts = [impact_types.of_run(run.impacts, 1) for run in good]
+    outcomes = Counter(OUTCOMES[run.status] for run in runs)
+    return _point(case, [run.speed for run in good], impacts, len(runs), outcomes)
+
+
+def _in_space(case: Case, results: Results) -> Point:
+    """Return the point of a case from its runs in space."""
+    good = [result for result in results.results if result.outcome in ENDED_WELL]
+    impacts = [impact_types.of_run(impacts_of(result), landings.CORNERS) for result in good]
+    speeds = [result.speed for result in good]
+    return _point(case, speeds, impacts, len(results.results), results.summary.outcomes)
+
+
+def _point(
+    case: Case, speeds: Sequence[float], impacts: Sequence[Impacts], runs: int, outcomes: Mapping[str, int]
+) -> Point:
+    """Return the point of a case from speeds and impacts of the runs that ended well, of so many."""
+    landed = [one for one in impacts if one.landing.any()]
+    landing_speeds = [float(one.speed[one.landing].mean()) for one in landed]
     return Point(
         case.assumption,
         case.model,
         case.design.tilt_deg,
         case.scene.drive.peak_speed,
-        mean("speed", "mm_s", [result.speed for result in good] if 2 * len(good) >= len(results) else []),
+        mean("speed", "mm_s", speeds if 2 * len(speeds) >= runs else []),
         mean("impact_speed", "mm_s", landing_speeds if len(landing_speeds) > 1 else []),
-        impact_types.shares([impacts for impacts, _ in landed], [of_counts(counts) for _, counts in landed]),
-        len(results) - len(good),
-        listed(dict(sorted(point.summary.outcomes.items()))),
+        impact_types.shares(landed),
+        runs - len(speeds),
+        listed(dict(sorted(outcomes.items()))),
     )
-
-
-def of_counts(counts: npt.NDArray[np.int64]) -> Array:
-    """Shares in the order of TYPES from a tally of a run that met the plate."""
-    amounts = [counts[[record.row_of(kind) for kind in kinds]].sum() for kinds in TYPES.values()]
-    return np.array(amounts, dtype=np.float64) / float(counts[record.IMPACTS])

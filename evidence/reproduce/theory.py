@@ -9,7 +9,7 @@ import numpy.typing as npt
 from evidence.reproduce.runs import Assumption
 from walkergen.scene import Scene
 from walkergen.theory import prediction, uncertain
-from walkergen.theory.impact import Kind, Law, impact
+from walkergen.theory.impact import Kind, resolve
 from walkergen.theory.prediction import SEED
 from walkergen.theory.speed import Mode, factor
 from walkergen.theory.stationary import stationary
@@ -71,7 +71,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        stationary_speeds = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
+        stationary_speeds = stationary(variant, mass, contact.restitution, contact.friction, mode)
         speed.append(float(stationary_speeds.factor) * scene.impact_speed)
         sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(stationary_speeds.reverses))
@@ -80,11 +80,11 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
 
 def type_three(design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode) -> float:
     """Share of type III among impacts at the stationary speed (see `Theory`)."""
-    e, mu, law = scene.contact.restitution, scene.contact.friction, Law[scene.contact.law.upper()]
+    e, mu = scene.contact.restitution, scene.contact.friction
     kinds = []
     for tilt in tilts_deg:
         if tilt > 0.0:
             for H in feet(solids.mass_of(design.variant(tilt_deg=tilt))):
-                v_x = float(factor(H, e, mu, mode, scene.contact.law))
-                kinds.append(impact(float(H.xx), float(H.xy), float(H.yy), v_x, -1.0, e, mu, law).kind)
+                v_x = float(factor(H, e, mu, mode))
+                kinds.append(resolve((float(H.xx), float(H.xy), float(H.yy)), (v_x, -1.0), e, mu).kind)
     return kinds.count(Kind.III) / len(kinds)

@@ -8,7 +8,7 @@ import numpy as np
 from evidence.published import FACTS
 from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
-from evidence.validate.ensembles import exponent, in_space, paper_design, paper_model, rebound
+from evidence.validate.ensembles import exponent, in_space, paper_design, paper_types, rebound
 from walkergen.analysis import curves
 from walkergen.files import templates
 from walkergen.numerics.quantity import Quantity, exact
@@ -176,7 +176,7 @@ def _farthest(ratios: Sequence[Quantity]) -> Quantity:
 def types(effort: Effort) -> Iterator[Claim]:
     """Claim on the types of landings, by the paper's model and in space, and on their speed."""
     fact = FACTS["impact speed"]
-    yield _of_fact("types II and III", "the paper's model at 10 deg", paper_model(10.0, effort).types, FROM_REST)
+    yield _of_fact("types II and III", "the paper's model at 10 deg", paper_types(10.0, effort), FROM_REST)
     for tilt in (10.0, 35.0):
         yield _of_fact("types II and III", f"in space at {tilt:g} deg", in_space(tilt, effort).types, OTHER_TYPES)
     ours = exact("log", "", math.log10(in_space(10.0, effort).landing_speed))

@@ -30,20 +30,16 @@ RIGID = {"rigid_tips": True}
 
 SAME_FEET = 0.1
 """Share by which speeds may differ since engines judge friction by the slip at a step's end: with
-that rule planar speeds are 5 and 8 % higher (benchmarks/rivals.py)."""
+that rule speeds of legs on springs in a plane were 5 and 8 % higher."""
 
 SLIP_AND_FEET = (
-    "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the feet: MuJoCo's are damped "
+    "Friction as in the row above is worth 5 to 8 %. The rest we take for the feet: MuJoCo's are damped "
     "along the plate as well, ours are not. What MuJoCo's give back is not set but found."
 )
 TURNED = (
     "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
-    "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
-    "223 mm/s at 15 deg (docs/physics.md section 5)."
+    "judges it once, by the slip at the end."
 )
-
-RESTITUTION = 0.5
-"""Newton's restitution in single impacts."""
 
 BLOCK = (0.833, 55.07)
 """Mass (g) and moment of inertia (g mm^2) of a rigid body that strikes with one foot."""
@@ -64,7 +60,7 @@ def _mujoco() -> str:
 
 
 def _pymunk() -> str:
-    return f"pymunk{version('pymunk')} (Chipmunk), Newton's law of restitution"
+    return f"pymunk{version('pymunk')} (Chipmunk), plastic impacts"
 
 
 def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
@@ -75,7 +71,6 @@ def _plan(tilt_deg: float, effort: Effort, restitution: float = 0.02) -> Plan:
         "contact": {"restitution": restitution, "friction": FRICTION},
         "arena": {"kind": "plane"},
         "effects": {"off": ["leg_twist"]},
-        "legs": {"model": "space"},
         "feet": RIGID,
         "run": {"seconds": 0.5 * effort.seconds, "discard_seconds": 0.5, "runs": effort.runs},
     }
@@ -121,7 +116,7 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
 
 
 def impacts(effort: Effort) -> Iterator[Claim]:
-    """Claim on single impacts of a rigid body's foot, by Newton's law, against pymunk."""
+    """Claim on single impacts of a rigid body's foot, plastic, against pymunk."""
     cases = (
         ("without friction", 20.0, 0.0),
         ("sliding on", 80.0, 0.1),
@@ -143,7 +138,7 @@ def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
     M, J = BLOCK
     H = tensors.rigid(M, J, np.array(lever))
     entries = float(H.xx), float(H.xy), float(H.yy)
-    outcome = impact.resolve(entries, velocity, RESTITUTION, friction, impact.Law.NEWTON)
+    outcome = impact.resolve(entries, velocity, 0.0, friction)
     return (lever[0] * outcome.F_y - lever[1] * outcome.F_x) / J
 
 
@@ -160,7 +155,7 @@ def _pymunks_spin(lever: Pair, velocity: Pair, friction: float) -> float:
     body.position, body.velocity = (-lever[0], -lever[1] - 1e-7), velocity
     foot = pymunk.Circle(body, radius, (lever[0], lever[1] + radius))
     for shape in (plate, foot):  # pymunk multiplies the two surfaces' values
-        shape.elasticity, shape.friction = math.sqrt(RESTITUTION), math.sqrt(friction)
+        shape.elasticity, shape.friction = 0.0, math.sqrt(friction)
     space.add(plate, body, foot)
     space.step(1e-9)
     return float(body.angular_velocity)

@@ -1,7 +1,7 @@
 """Ensembles that claims need: the paper's walker on its plate, at tilts, contacts and drives."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from walkergen.simulation import experiments, record, trajectory
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
 from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
+from walkergen.theory import paper_simulation
 from walkergen.theory.impact import Kind
 from walkergen.walker import limbs, solids
 from walkergen.walker.design import Design
@@ -60,14 +61,16 @@ def in_space(
     tilt_deg: float, effort: Effort, gamma: float = 1.8, frequency_hz: float = 90.0, kind: limbs.Kind = "flexible"
 ) -> Measured:
     """Measure a walker on the plane of `plane-90hz`, in space, with the contact as the paper measured it."""
-    keys = {"drive.gamma": gamma, "drive.frequency_hz": frequency_hz, "legs.model": "space"}
+    keys = {"drive.gamma": gamma, "drive.frequency_hz": frequency_hz}
     return _measured(_scene("plane-90hz", effort, keys), paper_design(tilt_deg, kind))
 
 
 @cache
-def paper_model(tilt_deg: float, effort: Effort) -> Measured:
-    """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
-    return _measured(_scene("lane-90hz-fitted", effort, {"legs.model": "relaxed"}), paper_design(tilt_deg))
+def paper_types(tilt_deg: float, effort: Effort) -> Quantity:
+    """Return the share of types II and III among landings of the paper's own model, with the contact that it fitted."""
+    design, scene = paper_design(tilt_deg), _scene("lane-90hz-fitted", effort, {})
+    runs = paper_simulation.simulate(scene, design, solids.mass_of(design))
+    return _types([_landings(run.impacts, 1) for run in runs])
 
 
 def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
@@ -78,14 +81,22 @@ def _scene(name: str, effort: Effort, keys: Mapping[str, object]) -> Scene:
 
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(experiments.Walker(scene, design, solids.mass_of(design), impacts=True))
-    corners = 2 if point.model == "space" else 1
-    impacts = [landings.impacts_in(impacts_of(result)) for result in point.results]
-    landing = [landings.of_feet(run.time, run.foot // corners) for run in impacts]
-    kinds = [run.kind[landed] for run, landed in zip(impacts, landing, strict=True)]
-    speeds = [run.v_y[landed] for run, landed in zip(impacts, landing, strict=True)]
-    shares = [100.0 * float(np.isin(kind, (Kind.II, Kind.III)).mean()) for kind in kinds]
-    approach = float(-np.concatenate(speeds).mean()) / scene.drive.peak_speed
-    return Measured(speed_of(point), mean("types", "percent", shares), approach)
+    landed = [_landings(impacts_of(result), landings.CORNERS) for result in point.results]
+    approach = float(-np.concatenate([run.v_y for run in landed]).mean()) / scene.drive.peak_speed
+    return Measured(speed_of(point), _types(landed), approach)
+
+
+def _landings(rows: Array, corners: int) -> landings.Impacts:
+    """Return the landings among the impacts of a run, whose events count so many corners to a foot."""
+    impacts = landings.impacts_in(rows)
+    landed = landings.of_feet(impacts.time, impacts.foot // corners)
+    return landings.Impacts._make(of[landed] for of in impacts)
+
+
+def _types(landed: Sequence[landings.Impacts]) -> Quantity:
+    """Return the share of types II and III among the landings of runs, %."""
+    shares = [100.0 * float(np.isin(run.kind, (Kind.II, Kind.III)).mean()) for run in landed]
+    return mean("types", "percent", shares)
 
 
 def simulated(experiment: experiments.Walker) -> experiments.Results:
@@ -131,7 +142,7 @@ def rebound(tilt_deg: float, drops: int) -> Quantity:
 
     Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
     """
-    tables = {"drive": at_rest(90.0), "arena": {"kind": "plane"}, "legs": {"model": "space"}}
+    tables = {"drive": at_rest(90.0), "arena": {"kind": "plane"}}
     design = paper_design(tilt_deg)
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
     fall, rebounds = math.sqrt(2.0 / GRAVITY), []
