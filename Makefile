@@ -21,10 +21,8 @@ bench:
 	$(PYTHON) benchmarks/starts.py --long
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
-	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
 	$(PYTHON) benchmarks/space.py --cold
 	$(PYTHON) benchmarks/space_crowds.py
-	$(PYTHON) benchmarks/rivals.py --seconds 1
 	$(PYTHON) benchmarks/page.py
 	$(PYTHON) benchmarks/app.py
 

@@ -138,12 +138,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
     for tilt in tilts:
         design = hidden.design.variant(tilt_deg=tilt)
         scene, printed, mass = uncertain.applied(hidden.scene, design, hidden.values)
-        keys = {
-            "run.runs": 1,
-            "run.seconds": seconds,
-            "legs.model": "space",
-            "run.seed": int(hidden.rng.integers(2**31)),
-        }
+        keys = {"run.runs": 1, "run.seconds": seconds, "run.seed": int(hidden.rng.integers(2**31))}
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
         asked.append(Walker(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
@@ -156,7 +151,7 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
 
 def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], draws: int) -> Sequence[float | None]:
     """Ends of 95, 68, 68 and 95 % by a method, mm/s; `filmed` are tilts and speeds for the fit."""
-    design, scene = hidden.design, hidden.scene.variant(**{"legs.model": "space"})
+    design, scene = hidden.design, hidden.scene
     if method == "predict":
         row = speed_of.predict(design, solids.mass_of(design), hidden.scene)
         return (row.speed_low_95_mm_s, row.speed_low_68_mm_s, row.speed_high_68_mm_s, row.speed_high_95_mm_s)

@@ -5,10 +5,10 @@ answer is the mean stationary factor of its two feet. walkergen works in chunks 
 that its memory does not grow with the number of triples. The rivals solve a sample, drawn the
 same way, and their time is scaled to a million:
 
-- root: the impact kernel itself, with the speed at which it gives no horizontal impulse bracketed
+- root: the impact itself, with the speed at which it gives no horizontal impulse bracketed
   by scipy's brentq; knows no closed form;
 - loop: one triple at a time as one writes it from the paper, 2x2 matrices of numpy and eq. 15,
-  or the general form where feet may stick (there is none to write for law stronge);
+  or the general form where feet may stick;
 - calls: `theory.speed.factors` called once a triple.
 
     python benchmarks/predictions.py [--repeats 5] [--rivals root,loop,calls]
@@ -29,8 +29,8 @@ import numpy.typing as npt
 
 from walkergen.files import templates
 from walkergen.theory import speed, tensors
-from walkergen.theory.impact import Law, impact
-from walkergen.theory.speed import LawName, Mode
+from walkergen.theory.impact import resolve
+from walkergen.theory.speed import MODES, Mode
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import LegMass, MassProperties, scaled
@@ -39,12 +39,6 @@ Array = npt.NDArray[np.float64]
 Triples = tuple[MassProperties, Array, Array]
 """Designs, restitutions and frictions, each with a leading axis of the same length."""
 
-CASES: tuple[tuple[Mode, LawName], ...] = (
-    ("coulomb", "poisson"),
-    ("coulomb", "newton"),
-    ("coulomb", "stronge"),
-    ("paper", "poisson"),
-)
 VARYING = ("m", "j", "anchor", "c_A", "c_T")
 """What of a leg differs from walker to walker."""
 SEED = 2016
@@ -85,8 +79,8 @@ def chunks(walkers: MassProperties, total: int, size: int) -> Iterator[Triples]:
         yield draw(rng, walkers, min(size, total - start))
 
 
-def with_arrays(triples: Triples, mode: Mode, law: LawName) -> Array:
-    return speed.factors(*triples, mode, law).mean
+def with_arrays(triples: Triples, mode: Mode) -> Array:
+    return speed.factors(*triples, mode).mean
 
 
 def each(triples: Triples) -> Iterator[Triples]:
@@ -95,25 +89,24 @@ def each(triples: Triples) -> Iterator[Triples]:
         yield picked(mass, k), e[k], mu[k]
 
 
-def with_calls(triples: Triples, mode: Mode, law: LawName) -> Array:
-    return np.array([float(speed.factors(*one, mode, law).mean) for one in each(triples)])
+def with_calls(triples: Triples, mode: Mode) -> Array:
+    return np.array([float(speed.factors(*one, mode).mean) for one in each(triples)])
 
 
-def with_roots(triples: Triples, mode: Mode, law: LawName) -> Array | None:
+def with_roots(triples: Triples, mode: Mode) -> Array | None:
     """Stationary speeds from nothing but impacts. The tensors come from walkergen's arrays."""
     from scipy.optimize import brentq
 
     if mode == "paper":
         return None  # eq. 15's reversal in any case is not what an impact does
     mass, e, mu = triples
-    number = int(Law[law.upper()])
     found = np.zeros((2, len(e)))
     for foot, H in enumerate(tensors.feet(mass)):
         entries = np.column_stack([H.xx, H.xy, H.yy, e, mu]).tolist()
         for k, (xx, xy, yy, restitution, friction) in enumerate(entries):
 
             def impulse(v_x: float, *a: float) -> float:
-                return impact(a[0], a[1], a[2], v_x, -1.0, a[3], a[4], number).F_x
+                return resolve((a[0], a[1], a[2]), (v_x, -1.0), a[3], a[4]).F_x
 
             # Beyond this speed the foot slides on throughout; at 0 friction only pushes it on.
             bound = -np.copysign(4.0 * (friction * xx + abs(xy)) / yy, xy)
@@ -121,16 +114,14 @@ def with_roots(triples: Triples, mode: Mode, law: LawName) -> Array | None:
     return found.mean(axis=0)
 
 
-def with_loop(triples: Triples, mode: Mode, law: LawName) -> Array | None:
+def with_loop(triples: Triples, mode: Mode) -> Array:
     """One triple after the other with the paper's matrices (eqs 8-12) and closed forms."""
-    if law == "stronge":
-        return None
     found = []
     for mass, e, mu in each(triples):
         both = 0.0
         for leg in mass.legs:
             H = paper_tensor(mass, leg)
-            both += closed_form(H[0, 0], H[0, 1], H[1, 1], e, mu, mode, law)
+            both += closed_form(H[0, 0], H[0, 1], H[1, 1], e, mu, mode)
         found.append(0.5 * both)
     return np.array(found)
 
@@ -149,14 +140,14 @@ def paper_tensor(mass: MassProperties, leg: LegMass) -> Array:
     return H
 
 
-def closed_form(xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode, law: LawName) -> float:
-    """The stationary factor under Poisson's or Newton's law (docs/physics.md section 4)."""
+def closed_form(xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode) -> float:
+    """The stationary factor (docs/physics.md section 4)."""
     ratio = mu if mode == "paper" else min(mu, abs(xy) / xx)
     top = (1 + e) * ratio / (mu + ratio) * (mu * xx + abs(xy))
-    return float(-np.sign(xy) * top / (yy + (e * ratio * abs(xy) if law == "poisson" else 0.0)))
+    return float(-np.sign(xy) * top / (yy + e * ratio * abs(xy)))
 
 
-Way = Callable[[Triples, Mode, LawName], Array | None]
+Way = Callable[[Triples, Mode], Array | None]
 RIVALS: dict[str, tuple[Way, int]] = {
     "root": (with_roots, 2000),
     "loop": (with_loop, 2000),
@@ -164,12 +155,12 @@ RIVALS: dict[str, tuple[Way, int]] = {
 }
 
 
-def measure(walkers: MassProperties, mode: Mode, law: LawName, total: int, size: int) -> float:
+def measure(walkers: MassProperties, mode: Mode, total: int, size: int) -> float:
     """Seconds for all triples in chunks; drawing them is not counted."""
     seconds = 0.0
     for triples in chunks(walkers, total, size):
         started = time.perf_counter()
-        with_arrays(triples, mode, law)
+        with_arrays(triples, mode)
         seconds += time.perf_counter() - started
     return seconds
 
@@ -192,41 +183,36 @@ def machine() -> str:
 
 
 def compare(walkers: MassProperties, rivals: list[str], options: argparse.Namespace) -> bool:
-    """Print a row for every mode, law and way; True when all ways gave the same factors."""
+    """Print a row for every mode and way; True when all ways gave the same factors."""
     per_million = 1e6 / options.triples
-    print(
-        f"{'mode':<9}{'law':<9}{'way':<11}{'triples':>9}{'s/million':>11}{'least..most':>18}"
-        f"{'ratio':>9}{'difference':>12}"
-    )
+    print(f"{'mode':<9}{'way':<11}{'triples':>9}{'s/million':>11}{'least..most':>18}{'ratio':>9}{'difference':>12}")
     agree = True
-    for mode, law in CASES:
-        times = [
-            per_million * measure(walkers, mode, law, options.triples, options.chunk) for _ in range(options.repeats)
-        ]
+    for mode in MODES:
+        times = [per_million * measure(walkers, mode, options.triples, options.chunk) for _ in range(options.repeats)]
         reference = statistics.median(times)
-        print(row(mode, law, "walkergen", options.triples, times, 1.0))
+        print(row(mode, "walkergen", options.triples, times, 1.0))
         for name in rivals:
             way, count = RIVALS[name]
             sample = draw(np.random.default_rng(SEED), walkers, count)
-            if way(draw(np.random.default_rng(0), walkers, 10), mode, law) is None:
+            if way(draw(np.random.default_rng(0), walkers, 10), mode) is None:
                 continue
             times = []
             for _ in range(options.repeats):
                 started = time.perf_counter()
-                found = way(sample, mode, law)
+                found = way(sample, mode)
                 times.append(1e6 / count * (time.perf_counter() - started))
-            known = with_arrays(sample, mode, law)
+            known = with_arrays(sample, mode)
             apart = float(np.max(np.abs(found - known) / (1.0 + np.abs(known))))
             agree &= apart <= AGREEMENT
             ratio = statistics.median(times) / reference
-            print(f"{row(mode, law, name, count, times, ratio)}{apart:>12.1e}")
+            print(f"{row(mode, name, count, times, ratio)}{apart:>12.1e}")
     return agree
 
 
-def row(mode: str, law: str, way: str, count: int, times: list[float], ratio: float) -> str:
+def row(mode: str, way: str, count: int, times: list[float], ratio: float) -> str:
     spread = f"{min(times):.3g}..{max(times):.3g}"
     median = statistics.median(times)
-    return f"{mode:<9}{law:<9}{way:<11}{count:>9}{median:>11.4g}{spread:>18}{ratio:>9.1f}"
+    return f"{mode:<9}{way:<11}{count:>9}{median:>11.4g}{spread:>18}{ratio:>9.1f}"
 
 
 def main() -> None:
@@ -244,9 +230,9 @@ def main() -> None:
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     print(machine())
     walkers = shelf()
-    measure(walkers, "coulomb", "stronge", options.chunk, options.chunk)
+    measure(walkers, "coulomb", options.chunk, options.chunk)
     before = peak_memory()
-    measure(walkers, "coulomb", "stronge", options.triples, options.chunk)
+    measure(walkers, "coulomb", options.triples, options.chunk)
     grown = peak_memory() - before
     print(
         f"memory: peak {before:.1f} MB after the first {options.chunk} triples, "

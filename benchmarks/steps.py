@@ -121,7 +121,7 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     """Speeds of a setting by its own step and by a finer one, from other random starts."""
     scene, design = walker_of(one)
     mass = solids.mass_of(design)
-    run = {"legs.model": "space", "run.runs": options.runs, "run.seconds": options.seconds}
+    run = {"run.runs": options.runs, "run.seconds": options.seconds}
     own = scene.variant(**run)
     plan = prepare(own, design, mass)
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}

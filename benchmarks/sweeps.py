@@ -54,7 +54,7 @@ def request_of(count: int, model: str = "prediction") -> Request:
 
 def overhead(count: int, folder: Path) -> None:
     """Points of short runs through the store against their masses and simulations in a loop."""
-    request = request_of(count, "compliant")
+    request = request_of(count, "space")
     short = request.scene.variant(**{"run.runs": 4, "run.seconds": 0.05, "run.discard_seconds": 0.0})
     asked = [one for one in request._replace(scene=short).points() if isinstance(one, Point)]
     list(run.each(asked[:1], Store(folder / "warm")))
@@ -74,7 +74,7 @@ def workers(count: int, folder: Path) -> None:
     """One worker process against two, after they have started."""
     times = []
     for number in (1, 2):
-        request = request_of(count, "compliant")
+        request = request_of(count, "space")
         asked = [one for one in request.asked() if isinstance(one, Point)]
         asked = [one._replace(scene=one.scene.variant(**{"run.runs": 16})) for one in asked]
         with local(number) as pool:

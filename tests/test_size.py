@@ -29,7 +29,7 @@ LIMITS = {
     "walkergen/theory": 2570,
     "walkergen/track": 3680,
     "walkergen/walker": 4880,
-    "benchmarks": 3350,
+    "benchmarks": 2740,
     "docs": 630,
     "evidence": 7080,
     "tests": 43330,

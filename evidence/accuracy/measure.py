@@ -1,7 +1,7 @@
 """Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about five minutes of one core.
 
-The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and restitutions of CELLS: every model, and
-every step of the model in space, beside a reference by a tenth of the finest step. Each has runs of its own random
+The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and restitutions of CELLS: every step
+beside a reference by a tenth of the finest step. Each has runs of its own random
 numbers (SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
 costs are those of the machine at that moment. Rows are added one by one; a second call goes on after the last.
 """
@@ -20,7 +20,6 @@ from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
 from walkergen.numerics import kernels
 from walkergen.points import walkers
 from walkergen.scene import Scene
-from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL, compile_kernels
@@ -28,7 +27,7 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 LANE, PLANE = "lane-90hz", "plane-90hz"
-"""Scenes of the cells; on the plane models in a plane are refused."""
+"""Scenes of the cells."""
 
 CELLS = (
     (LANE, (5.0, 15.0, 1.0, 30.0), (0.8, 0.9, 0.5)),
@@ -40,8 +39,6 @@ CELLS = (
 
 SHARES = (REFERENCE, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet; the first is the reference's."""
-
-PLANAR: tuple[ModelName, ...] = ("compliant", "relaxed", "rigid")
 
 RUNS, DISCARD_S, SECONDS, REFERENCE_S = 8, 0.4, 5.0, 1.5
 """Runs of a setting, the start of each that is not measured, and the measured time of each, s: of the reference less,
@@ -62,24 +59,21 @@ LOOPS = 3
 
 
 class Setting(NamedTuple):
-    """Model and step of a cell."""
+    """Step of a cell."""
 
     scene: str
     tilt_deg: float
     restitution: float
-    model: ModelName
-    share: float | None
+    share: float
+    """Step over that which resolves the feet."""
 
 
 def settings() -> list[Setting]:
     """All settings of all cells; within a cell the dear one first."""
-    ways: list[tuple[ModelName, float | None]] = [("space", share) for share in SHARES]
-    ways += [(model, None) for model in PLANAR]
     every = [
-        Setting(scene, tilt, restitution, *way)
+        Setting(scene, tilt, restitution, share)
         for scene, tilts, restitutions in CELLS
-        for restitution, tilt, way in product(restitutions, tilts, ways)
-        if scene == LANE or way[0] == "space"
+        for restitution, tilt, share in product(restitutions, tilts, SHARES)
     ]
     return [one for one in every if one.share == 1.0 or one.restitution == MAIN_RESTITUTION or one[:3] in ALSO_WHOLE]
 
@@ -89,16 +83,13 @@ def walker(setting: Setting, seed: int) -> Walker:
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
     scene = templates.load(setting.scene, "scenes", Scene)
     contact = scene.contact.model_copy(update={"restitution": setting.restitution})
-    legs = scene.legs.model_copy(update={"model": setting.model})
     seconds = REFERENCE_S if setting.share == REFERENCE else SECONDS
     seconds *= CALM_SHARE if setting.tilt_deg <= CALM_DEG else 1.0
     seconds *= 1.0 if setting.restitution == MAIN_RESTITUTION else ELSEWHERE_SHARE
     timing = {"runs": RUNS, "seconds": seconds, "discard_seconds": DISCARD_S, "seed": seed}
     run = scene.run.model_copy(update=timing)
-    asked = scene.model_copy(update={"contact": contact, "legs": legs, "run": run})
+    asked = scene.model_copy(update={"contact": contact, "run": run})
     made = Walker(asked, design, solids.mass_of(design))
-    if setting.share is None:
-        return made
     return made.with_run(step_us=1e6 * setting.share * made.plan().world.options.step)
 
 
@@ -112,7 +103,9 @@ def measured(setting: Setting, seed: int) -> Row:
     well = set(summary.outcomes) <= {"on one periodic orbit", *(outcome.value for outcome in ENDED_WELL)}
     simulated_s = summary.runs * (one.scene.run.seconds + DISCARD_S)
     return Row(
-        *setting,
+        *setting[:3],
+        "space",
+        setting.share,
         one.scene.run.step_us,
         summary.speed_mm_s if well else None,
         summary.speed_se_mm_s if well else None,
@@ -126,8 +119,8 @@ def measured(setting: Setting, seed: int) -> Row:
 def missing(path: Path) -> Iterator[tuple[int, Setting]]:
     """Settings that a file has no row of, with their seeds."""
     rows = cells.read(path) if path.exists() else ()
-    known = {row[:5] for row in rows}
-    yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if tuple(setting) not in known)
+    known = {(*row.cell, row.share) for row in rows}
+    yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if setting not in known)
 
 
 def main() -> None:

@@ -57,7 +57,6 @@ def scene(size: Size, seconds: float, discard_seconds: float, runs: int) -> Scen
         "run.discard_seconds": discard_seconds,
         "run.runs": runs,
         "run.seed": size.seed,
-        "legs.model": "space",
         "crowd.arena_mm": DISH,
     }
     return templates.load(PLATE, "scenes", Scene).variant(**keys)

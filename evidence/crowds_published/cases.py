@@ -89,7 +89,7 @@ def _case(
 ) -> Case:
     """Case on the template plane-90hz, with the crowd that a dish and a packing ask for."""
     keys: dict[str, Any] = {f"run.{key}": value for key, value in size._asdict().items()}
-    keys |= {"drive.frequency_hz": frequency_hz, "drive.gamma": gamma, "legs.model": "space"}
+    keys |= {"drive.frequency_hz": frequency_hz, "drive.gamma": gamma}
     if dish:
         keys |= {"crowd.arena_mm": dish, "crowd.packing": packing}
     scene = templates.load("plane-90hz", "scenes", Scene)

@@ -165,7 +165,7 @@ def case(row: Mapping[str, float | None]) -> Case:
         contact=Contact(restitution=number["restitution"], friction=number["friction"]),
         plate=Plate(slope_deg=number["slope_deg"], noise_ratio=number["noise_ratio"]),
         arena=walls,
-        legs=LegModel(model="space", damping_ratio=number["damping_ratio"]),
+        legs=LegModel(damping_ratio=number["damping_ratio"]),
         feet=Feet(unevenness_um=number["unevenness_um"], tip_radius_um=number["tip_radius_um"]),
         run=TEST if number["held_out"] else LEARN,
     )
