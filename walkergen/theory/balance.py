@@ -151,7 +151,7 @@ def _solve(feet: Array, low: Array, high: Array, law: int) -> tuple[Array, Array
                 speed = np.nan
                 break
             _load(levers, loads[k])
-            net = 0.0  # eq. 4.4: sum N_i rho_i
+            net = 0.0  # eq. 4.3: sum N_i rho_i
             for i in range(count):
                 net += loads[k, i] * ratios[i]
             if net == 0.0 or above - below <= resolved:
@@ -183,7 +183,7 @@ def _act(feet: Array, ratios: Array, levers: Array) -> None:
     for foot in feet:
         height += foot[LEVER_Y] / len(feet)
     for i, foot in enumerate(feet):
-        # Eq. 4.4, with y_0 the feet's mean height
+        # Eq. 4.3, with y_0 the feet's mean height
         levers[i] = foot[LEVER_X] - (foot[LEVER_Y] - height) * ratios[i]
 
 

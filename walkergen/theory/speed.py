@@ -59,7 +59,7 @@ def factor(
         share = np.where(mu > 0, ratio / (mu + ratio), np.where(magnitude > 0, 0.5, 0.0))
     forward_slope = mu * H.xx + magnitude
     if law == "poisson":
-        impulse = (1 + e) / (H.yy + e * ratio * magnitude)  # eq. 4.2
+        impulse = (1 + e) / (H.yy + e * ratio * magnitude)
     elif law == "newton":
         impulse = (1 + e) / (H.yy + 0.0 * ratio)
     else:
