@@ -96,6 +96,8 @@ def walker(setting: Setting, seed: int) -> Walker:
 def measured(setting: Setting, seed: int) -> Row:
     """Row of a setting."""
     one = walker(setting, seed)
+    step_us = one.scene.run.step_us
+    assert step_us is not None
     compile_kernels(one.plan())
     loop_s = pace.measured(LOOPS)
     results = walkers.simulate(one, threads=1)
@@ -106,7 +108,7 @@ def measured(setting: Setting, seed: int) -> Row:
         *setting[:3],
         "space",
         setting.share,
-        one.scene.run.step_us,
+        step_us,
         summary.speed_mm_s if well else None,
         summary.speed_se_mm_s if well else None,
         summary.runs,
