@@ -1,9 +1,9 @@
 """Measurement of cells.csv: `python -m evidence.accuracy.measure [--out FILE]`, about five minutes of one core.
 
 The paper's walker on the shipped plates of 90 Hz and 1.8 g, at the tilts and restitutions of CELLS: every step
-beside a reference by a tenth of the finest step. Each has runs of its own random
-numbers (SEEDS), so that errors of two settings are independent; the loop of `pace` is timed before each, so that
-costs are those of the machine at that moment. Rows are added one by one; a second call goes on after the last.
+beside a reference by a tenth of the finest step. Each has runs of its own random numbers (SEEDS), so that errors of
+two settings are independent; the loop of `pace` is timed before each, so that costs are those of the machine at that
+moment. Rows are added one by one; a second call goes on after the last.
 """
 
 import argparse
