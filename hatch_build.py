@@ -19,7 +19,6 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 SHORT = ("--seconds", "0.05", "--runs", "2", "--quiet")
 FIRST = (("simulate", *SHORT),)
 MORE = (
-    *(("simulate", "--model", model, *SHORT) for model in ("relaxed", "rigid", "compliant")),
     ("family", "--no-pictures", "--quiet"),
     ("crowd", "--count", "2", "--seconds", "0.05", "--rate-hz", "100", "--runs", "1", "--no-pictures", "--quiet"),
     ("calibrate", "drop", "--measured", "0.5", "--measured-sd", "0.05", "--drops", "2", "--quiet"),

@@ -23,8 +23,7 @@ from predictions import machine
 
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.fittings import Motor

@@ -13,8 +13,6 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from walkergen.theory import impact
-
 
 class Box(NamedTuple):
     """Free body: its mass, tensor at C, and half lengths."""
@@ -72,12 +70,38 @@ def inverse_mass(boxes, motions, point):
     return sum(mobility(box, motion, point - motion.place) for box, motion in zip(boxes, motions, strict=True))
 
 
+def _stronge(tensor, velocity, restitution, friction):
+    """Impulse (along, normal) of an impact whose restitution is that of work (Stronge 1990), from event to event."""
+    xx, xy, yy = tensor
+    v_x, v_y = velocity
+    F_x = F_y = work = 0.0
+    compressed = None
+    while v_y < 0.0 or compressed is not None:
+        held = v_x == 0.0 and abs(xy) <= friction * xx
+        ratio = -xy / xx if held else -math.copysign(friction, v_x if v_x != 0.0 else xy)
+        s_x, s_y = 0.0 if held else xy + ratio * xx, yy + ratio * xy
+        steps = [(-v_x / s_x, "stop")] if s_x * v_x < 0.0 else []
+        if compressed is not None:
+            left = -(restitution**2) * compressed - (work - compressed)
+            steps.append(((-v_y + math.sqrt(v_y**2 + 2.0 * s_y * left)) / s_y, "end"))
+        elif s_y > 0.0:
+            steps.append((-v_y / s_y, "compressed"))
+        step, event = min(steps)
+        work += v_y * step + 0.5 * s_y * step**2
+        F_x, F_y, v_y = F_x + ratio * step, F_y + step, v_y + s_y * step
+        v_x = 0.0 if event == "stop" else v_x + s_x * step
+        if event == "compressed":
+            compressed, v_y = work, 0.0
+        if event == "end":
+            break
+    return F_x, F_y
+
+
 def struck(boxes, motions, point, normal, law):
     """Motions after one contact at a point that does not move meanwhile, and in the plane.
 
     `normal` points from the second box into the first. A spring that gives back the share e^2 of
-    its work is Stronge's law of restitution: the impact of `theory.impact`, stops of the sliding
-    and turns of it included.
+    its work is Stronge's law of restitution: stops of the sliding and turns of it included.
     """
     along = np.cross([0.0, 1.0, 0.0], normal)
     arms = [point - motion.place for motion in motions]
@@ -85,8 +109,8 @@ def struck(boxes, motions, point, normal, law):
     slip = _speed_at(motions[0], arms[0]) - _speed_at(motions[1], arms[1])
     tensor = (along @ H @ along, along @ H @ normal, normal @ H @ normal)
     velocity = (float(slip @ along), float(slip @ normal))
-    hit = impact.resolve(tensor, velocity, law.restitution, law.friction, impact.Law.STRONGE)
-    impulse = hit.F_x * along + hit.F_y * normal
+    F_x, F_y = _stronge(tensor, velocity, law.restitution, law.friction)
+    impulse = F_x * along + F_y * normal
     return [
         _kicked(box, motion, arm, sign * impulse)
         for box, motion, arm, sign in zip(boxes, motions, arms, (1.0, -1.0), strict=True)

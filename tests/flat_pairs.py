@@ -10,7 +10,7 @@ from shapely.ops import nearest_points
 
 from walkergen.crowd.flat import crowd, doors
 from walkergen.dish import Dish
-from walkergen.theory.impact import Law, impact
+from walkergen.theory.impact import impact
 
 ROOM = 90.0
 """Ground of a pair, mm."""
@@ -113,7 +113,7 @@ def _hit(two, mover, rester, offset, speed, kind):
     H_xx = sum(1.0 / m + t**2 / inertia for _, t in cross)
     H_xy = sum(n * t / inertia for n, t in cross)
     v_x, v_y = speed * float(ahead @ along), speed * float(ahead @ normal)
-    law = impact(H_xx, H_xy, H_yy, v_x, v_y, kind.restitution, kind.friction, Law.POISSON)
+    law = impact(H_xx, H_xy, H_yy, v_x, v_y, kind.restitution, kind.friction)
     gained = rates[end] - rates[start - 1]
     push = m * gained[0, :2]
     F_x, F_y = float(push @ along), float(push @ normal)

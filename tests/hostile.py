@@ -604,10 +604,10 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "calibrate": (("c.csv", "--out", "out"), {"c.csv": TABLES["c.csv"][0].encode()}),
     "family": (("--tilt", "10", "--legs", "braced", "--no-pictures", "--out", "out"), {}),
     "sweep": (("--set", "legs.tilt_deg=5,10", "--out", "out"), {}),
-    "simulate": (("--seconds", "0.05", "--runs", "1", "--model", "rigid", "--out", "out"), {}),
-    "movie": (("--fps", "3", "--model", "rigid", "--out", "out"), {}),
+    "simulate": (("--seconds", "0.05", "--runs", "1", "--out", "out"), {}),
+    "movie": (("--fps", "3", "--out", "out"), {}),
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
-    "explain": (("--model", "rigid"), {}),
+    "explain": (("--no-cost",), {}),
 }
 """Commands that end soon whatever flag is added, with what they need."""
 

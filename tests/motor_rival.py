@@ -33,7 +33,6 @@ def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
     design = bare.model_copy(update={"motor": Motor.model_validate(motor or {})})
     data = {"arena": {"kind": "plane"}} | tables
     data["drive"] = {"kind": "motor", "frequency_hz": 90.0} | drive
-    data["legs"] = {"model": "space"} | data.get("legs", {})
     return prepare(Scene.model_validate(data), design, solids.mass_of(bare))
 
 

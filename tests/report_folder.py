@@ -10,15 +10,14 @@ from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
 
-def job_of(tilts=(0.0, 10.0, 35.0), law="poisson", pictures=True, **more):
+def job_of(tilts=(0.0, 10.0, 35.0), pictures=True, **more):
     """The family of the paper's walkers, with its page."""
     design = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("lane-90hz", "scenes", Scene)
-    contact = scene.contact.model_copy(update={"law": law})
     return family.Job(
         design=design,
         members=design.members(tilts, None),
-        scene=scene.model_copy(update={"contact": contact}),
+        scene=scene,
         printer=templates.load("prusa-mk3s", "printers", Printer),
         mode="coulomb",
         pictures=pictures,

@@ -32,7 +32,6 @@ def plan_of(tilt, kind="flexible", **tables):
     """Plan of the paper's walker, with the masses of its mesh, over a still plane."""
     design = Design().variant(tilt_deg=float(tilt), kind=kind)
     data = {"drive": STILL, "arena": {"kind": "plane"}} | tables
-    data["legs"] = {"model": "space"} | data.get("legs", {})
     return prepare(Scene.model_validate(data), design, solids.mass_of(design))
 
 

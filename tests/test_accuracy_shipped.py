@@ -25,7 +25,7 @@ def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.8), speed=50.0):
     rows = []
     for share in SPACE:
         value = speed * (1.0 + slope * share**power) + rng.normal(0.0, se)
-        rows.append(Row(*cell, "space", share, share, value, se, 8, 5.0, 1.0 / share, "8 ok"))
+        rows.append(Row(*cell, share, share, value, se, 8, 5.0, 1.0 / share, "8 ok"))
     return rows
 
 
@@ -43,8 +43,7 @@ def test_every_cell_has_every_setting_and_the_file_is_small():
     assert cells.FILE.read_text().startswith("# walkergen ")
     for row in rows:
         assert row.work > 0.0
-        if row.model == "space":
-            assert row.se_mm_s is not None, row
+        assert row.se_mm_s is not None, row
 
 
 def test_what_is_written_is_what_is_read(tmp_path):
@@ -52,7 +51,7 @@ def test_what_is_written_is_what_is_read(tmp_path):
     (tmp_path / "cells.csv").write_text(cells.text(rows))
     for read, row in zip(cells.read(tmp_path / "cells.csv"), rows, strict=True):
         assert read.speed_mm_s == pytest.approx(row.speed_mm_s, rel=1e-4)  # five digits
-        assert (read.model, read.share, read.runs, read.outcomes) == (row.model, row.share, row.runs, row.outcomes)
+        assert (read.share, read.runs, read.outcomes) == (row.share, row.runs, row.outcomes)
 
 
 @pytest.mark.parametrize("power", [1, 2])

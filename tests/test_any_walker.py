@@ -7,7 +7,6 @@ from walkergen.analysis import landings
 from walkergen.errors import InputError
 from walkergen.jobs.run.movie import shot
 from walkergen.jobs.run.simulate import numbers
-from walkergen.jobs.trust.accuracy.survey import Survey
 from walkergen.lab import resting
 from walkergen.scene import Scene
 from walkergen.simulation import experiments, poses
@@ -35,7 +34,7 @@ def design_of(legs, **tables):
 
 
 def scene_of(**tables):
-    return Scene.model_validate({"legs": {"model": "space"}, "arena": {"kind": "plane"}} | tables)
+    return Scene.model_validate({"arena": {"kind": "plane"}} | tables)
 
 
 def test_legs_are_named_by_where_they_stand():
@@ -111,22 +110,9 @@ def test_explain_names_the_slowest_and_the_fastest_leg():
     unlike = [*TWO[:1], TWO[1] | {"thickness_mm": 0.6}]
     for legs, told in ((TWO, False), (unlike, True)):
         design = design_of(legs)
-        case = Case(scene_of(), design, solids.mass_of(design), "space")
+        case = Case(scene_of(), design, solids.mass_of(design))
         meaning = compliance.judge(case).meaning
         assert ("slowest back; fastest front, 1.5" in meaning) == told
-
-
-def test_planar_models_that_do_not_know_a_walker_are_left_out_of_the_ladder():
-    design = design_of(ROTATOR)
-    scene = Scene.model_validate({"legs": {"model": "space"}})
-    survey = Survey(scene, design, solids.mass_of(design), 1.0)
-    assert survey.complete == "space"
-    assert survey.simpler == []
-    assert set(survey.refusals) == {"rigid", "relaxed", "compliant"}
-    assert all("two feet in the plane" in reason for reason in survey.refusals.values())
-    both = Survey(scene, Design(), solids.mass_of(Design()), 1.0)
-    assert len(both.simpler) == 3
-    assert not any(both.refusals.values())
 
 
 def test_feet_of_another_material_change_as_the_scenes_contact_is_drawn():

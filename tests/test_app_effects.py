@@ -6,23 +6,23 @@ import json
 import pytest
 from app_doors import Doors, document
 
-RELAXED = document(scene__legs__model="relaxed") | {"scene": "lane-90hz"}
+PAPER = document() | {"scene": "lane-90hz"}
 
 
 def test_effects_that_nobody_measured_have_no_picture(tmp_path):
     assert (
-        "no effects of this walker were measured" in Doors(tmp_path).ask("effects_drawn", {"document": RELAXED}).refused
+        "no effects of this walker were measured" in Doors(tmp_path).ask("effects_drawn", {"document": PAPER}).refused
     )
 
 
 @pytest.mark.slow  # ten seconds, as people wait for
 def test_effects_are_measured_and_drawn(tmp_path):
     doors = Doors(tmp_path)
-    events = doors.ask("effects", {"document": RELAXED}).events
+    events = doors.ask("effects", {"document": PAPER}).events
     assert any("progress" in event for event in events)
     facts = json.loads(events[-1]["output"])
     assert {"plate slope", "second harmonic"} < {row["effect"] for row in facts["measured"]}
     assert facts["advice"]
-    head, data = doors.ask("effects_drawn", {"document": RELAXED}).json["picture"].split(",")
+    head, data = doors.ask("effects_drawn", {"document": PAPER}).json["picture"].split(",")
     assert head == "data:image/png;base64"
     assert base64.b64decode(data).startswith(b"\x89PNG")

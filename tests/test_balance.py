@@ -10,8 +10,8 @@ from walkergen.errors import TheoryError
 from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.numerics.kernels import kernel
 from walkergen.theory.balance import Foot, balanced
-from walkergen.theory.impact import POISSON, Law, impact
-from walkergen.theory.speed import LAWS, factor, factors
+from walkergen.theory.impact import impact
+from walkergen.theory.speed import factor, factors
 from walkergen.theory.tensors import InverseMass, feet, rigid
 from walkergen.walker.design import Design
 
@@ -43,17 +43,16 @@ def random_feet(count, seed, drop=0.0):
     return found
 
 
-def struck(foot, speed, law="poisson"):
-    return impact(*foot.H, speed, -1.0, foot.restitution, foot.friction, Law[law.upper()].value)
+def struck(foot, speed):
+    return impact(*foot.H, speed, -1.0, foot.restitution, foot.friction)
 
 
-@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("count", "drop"), [(2, 0.0), (2, 2.0), (3, 0.0), (5, 1.0)])
-def test_both_momenta_balance(law, count, drop):
+def test_both_momenta_balance(count, drop):
     for seed in range(25):
         every = random_feet(count, seed, drop)
-        found = balanced(every, law=law)
-        hits = [struck(foot, float(found.factor), law) for foot in every]
+        found = balanced(every)
+        hits = [struck(foot, float(found.factor)) for foot in every]
         F_x, F_y = np.array([hit[:2] for hit in hits]).T
         x, y = np.array([foot.lever for foot in every]).T
         scale = found.shares @ F_y
@@ -62,17 +61,16 @@ def test_both_momenta_balance(law, count, drop):
         assert abs(found.shares @ (x * F_y - y * F_x)) <= 1e-10 * scale
         assert found.shares.sum() == pytest.approx(1.0, rel=1e-14)
         np.testing.assert_allclose(found.loads, found.shares * F_y / scale, rtol=1e-12, atol=0)
-        own = [float(factor(f.H, f.restitution, f.friction, law=law)) for f in every]
+        own = [float(factor(f.H, f.restitution, f.friction)) for f in every]
         assert min(own) <= found.factor <= max(own)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_force_ratio_never_rises_with_speed(law):
+def test_force_ratio_never_rises_with_speed():
     """So that the root is the only one, and no two feet are flat about it: see section 4b."""
     for foot in random_feet(20, seed=4):
         bound = 50.0 * (foot.H.xx + abs(foot.H.xy))
         speeds = np.concatenate([-np.geomspace(bound, 1e-3, 100), np.geomspace(1e-3, bound, 100)])
-        hits = [struck(foot, speed, law) for speed in speeds]
+        hits = [struck(foot, speed) for speed in speeds]
         ratios = np.array([hit.F_x / hit.F_y for hit in hits])
         assert (np.diff(ratios) <= 1e-14).all()
         flat = np.abs(ratios) >= foot.friction * (1 - 1e-12)
@@ -80,43 +78,39 @@ def test_force_ratio_never_rises_with_speed(law):
 
 
 def test_equal_feet_have_the_speed_of_one():
-    for law in LAWS:
-        H = InverseMass(2.0, -0.5, 1.0)
-        pair = [Foot(H, (x, -9.0), 0.7, 0.2) for x in (-4.0, 7.0)]
-        assert balanced(pair, law=law).factor == factor(H, 0.7, 0.2, law=law)
+    H = InverseMass(2.0, -0.5, 1.0)
+    pair = [Foot(H, (x, -9.0), 0.7, 0.2) for x in (-4.0, 7.0)]
+    assert balanced(pair).factor == factor(H, 0.7, 0.2)
 
 
-@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("e", "mu"), [(0.9, 0.1), (0.8, 0.25)])
-def test_paper_walker_keeps_its_mean(law, e, mu):
+def test_paper_walker_keeps_its_mean(e, mu):
     """docs/physics.md section 4b: at most 1.1 % apart, where the feet's speeds are 7 to 15 %."""
     for tilt in (1, 3, 5, 8, 10, 15, 20, 30, 45):
         mass, pair = walker_feet(tilt, e, mu)
-        mean = float(factors(mass, e, mu, law=law).mean)
-        assert float(balanced(pair, law=law).factor) == pytest.approx(mean, rel=0.011)
-    assert float(balanced(walker_feet(0, e, mu)[1], law=law).factor) == pytest.approx(0, abs=1e-13)
+        mean = float(factors(mass, e, mu).mean)
+        assert float(balanced(pair).factor) == pytest.approx(mean, rel=0.011)
+    assert float(balanced(walker_feet(0, e, mu)[1]).factor) == pytest.approx(0, abs=1e-13)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_mirror_image_runs_backwards_exactly(law):
+def test_mirror_image_runs_backwards_exactly():
     for count in (2, 4):
         every = random_feet(count, 7, drop=1.0)
         image = [
             foot._replace(H=foot.H._replace(xy=-foot.H.xy), lever=(-foot.lever[0], foot.lever[1])) for foot in every
         ]
-        one, other = balanced(every, law=law), balanced(image, law=law)
+        one, other = balanced(every), balanced(image)
         assert other.factor == -one.factor
         np.testing.assert_array_equal(other.shares, one.shares)
 
 
 def test_one_foot_without_friction_leaves_the_speed_to_the_other():
     """Its impulse is vertical whatever the shares, so the other's must vanish by itself."""
-    for law in LAWS:
-        back, front = stiff(-4.0, -9.0), stiff(9.0, -9.0, friction=0.0)
-        own = float(factor(back.H, 0.8, 0.25, law=law))
-        found = balanced([back, front], law=law)
-        assert float(found.factor) == pytest.approx(own, rel=1e-10)
-        assert found.loads == pytest.approx([9 / 13, 4 / 13], rel=1e-12)
+    back, front = stiff(-4.0, -9.0), stiff(9.0, -9.0, friction=0.0)
+    own = float(factor(back.H, 0.8, 0.25))
+    found = balanced([back, front])
+    assert float(found.factor) == pytest.approx(own, rel=1e-10)
+    assert found.loads == pytest.approx([9 / 13, 4 / 13], rel=1e-12)
 
 
 def test_friction_zero_is_the_limit():
@@ -187,8 +181,7 @@ def test_unequal_lengths_of_feet_on_the_plate_act_through_levers_alone():
     assert 0.0 < level.factor < -found.factor
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_a_walk_by_single_impacts_ends_at_the_balance(law):
+def test_a_walk_by_single_impacts_ends_at_the_balance():
     """Rival: a foot at random, or the one that turns the walker back; each pushes a heavy body."""
     pair = [stiff(-4.0, -9.0, 0.3, 0.5), stiff(9.0, -8.0, 0.1, 0.8)]
     rng = np.random.default_rng(1)
@@ -196,13 +189,13 @@ def test_a_walk_by_single_impacts_ends_at_the_balance(law):
     for step in range(9000):
         # Counter-clockwise spin calls for the foot behind O, number 0.
         i = int(spin < 0.0) if abs(spin) > 30.0 else int(rng.integers(2))
-        hit, (x, y) = struck(pair[i], speed, law), pair[i].lever
+        hit, (x, y) = struck(pair[i], speed), pair[i].lever
         spin += x * hit.F_y - y * hit.F_x
         speed += 0.01 * hit.F_x
         if step >= 3000:
             total += speed
             hits[i] += 1
-    found = balanced(pair, law=law)
+    found = balanced(pair)
     # Speeds swing by 0.01 over a few hundred impacts; 6000 of them leave a tenth of that.
     assert total / 6000 == pytest.approx(float(found.factor), abs=0.003)
     np.testing.assert_allclose(hits / 6000, found.shares, atol=0.003)
@@ -234,7 +227,7 @@ def shaken(feet, duration, step, seed):
             u_x, u_y = v_x - spin * r_y, v_y + spin * r_x - amplitude * omega * rising
             if y + r_y < height and u_y < 0.0:
                 H_xx, H_xy, H_yy = 1 / M + r_y * r_y / J, -r_x * r_y / J, 1 / M + r_x * r_x / J
-                hit = impact(H_xx, H_xy, H_yy, u_x, u_y, 0.8, feet[i, 2], POISSON)
+                hit = impact(H_xx, H_xy, H_yy, u_x, u_y, 0.8, feet[i, 2])
                 v_x, v_y = v_x + hit.F_x / M, v_y + hit.F_y / M
                 spin += (r_x * hit.F_y - r_y * hit.F_x) / J
                 if t >= 1.0:
@@ -291,14 +284,13 @@ def test_pairs_of_feet_side_by_side_count_as_one():
 def test_arrays_equal_one_by_one():
     e, mu = np.meshgrid([0.0, 0.4, 1.0], [0.0, 0.1, 3.0])
     pair = [stiff(-4.0, -9.0, mu, e), stiff(9.0, -9.0, 0.2, 0.5)]
-    for law in LAWS:
-        many = balanced(pair, law=law)
-        assert many.shares.shape == many.loads.shape == (2, 3, 3)
-        for place in np.ndindex(3, 3):
-            single = [stiff(-4.0, -9.0, mu[place], e[place]), pair[1]]
-            one = balanced(single, law=law)
-            assert many.factor[place] == one.factor
-            np.testing.assert_array_equal(many.shares[:, *place], one.shares)
+    many = balanced(pair)
+    assert many.shares.shape == many.loads.shape == (2, 3, 3)
+    for place in np.ndindex(3, 3):
+        single = [stiff(-4.0, -9.0, mu[place], e[place]), pair[1]]
+        one = balanced(single)
+        assert many.factor[place] == one.factor
+        np.testing.assert_array_equal(many.shares[:, *place], one.shares)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from walkergen.numerics.quantity import Quantity
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import feet
+from walkergen.simulation.plan import Release
 from walkergen.simulation.run import dropped
 from walkergen.simulation.space.state import HEIGHT, V_X
 from walkergen.simulation.space.walker import mobility
@@ -147,7 +148,7 @@ def test_what_counts_is_the_time_between_corners():
 
 
 def test_the_film_shows_the_drop_that_was_asked_for():
-    plan = drops.let_go(plan_of(), Let(3.0, 0.01, 0.02))
+    plan = plan_of()._replace(release=Release(3.0, 0.01, 0.02))
     _, state = dropped(plan, 0)
     np.testing.assert_array_equal(state, plan_of().start(3.0, 0.01, 0.0, 0.02))
 

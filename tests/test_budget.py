@@ -32,10 +32,9 @@ def measured(setting, value, se, runs, cost):
 
 
 def rated(survey, cpu_per_s=0.06):
-    """Give every setting a made-up cost: 1/step in space, next to nothing for planar models."""
-    for one in [*survey.steps, survey.own, *survey.simpler]:
-        dear = cpu_per_s / one.step_us if one.step_us and one.model == "space" else 1e-4
-        survey._rates[one] = dear
+    """Give every setting a made-up cost: 1/step."""
+    for one in [*survey.steps, survey.own]:
+        survey._rates[one] = cpu_per_s / one.step_us
     return survey
 
 
@@ -49,7 +48,7 @@ def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slow
     least = make._share_out(survey, ("models", "steps", "statistics", "shape"), silent)
     assert least is None
     others = survey.budget.kept_s
-    for setting in [*survey.steps, *survey.simpler]:
+    for setting in survey.steps:
         kinds = KINDS
         rate = survey.rate(setting)
         runs = survey.budget.affords(survey.granted(setting), rate, 1.0, kinds)

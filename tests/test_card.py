@@ -217,7 +217,6 @@ def test_films_that_tell_too_little_are_refused(run, tmp_path):
 
 def test_scenes_in_which_no_walker_turns_are_refused(run):
     assert "arena.kind" in refused(run, "--scene", "lane-90hz")
-    assert "space" in refused(run, "--set", "scene.legs.model=rigid")
     assert "--fps 50" in refused(run, "koumakis2016", "--fps", "50")
 
 

@@ -13,9 +13,7 @@ from walkergen.cli import main
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.scene import Scene
-from walkergen.theory.impact import Law, resolve
-from walkergen.theory.tensors import feet
-from walkergen.walker import names, solids
+from walkergen.walker import names
 from walkergen.walker.design import Design
 
 COLUMNS = [
@@ -42,7 +40,6 @@ COLUMNS = [
     "factor_front",
     "factor_mean",
     "mode",
-    "law",
     "theory_note",
     "note",
 ]
@@ -61,7 +58,7 @@ def test_predict_json_has_the_named_columns(run):
     assert list(row) == COLUMNS
     assert row["tilt_deg"] == 10.0
     assert row["factor_mean"] == pytest.approx(4.248, abs=1e-3)
-    assert (row["mode"], row["law"]) == ("coulomb", "poisson")
+    assert row["mode"] == "coulomb"
 
 
 def test_predict_table_fits_eighty_columns(run):
@@ -71,20 +68,6 @@ def test_predict_table_fits_eighty_columns(run):
     assert "…" not in result.stdout
     assert "table" not in result.stdout  # where all speeds come from, in family.csv
     assert "stand" in result.stdout
-
-
-def test_laws_differ(run):
-    """The impact kernel gives no horizontal impulse at a law's speed under that law alone."""
-    tensors = feet(solids.mass_of(Design().variant(tilt_deg=20.0)))
-    for name in ("poisson", "newton", "stronge"):
-        result = run("predict", "--tilt", "20", "--restitution", "0.8", "--friction", "0.25", "--law", name, "--json")
-        (row,) = json.loads(result.stdout)["rows"]
-        assert row["law"] == name
-        for H, factor in zip(tensors, (row["factor_back"], row["factor_front"]), strict=True):
-            for law in Law:
-                out = resolve(H, (factor, -1.0), 0.8, 0.25, law)
-                stationary = abs(out.F_x) < 1e-9 * out.F_y
-                assert stationary == (law.name.lower() == name), (name, law)
 
 
 def test_the_theory_alone_is_a_table_of_what_it_takes_and_gives(run):
@@ -297,8 +280,6 @@ SOME_NEED = (
     "rich",
     "joblib",
     "walkergen.numerics.emulator",
-    "walkergen.simulation.relaxed.model",
-    "walkergen.simulation.compliant.model",
 )
 
 

@@ -58,11 +58,11 @@ def judge(ensembles, truth, shrink=1.0):
     return (float(np.sqrt(np.mean(np.square(scores)))), *np.mean(inside, axis=0))
 
 
-def assert_honest(found, least_68=0.64):
+def assert_honest(found):
     rms, within_68, within_95 = found
     assert 0.85 < rms < 1.15
     assert 0.93 < within_95 < 0.97
-    assert least_68 < within_68 < 0.73  # binomial error 0.7 %; directions are not normal: up to +3 %
+    assert 0.64 < within_68 < 0.73  # binomial error 0.7 %; directions are not normal: up to +3 %
 
 
 def wandering(rng, runs, blocks, time):
@@ -114,14 +114,13 @@ def test_directions_that_outlast_everything_are_the_limit_of_few_runs():
 
 
 @functools.cache
-def pool(tilt, restitution, count, seconds, step_us=None):
-    """Runs of the walker on springs in its plane, all of which end well."""
+def pool(tilt, restitution, count, seconds):
+    """Runs of the walker, all of which end well."""
     scene = templates.load("lane-90hz", "scenes", Scene)
     scene = scene.model_copy(
         update={
-            "run": scene.run.model_copy(update={"seconds": seconds, "runs": count, "step_us": step_us}),
+            "run": scene.run.model_copy(update={"seconds": seconds, "runs": count}),
             "contact": scene.contact.model_copy(update={"restitution": restitution}),
-            "legs": scene.legs.model_copy(update={"model": "compliant"}),
         }
     )
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=tilt)
@@ -157,8 +156,7 @@ def test_intervals_of_a_walker_that_turns_at_random_hold_their_share(runs, secon
 
 @pytest.mark.nightly
 def test_intervals_of_a_running_walker_hold_their_share():
-    # One run in 100 stays on a faster orbit (193 for 129 mm/s) for a second: a tail of kurtosis 30 to 40
-    assert_honest(walkers(10.0, 0.8, 16, 1.0, 300), least_68=0.61)
+    assert_honest(walkers(10.0, 0.8, 16, 1.0, 300))
 
 
 @pytest.mark.nightly
@@ -168,14 +166,3 @@ def test_intervals_of_a_running_walker_hold_their_share():
 )
 def test_intervals_hold_their_share_at_every_tilt_and_restitution(tilt, restitution, runs, seconds):
     assert_honest(walkers(tilt, restitution, runs, seconds, 600))
-
-
-@pytest.mark.slow
-def test_a_periodic_walker_has_no_spread_to_speak_of():
-    """Limit: its runs differ by when they fell into the orbit, which is not normal, and is nothing.
-
-    95 % intervals hold 47 to 71 % there, of speeds known to 1e-4 of themselves. Steps of 30 us have
-    two such orbits, 1.6 % apart; of 20 us or less one.
-    """
-    speeds = [one.speed for one in pool(5.0, 0.3, 40, 2.0, step_us=20.0)]
-    assert np.std(speeds) < 3e-4 * np.mean(speeds)

@@ -9,7 +9,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
-from walkergen.simulation.model import Model, Plan, same
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import Outcome, RunResult, simulate
 from walkergen.simulation.world import OK, TOPPLED, World
 
@@ -20,23 +20,29 @@ def scene_of(**run):
     return Scene.model_validate({"run": {"seconds": 4.0, "discard_seconds": 0.0} | run})
 
 
+class FakePlan(Plan):
+    """A plan whose state is (x, y, heading, first drop); its motion is a plain function, in the world's options."""
+
+    def drawn(self, rng):
+        return self
+
+    def start(self, clearance, pitch, phase, roll=0.0, heading=0.0):
+        return np.array([0.0, 0.0, 0.0, clearance + phase])
+
+    def advance(self, state, seconds, tally):
+        return self.world.options(state, seconds, tally)
+
+    def advancer(self, state, tally):
+        return lambda seconds: self.world.options(state, seconds, tally)
+
+    def energy(self, state):
+        return 0.0
+
+
 def fake_plan(advance, scene=None):
-    """A plan whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
-    model = Model(
-        start=lambda world, clearance, pitch, phase, roll, heading: np.array([0.0, 0.0, 0.0, clearance + phase]),
-        advance=lambda world, state, duration, tally: advance(state, duration, tally),
-        energy=lambda world, state: 0.0,
-        feet=None,
-        momentum=None,
-        pose=lambda state: (float(state[0]), 0.0, 0.0),
-        coarser=None,
-        resting=None,
-        columns=("x_mm", "y_mm", "pitch_rad", "seed"),
-        drawn=same,
-    )
-    world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD), None, None, None)
-    case = Case(scene or scene_of(), None, SimpleNamespace(total=1.0), "rigid")
-    return Plan(case, None, model, world)
+    """A plan that moves by `advance(state, seconds, tally)`."""
+    case = Case(scene or scene_of(), None, SimpleNamespace(total=1.0))
+    return FakePlan(case, None, World(None, Drive(1.0, 2.0 * np.pi / PERIOD), None, advance))
 
 
 def steady(state, duration, tally):

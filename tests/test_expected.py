@@ -25,7 +25,7 @@ TIMES = {"run.seconds": 6.0, "run.runs": 2, "run.discard_seconds": 0.1}
 
 def walker(**keys):
     design = templates.load("koumakis2016", "walkers", Design)
-    scene = changed(templates.load("lane-90hz", "scenes", Scene), {"legs.model": "compliant", **keys})
+    scene = changed(templates.load("lane-90hz", "scenes", Scene), keys)
     return Walker(scene, design, solids.mass_of(design))
 
 
@@ -59,9 +59,9 @@ def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_ne
     ("name", "values"),
     [
         ("simulate", {"seconds": 0.05, "runs": 1}),
-        ("simulate", {"seconds": 0.05, "runs": 1, "tilt": "5,10", "model": "relaxed"}),
+        ("simulate", {"seconds": 0.05, "runs": 1, "tilt": "5,10"}),
         ("sweep", {"set": ["legs.tilt_deg=5,10"]}),
-        ("movie", {"seconds": 0.01, "slow": 8.0, "model": "relaxed"}),
+        ("movie", {"seconds": 0.01, "slow": 8.0}),
     ],
 )
 def test_commands_say_how_long_they_will_take(name, values, tmp_path):
@@ -77,7 +77,7 @@ class HeardError(Exception):
     """What a job expects, said before it runs."""
 
 
-@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "compliant"}, learn.LEARNING_S)])
+@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, learn.LEARNING_S)])
 def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
     monkeypatch.setattr(expected, "of_run", lambda walker: 0.0)
     monkeypatch.setattr(alone, "cost", lambda point: 0.0)
@@ -100,7 +100,7 @@ def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_i
     monkeypatch.setattr(expected, "MOMENT_S", 0.02)
     scene = changed(templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2})
     space = Space((axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
-    request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "relaxed")
+    request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
     store = Store()
     try:
         one, two = (cost.estimate(request, store, workers) for workers in (1, 2))

@@ -10,7 +10,7 @@ from walkergen.commands import request_of
 from walkergen.errors import InputError
 from walkergen.jobs.run.explain import make, measured
 from walkergen.jobs.run.simulate.request import SimulateRequest
-from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.numerics.quantity import Verdict
 from walkergen.points import alone, variants
 from walkergen.points.measure import Runs, measure
 from walkergen.points.point import Point
@@ -18,16 +18,19 @@ from walkergen.points.simplest import simplest
 from walkergen.points.variants import Pairs, Variant
 from walkergen.request import parse_effects
 from walkergen.scene import Scene
+from walkergen.simulation.effects import twist
 from walkergen.simulation.experiments import Walker
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 DESIGN = Design()
 LANE = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}})
+HELD = ["roll_and_yaw", "leg_twist"]
+"""Effects that are off where one other is to be left out alone."""
 
 
-def walker_of(model="compliant", **keys):
-    return Walker(LANE.variant(**{"legs.model": model} | keys), DESIGN, solids.mass_of(DESIGN))
+def walker_of(**keys):
+    return Walker(LANE.variant(**keys), DESIGN, solids.mass_of(DESIGN))
 
 
 @pytest.fixture(autouse=True)
@@ -51,20 +54,18 @@ def run(monkeypatch, tmp_path):
 
 def test_a_variant_that_is_the_scene_changes_nothing():
     walker = walker_of()
-    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.planar(walker, "relaxed")))
+    pairs = Pairs(walker, (Variant("nothing", "off", walker, {}), variants.off(walker, twist.RULE)))
     done = measure(pairs, Runs(4))
-    none, relaxed = pairs.changes(done.records)
+    none, stiff = pairs.changes(done.records)
     assert none.speed.pair == (0.0, 0.0)
-    assert relaxed.speed.number != 0.0
+    assert stiff.speed.number != 0.0
     assert none.cpu.within(0.5, 2.0) is not Verdict.DISAGREE
     again = measure(pairs, Runs(4), threads=1)
-    assert [change.speed for change in pairs.changes(again.records)] == [none.speed, relaxed.speed]
+    assert [change.speed for change in pairs.changes(again.records)] == [none.speed, stiff.speed]
 
 
 def test_every_effect_is_measured_off_or_at_its_usual_size():
-    every = {
-        variant.effect: variant for variant in variants.every(walker_of("space", **{"plate.slope_deg": 1.0}), True)
-    }
+    every = {variant.effect: variant for variant in variants.every(walker_of(**{"plate.slope_deg": 1.0}), True)}
     assert every["plate slope"].change == "off"
     assert every["leg twist"].leaves_out
     assert every["compliant tips"].change == "off"
@@ -72,9 +73,8 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
     assert every["plate noise"].walker.scene.plate.noise_ratio > 0.0
     assert every["plate gradient"].change == "on, gradient_percent_per_mm = 0.1"
     assert not every["plate noise"].leaves_out
-    assert every[variants.IN_SPACE].walker.scene.legs.model == "compliant"
     assert {"second harmonic", "plate roughness", "air drag", "unevenness", "yaw and roll"} < set(every)
-    forced = walker_of("space", **{"effects.off": ["leg_twist"], "feet.rigid_tips": True})
+    forced = walker_of(**{"effects.off": ["leg_twist"], "feet.rigid_tips": True})
     every = {variant.effect: variant.change for variant in variants.every(forced, True)}
     assert every["leg twist"] == "on"
 
@@ -92,11 +92,11 @@ def test_what_is_on_is_a_line_each_and_what_is_off_one_line(run):
 
 
 def test_explain_measures_and_draws(run, tmp_path):
-    told = json.loads(run("--model", "relaxed", "--set", "scene.plate.slope_deg=1", "--measure", "--json"))
+    told = json.loads(run("--set", "scene.plate.slope_deg=1", "--measure", "--json"))
     sizes = [abs(row["change_mm_s"] or 0.0) for row in told["measured"]]
     assert sizes == sorted(sizes, reverse=True)
     names = [row["effect"] for row in told["measured"]]
-    assert {"plate slope", "second harmonic", "flexible foot tensor"} < set(names)
+    assert {"plate slope", "second harmonic", "leg twist"} < set(names)
     assert any(" and " in name for name in names)
     assert told["advice"]
     folder = next((tmp_path / "out" / "explain").iterdir())
@@ -106,7 +106,7 @@ def test_explain_measures_and_draws(run, tmp_path):
 
 
 def test_a_sweep_leaves_out_what_its_accepted_error_allows():
-    keys = {"legs.model": "relaxed", "run.runs": 1, "run.seconds": 0.05, "run.discard_seconds": 0.0}
+    keys = {"run.runs": 1, "run.seconds": 0.05, "run.discard_seconds": 0.0, "effects.off": HELD}
     small = {"drive.second_harmonic_ratio": 1e-3}
     plain, whole, out = (
         alone.evaluate(Point(DESIGN, LANE.variant(**keys | more), True, ("speed",)))["speed_mm_s"]
@@ -116,55 +116,32 @@ def test_a_sweep_leaves_out_what_its_accepted_error_allows():
 
 
 def test_keys_without_a_part_are_told():
-    scene = LANE.variant(**{"legs.model": "relaxed", "feet.rigid_tips": True})
+    scene = LANE.variant(**{"plate.roughness_length_mm": 2.0})
     (warning,) = make.explain(scene, DESIGN, lambda *_: None, cost=False).warnings
-    assert "feet.rigid_tips" in warning
+    assert "plate.roughness_length_mm" in warning
 
 
 def test_only_what_changes_less_than_accepted_is_left_out():
-    untouched = walker_of("auto")
+    untouched = walker_of()
     assert simplest(untouched).walker is untouched
-    keys = {"plate.slope_deg": 20.0, "drive.second_harmonic_ratio": 1e-9}
+    keys = {"plate.slope_deg": 20.0, "drive.second_harmonic_ratio": 1e-9, "effects.off": HELD}
     found = simplest(walker_of(**keys | {"run.accepted_error": 0.3}))
     scene = found.walker.scene
     assert [change.effect for change in found.left_out] == ["second harmonic"]
     assert [change.effect for change in found.kept] == ["plate slope"]
-    assert (scene.effects.on, scene.effects.off) == ([], ["second_harmonic"])
+    assert (scene.effects.on, scene.effects.off) == ([], [*HELD, "second_harmonic"])
     assert scene.run.accepted_error is None
     forced = simplest(walker_of(**keys | {"run.accepted_error": 0.3, "effects.on": ["second_harmonic"]}))
     assert forced.left_out == ()
     assert found.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
 
 
-@pytest.mark.slow
-def test_a_model_is_chosen_by_its_measured_error(monkeypatch):
-    measured_errors = {"relaxed": 40.0, "compliant": 6.0}
-
-    def changes(pairs, records):
-        (variant,) = pairs.variants
-        error = measured_errors.get(variant.walker.scene.legs.model, 50.0)
-        return [
-            variants.Change(variant.effect, variant.change, Quantity("c", "mm_s", error, 0.1), Quantity("", "", 0.3))
-        ]
-
-    monkeypatch.setattr(Pairs, "prepared", lambda pairs: lambda number, stopped, tell: ())
-    monkeypatch.setattr(Pairs, "speed", lambda pairs, records: Quantity("speed", "mm_s", 60.0, 0.1))
-    monkeypatch.setattr(Pairs, "changes", changes)
-    for accepted, model in ((0.05, "auto"), (0.15, "compliant"), (0.9, "relaxed")):
-        assert simplest(walker_of("auto", **{"run.accepted_error": accepted})).walker.scene.legs.model == model
-        assert simplest(walker_of("space", **{"run.accepted_error": accepted})).walker.scene.legs.model == "space"
-    turning = walker_of("auto", **{"run.accepted_error": 0.9, "arena.kind": "plane"})
-    assert simplest(turning).walker.scene.legs.model == "auto"
-    held = walker_of("auto", **{"run.accepted_error": 0.9, "effects.on": ["leg_twist"]})
-    assert simplest(held).walker.scene.legs.model == "auto"
-
-
 ACCEPTED = {"scene.run.accepted_error": 0.9}
 
 
 def test_an_accepted_error_holds_for_each_of_several_tilts_and_for_their_time():
-    few = {"scene.drive.second_harmonic_ratio": 1e-3, "scene.run.discard_seconds": 0.0, "tilt": "10,12"}
-    asked = {"model": "relaxed", "runs": 1, "seconds": 0.05, **few}
+    few = {"scene.drive.second_harmonic_ratio": 1e-3, "scene.run.discard_seconds": 0.0, "scene.effects.off": HELD}
+    asked = {"tilt": "10,12", "runs": 1, "seconds": 0.05, **few}
 
     def told(values, **more):
         keys = {key: value for key, value in (values | more).items() if "." in key}
@@ -181,7 +158,7 @@ def test_an_accepted_error_holds_for_each_of_several_tilts_and_for_their_time():
 
 
 def test_a_forecast_counts_what_an_accepted_error_leaves_out():
-    keys = {"legs.model": "relaxed", "run.runs": 1, "run.seconds": 1.0, "drive.second_harmonic_ratio": 1e-9}
+    keys = {"run.runs": 1, "run.seconds": 1.0, "drive.second_harmonic_ratio": 1e-9}
     scene = LANE.variant(**keys)
     accepted = simplest(Walker(scene.variant(**{"run.accepted_error": 0.3}), DESIGN, solids.mass_of(DESIGN)))
     assert accepted.cpu_s > 0.0
@@ -191,11 +168,11 @@ def test_a_forecast_counts_what_an_accepted_error_leaves_out():
     assert simple > whole + 0.5 * accepted.cpu_s
 
 
-def test_explain_says_what_an_accepted_error_leaves_out_and_by_which_model_runs_are():
+def test_explain_says_what_an_accepted_error_leaves_out():
     keys = {"drive.second_harmonic_ratio": 1e-9, "run.accepted_error": 0.3}
     scene = walker_of(**keys).scene
     told = make.explain(scene, DESIGN, lambda *_: None)
-    assert any(line == "run.accepted_error = 0.3: runs are by model compliant" for line in told.lines)
+    assert "run.accepted_error = 0.3" in told.lines
     assert any(line.startswith("left out: second harmonic") for line in told.lines)
     assert told.facts["effects"]["left_out"][0]["effect"] == "second harmonic"
     untold = make.explain(scene, DESIGN, lambda *_: None, cost=False)
@@ -204,7 +181,7 @@ def test_explain_says_what_an_accepted_error_leaves_out_and_by_which_model_runs_
 
 
 @pytest.mark.parametrize(
-    ("name", "values"), [("simulate", {"uncertain": True}), ("movie", {}), ("fit", {"model": "compliant"})]
+    ("name", "values"), [("simulate", {"uncertain": True}), ("movie", {}), ("fit", {"model": "space"})]
 )
 def test_what_leaves_nothing_out_refuses_an_accepted_error(name, values, tmp_path):
     if name == "fit":

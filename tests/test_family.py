@@ -96,7 +96,6 @@ def test_csv_rows_are_the_predictions(tmp_path):
         "factor_front",
         "factor_mean",
         "mode",
-        "law",
         "theory_note",
         "note",
     ]

@@ -43,7 +43,7 @@ def curve(speed):
 
 
 ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]
-SIMULATED = [Simulated(42.0, 2.0, 38.0, 46.0, "space", "step", "8 ok", "agree")] * 4
+SIMULATED = [Simulated(42.0, 2.0, 38.0, 46.0, "8 ok", "agree")] * 4
 MEASURED = Speeds(
     np.array([10.0, 10.0]),
     ["flexible", "braced"],
@@ -67,7 +67,11 @@ BIASES = {1.2: 0.01, 2.3: 0.028, 4.6: 0.031, 5.8: 0.11, 7.4: 0.079}
 """Bounds of biases in space, as shares, by step."""
 
 CURVES = [accuracy.Curve(f"space, step {step:g} us", bias, 1e-3, 0.2 / step, 1.0) for step, bias in BIASES.items()]
-MARKS = [Mark("rigid", 0.05, 0.9, 0.01), Mark("compliant", 0.2, 0.2, 0.03), Mark("within the floor", 0.3, 0.01, 0.03)]
+MARKS = [
+    Mark("step 9 us", 0.05, 0.9, 0.01),
+    Mark("step 8 us", 0.2, 0.2, 0.03),
+    Mark("within the floor", 0.3, 0.01, 0.03),
+]
 POINTS = [Point(0.05, 1.0, "5 %: 1 s"), Point(0.02, 30.0, "2 %: 20 s")]
 FLOOR = 0.015
 
@@ -156,8 +160,8 @@ def test_nothing_is_drawn_below_what_the_reference_is_known_to(drawn):
     for line in axes.get_lines():
         assert not np.any(np.asarray(line.get_ydata(), dtype=float) < FLOOR * (1 - 1e-9))
     told = [text.get_text() for text in axes.texts]
-    assert "within the floor" not in told
-    assert {"rigid", "compliant", "5 %: 1 s", "2 %: 20 s"} <= set(told)
+    assert "below" not in told
+    assert {"step 9 us", "step 8 us", "5 %: 1 s", "2 %: 20 s"} <= set(told)
     assert any("1.5 %" in text and "Coulomb" in text for text in told)
     low, high = axes.get_xlim()
     assert 0.01 < low < 0.05  # cropped to where simulations are: no formulas of microseconds

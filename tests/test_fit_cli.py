@@ -35,7 +35,7 @@ BRACED = "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n10,0.3,0.5,braced\n15,0.1,0.5,
 @pytest.mark.parametrize(
     ("rows", "words", "hint"),
     [
-        ("10,60,2\n", ("--model", "rigid"), "one of prediction, theory, compliant, space"),
+        ("10,60,2\n", ("--model", "rigid"), "one of prediction, theory, space"),
         ("10,60,2\n", ("--model", "theory", "--prior", "flat"), "--prior flat: --model theory has none; leave it out"),
         ("10,60,2\n", ("--model", "theory", "--seed", "1"), "--seed 1: --model theory has none; leave it out"),
         ("10,60,2\n", ("--fix", "friction=0.01"), "0.05..0.6 (model prediction)"),
@@ -43,8 +43,6 @@ BRACED = "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n10,0.3,0.5,braced\n15,0.1,0.5,
         ("10,60,2\n", ("--model", "space", "--mode", "paper"), "a mode of the theory"),
         ("10,60,2\n", ("--model", "space", "--fix", "restitution=0"), "0.02..1 (model space)"),
         ("10,60,2\n", ("--model", "space", "--predict", "0:39:0.5"), "at most 40 together"),
-        ("10,60,2\n", ("--model", "space", "--law", "newton"), "elastic feet"),
-        ("10,60,2\n", ("--model", "compliant", "--scene", "plane-90hz"), "cannot turn"),
         ("10,60,0\n", ("--model", "space"), "speeds.csv:2: speed_se_mm_s = 0"),
         ("10,60,\n", ("--model", "space"), "no column speed_se_mm_s"),
         (BRACED, ("--model", "space"), "all rows have braced legs"),
@@ -65,17 +63,13 @@ def short(monkeypatch):
     """Fits by a third of the walkers, simulated for less long."""
     for name, count in (("FIRST", 32), ("SECOND", 12), ("AHEAD", 16)):
         monkeypatch.setattr(learn, name, count)
-    monkeypatch.setattr(emulated, "SECONDS", {"compliant": 1.5, "space": 1.0})
+    monkeypatch.setattr(emulated, "SECONDS", 1.0)
 
 
 def filmed(tilts, restitution, friction):
     """Speeds of simulated walkers, mm/s, as a file for `fit`."""
     scene = templates.load("lane-90hz", "scenes", Scene)
-    changes = {
-        "contact": {"restitution": restitution, "friction": friction},
-        "run": {"seconds": 6.0, "runs": 2},
-        "legs": {"model": "compliant"},
-    }
+    changes = {"contact": {"restitution": restitution, "friction": friction}, "run": {"seconds": 6.0, "runs": 2}}
     scene = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )
@@ -92,7 +86,7 @@ def filmed(tilts, restitution, friction):
 @pytest.mark.nightly
 def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     (tmp_path / "speeds.csv").write_text(filmed((8.0, 12.0, 20.0), 0.6, 0.2))
-    words = ("fit", "speeds.csv", "--model", "compliant", "--predict", "15", "--json")
+    words = ("fit", "speeds.csv", "--model", "space", "--predict", "15", "--json")
     result = run(*words)
     assert result.exception is None, result.exception
     found = json.loads(result.stdout)
@@ -123,7 +117,6 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     (row,) = json.loads(family.stdout)["rows"]
     assert row["tilt_deg"] == 15
     scene = templates.load(toml[1], "scenes", Scene)
-    assert scene.legs.model == "compliant"
     learnt = found["parameters"]
     assert scene.contact.restitution_sd == pytest.approx(learnt["restitution"]["sd"])
     design = templates.load(toml[0], "walkers", Design)

@@ -41,12 +41,7 @@ def true_speeds(ground, settings, rng):
         values = hidden(ground, rng)
         for setting in settings:
             run = {"seconds": TRUE_SECONDS, "discard_seconds": 0.5, "runs": 1, "seed": int(rng.integers(2**62))}
-            scene = ground.scene.model_copy(
-                update={
-                    "run": ground.scene.run.model_copy(update=run),
-                    "legs": ground.scene.legs.model_copy(update={"model": "space"}),
-                }
-            )
+            scene = ground.scene.model_copy(update={"run": ground.scene.run.model_copy(update=run)})
             asked.append(experiments.Walker(*uncertain.applied(scene, setting.design, values)))
     found = [one.summary.speed_mm_s for one in walkers.at_once(asked).values()]
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))

@@ -150,8 +150,8 @@ def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(me
 def ground():
     scene = templates.load("lane-90hz", "scenes", Scene)
     design = templates.load("koumakis2016", "walkers", Design)
-    unknown = parameters.unknown(scene, design, "compliant", "flat", {})
-    return emulated.Ground(scene, "compliant", unknown)
+    unknown = parameters.unknown(scene, design, "space", "flat", {})
+    return emulated.Ground(scene, "space", unknown)
 
 
 def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_path):
@@ -217,9 +217,9 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
         f"{PAPER_CONTACT.restitution:g} ± {PAPER_CONTACT.restitution_sd:g}",
         "5, factor 2",
     ]
-    planar = parameters.unknown(scene, design, "compliant", "flat", {})
-    assert planar.parameters[-1].name == "print_scatter"
-    assert not planar.prints_differ
+    assert flat.parameters == flat.simulated
+    alone = parameters.unknown(scene, design, "prediction", "flat", {}, errors=False)
+    assert alone.parameters[-1].name == "print_scatter"
     everything = dict.fromkeys(parameters.KEYS, 0.3)
     with pytest.raises(parameters.InputError, match="nothing is left to learn"):
         parameters.unknown(scene, design, "space", "flat", everything)

@@ -9,7 +9,7 @@ from flat_pairs import collide
 
 from walkergen.crowd.flat import contact, crowd, deck, discs, doors
 from walkergen.dish import Dish
-from walkergen.theory.impact import Law, impact
+from walkergen.theory.impact import impact
 
 SPEED = 100.0
 
@@ -75,7 +75,7 @@ def test_discs_that_meet_off_centre_slide_or_stick_as_the_closed_form_has_it(fri
     along = np.array([normal[1], -normal[0]])
     H = (2.0 / 0.9 + 2.0 * 16.0 / 7.2, 0.0, 2.0 / 0.9)
     approach = np.array([2.0 * SPEED, 0.0])
-    law = impact(*H, float(approach @ along), float(approach @ normal), 0.5, friction, Law.POISSON)
+    law = impact(*H, float(approach @ along), float(approach @ normal), 0.5, friction)
     assert law.sticks or abs(law.F_x) == pytest.approx(friction * law.F_y)
     # Soft discs turn about each other by up to 0.03 rad while they touch
     assert push @ normal == pytest.approx(law.F_y, rel=0.03)

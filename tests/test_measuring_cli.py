@@ -156,7 +156,6 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
         (("fit", "film.csv"), "no column 'tilt_deg'"),
         ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
         ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
-        ((*THEORY, "--mode", "paper", "--law", "newton"), "poisson only"),
         (("fit", "few.csv", "--model", "theory"), "2 speeds for 3 parameters"),
         (("fit", "steep.csv"), "tilt up to"),
         (("fit", "semicolons.csv"), "separate cells by commas"),

@@ -36,8 +36,6 @@ def scene_of(seconds, runs=4):
 
 def simulated(design, seconds=0.5, runs=4):
     scene = scene_of(seconds, runs)
-    legs = scene.legs.model_copy(update={"model": "space"})
-    scene = scene.model_copy(update={"legs": legs})
     return walkers.simulate(experiments.Walker(scene, design, solids.mass_of(design)), lambda *_: None)
 
 

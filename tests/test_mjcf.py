@@ -157,7 +157,6 @@ def test_the_plate_swings_as_ours_and_throws_nothing_off_time(tmp_path):
         ("plate.slope_deg=2", "plate slope .*scene.effects.off = .*plate_slope"),
         ("drive.second_harmonic_ratio=0.1", "second harmonic"),
         ("effects.off=['roll_and_yaw']", "free to turn"),
-        ("legs.model=compliant", "the model 'space'"),
     ],
 )
 def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(key, told, tmp_path, monkeypatch):

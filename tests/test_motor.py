@@ -13,6 +13,7 @@ from walkergen.points import speeds
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import motor
+from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.effects.rotor import spin
 from walkergen.simulation.run import simulate
@@ -178,7 +179,7 @@ def test_the_work_of_the_motor_is_what_feet_friction_and_dampers_lose(axis, kind
     """Feet that rebound with 0.1: livelier ones topple at 3 g along."""
     plan = carrying(throwing(3.0, axis=axis), OFF, kind=kind, contact={"restitution": 0.1}, **SLOW)
     # A sixteenth of the own step: frames, which are as much shorter, err in their first order on a motor
-    result = simulate(plan._replace(world=plan.model.coarser(plan.world, 1 / 16)), 0)
+    result = simulate(plan.coarser(1 / 16), 0)
     assert result.tally.sums[record.PLATE_WORK] > 10.0
     # 2.0e-3 is the largest of 24 runs
     assert result.energy_error < 4e-3
@@ -241,28 +242,20 @@ def test_a_drive_that_is_none_is_refused_by_its_key(keys, told):
         validate({"drive": MOTOR | keys}, Scene, "scene.toml")
 
 
-def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
+def test_walkers_and_moments_without_a_motor_are_refused_by_name():
     case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
-    design, mass, scene = case.design, case.mass, case.scene
-    lane = Scene.model_validate({"drive": scene.drive.model_dump(exclude_none=True)})
-    assert resolve(lane, design, mass).model == "space"
-    for model in ("compliant", "relaxed"):
-        planar = Scene.model_validate({"drive": MOTOR, "legs": {"model": model}})
-        with pytest.raises(InputError, match=r"drive\.kind = 'motor': only the model 'space'"):
-            resolve(planar, design, mass)
     with pytest.raises(InputError, match="carries none"):
-        resolve(scene, Design(), solids.mass_of(Design()))
+        resolve(Case(case.scene, Design(), solids.mass_of(Design())))
     for moment, told in ((1e3, "its length"), (5.0, "times the walker's weight")):
         with pytest.raises(InputError, match=told):
-            resolve(scene.variant(**{"drive.eccentric_g_mm": moment}), design, mass)
+            resolve(case._replace(scene=case.scene.variant(**{"drive.eccentric_g_mm": moment})))
 
 
 def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
     case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
-    design, mass, scene = case.design, case.mass, case.scene
     for wanted, on in ((None, True), (False, False), (True, True)):
-        effects = scene.effects.force("gyroscopic_torque", wanted)
-        resolved = resolve(scene.model_copy(update={"effects": effects}), design, mass)
+        effects = case.scene.effects.force("gyroscopic_torque", wanted)
+        resolved = resolve(case._replace(scene=case.scene.model_copy(update={"effects": effects})))
         assert resolved.on(motor.GYROSCOPIC) == on
         assert any(resolved.acting.motor.spin) == on
 

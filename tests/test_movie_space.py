@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.run.movie import above, footage, impacts, perspective, raster, shot
+from walkergen.jobs.run.movie import above, impacts, perspective, raster, shot
 from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
@@ -219,7 +219,7 @@ def test_several_tilts_run_in_an_arena_each(tmp_path):
     members = PAPER.members([5.0, 35.0], ["flexible"])
     job = movie.plan(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
     made = movie.make(job, tmp_path / "a.gif", silent)
-    assert [one.name for one in made.footage] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
+    assert [one.name for one in made.shots] == ["koumakis2016, 5°, flexible", "koumakis2016, 35°, flexible"]
     with Image.open(made.gif) as image:
         assert image.size[0] == above.WIDTH
         assert image.size[1] <= above.HEAD + above.TALLEST + 2 * (above.TITLE + 1) + above.FOOT + 1
@@ -259,7 +259,7 @@ def test_every_flash_is_that_of_a_landing_at_its_corner():
     glow = impacts.AFTERGLOW_S / job.slow
     for at in range(0, len(one.times), 4 * movie.FINE):
         for corner in range(4):
-            shown = footage.strongest(one, one.times[at], glow, corner)
+            shown = impacts.strongest(one, one.times[at], glow, corner)
             recent = [hit for hit in one.impacts if hit.foot == corner and 0 <= one.times[at] - hit.time < glow]
             assert (shown is not None) == bool(recent)
             assert shown is None or shown[0] in recent
@@ -356,32 +356,26 @@ def test_the_command_films_a_plane_from_above(run):
     found = json.loads(run(*words).stdout)
     assert found["view"] == "above"
     assert found["gif"] == "out/koumakis2016/walker_t10.0_flexible_s0.40_plane-90hz.gif"
-    assert found["walkers"][0]["model"] == "space"
     assert found["walkers"][0]["distance_mm"] > 2.0
 
 
 def test_views_follow_from_where_walkers_run():
     def seen(scene, members):
-        job = movie.plan(members, scene, seconds=0.2)
-        return job.view, job.scene.legs.model
+        return movie.plan(members, scene, seconds=0.2).view
 
     both = PAPER.members([10.0], ["flexible", "braced"])
-    assert seen(PLANE, [PAPER]) == ("above", "space")
-    assert seen(LANE, [PAPER]) == ("perspective", "space")
-    assert seen(LANE, both) == ("above", "space")
-    assert seen(LANE, both[1:]) == ("perspective", "space")
-    planar = LANE.legs.model_copy(update={"model": "compliant"})
-    assert seen(LANE.model_copy(update={"legs": planar}), [PAPER]) == ("side", "compliant")
+    assert seen(PLANE, [PAPER]) == "above"
+    assert seen(LANE, [PAPER]) == "perspective"
+    assert seen(LANE, both) == "above"
+    assert seen(LANE, both[1:]) == "perspective"
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("--view", "below", "--scene", "plane-90hz"), "--view 'below': must be one of above, per"),
-        (("--view", "above", "--model", "compliant"), "the model 'compliant' moves in a plane"),
         (("--view", "side", "--scene", "plane-90hz"), "must be one of above, perspective"),
         (("--view", "perspective", "--scene", "plane-90hz", "--tilt", "5,10"), "seen 2"),
-        (("--model", "rigid", "--scene", "plane-90hz"), "cannot turn on a plane"),
         (("--scene", "plane-90hz", "--slow", "nan"), "--slow nan"),
         (("--scene", "plane-90hz", "--seconds", "1e9"), "--seconds 1e+09: must lie in 0.001"),
         (("--scene", "plane-90hz", "--seconds", "1e5"), "frames"),

@@ -5,7 +5,6 @@ import base64
 import numpy as np
 import pytest
 
-from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.run.movie import play
 from walkergen.scene import Scene
@@ -76,9 +75,3 @@ def test_lights_are_those_of_the_landings(run, truth):
 def test_a_run_is_small_and_says_what_it_is(run):
     assert sum(len(part) for part in run.values() if isinstance(part, str)) < 300_000
     assert run["words"].startswith("walker_t35.0_flexible_s0.40 in plane-90hz: 90 Hz, 1.8 g")
-
-
-def test_a_scene_in_which_the_walker_moves_in_a_plane_is_refused():
-    planar = Scene.model_validate({"drive": {"frequency_hz": 90.0, "gamma": 1.8}, "legs": {"model": "compliant"}})
-    with pytest.raises(InputError, match="the walker moves in a plane"):
-        play.run(PAPER, planar, SECONDS)

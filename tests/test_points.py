@@ -46,7 +46,6 @@ def test_a_walker_and_what_comes_of_it_survive_a_pickle_with_every_bit():
     point = walkers.simulate(walker, silent)
     copy = pickle.loads(pickle.dumps(point))
     assert numbers(copy) == numbers(point) == numbers(walkers.simulate(walker, silent, threads=1))
-    assert (copy.model, copy.method) == ("space", "step")
     events = [result.tally.events.rows for result in (point.results[0], copy.results[0])]
     np.testing.assert_array_equal(*events)
 

@@ -134,7 +134,7 @@ def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
 
 
 def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
-    request = request_of("legs.tilt_deg=5,12,88,20", model="compliant")
+    request = request_of("legs.tilt_deg=5,12,88,20", model="space")
     here = list(run.each(request.points(), store))
     there = list(run.each(request.points(), Store(tmp_path / "other.sqlite"), two))
     assert there == here
@@ -179,9 +179,9 @@ def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
 
 def endless(scene=LANE):
     """Points of which the first takes no time, the others hours."""
-    first = list(request_of("legs.tilt_deg=10", model="compliant").points())
+    first = list(request_of("legs.tilt_deg=10", model="space").points())
     long = scene.model_copy(update={"run": scene.run.model_copy(update={"seconds": 1e6})})
-    others = request_of("legs.tilt_deg=11:20:1", model="compliant", scene=long)
+    others = request_of("legs.tilt_deg=11:20:1", model="space", scene=long)
     return [*first, *others.points()]
 
 

@@ -44,7 +44,7 @@ def test_one_number_is_not_enough(given):
 
 def test_mistakes_in_a_scene_are_one_line(tmp_path):
     path = tmp_path / "lane.toml"
-    path.write_text("[drive]\nfrequency_hz = 90\namplitude_um = 55.2\ngamma = 3.0\n[contact]\nlaw = 'hooke'\n")
+    path.write_text("[drive]\nfrequency_hz = 90\namplitude_um = 55.2\ngamma = 3.0\n[contact]\nfriction = -1\n")
     with pytest.raises(InputError) as caught:
         config.read(path, Scene)
     lines = str(caught.value).splitlines()
@@ -52,7 +52,7 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
     assert "lane.toml:1: drive" in lines[0]
     assert "contradicts" in lines[0]
     assert "1.8" in lines[0]
-    assert "lane.toml:6: contact.law = 'hooke'" in lines[1]
+    assert "lane.toml:6: contact.friction = -1" in lines[1]
 
 
 def test_impact_speed_is_a_multiple_of_the_peak_speed():
@@ -118,7 +118,9 @@ def test_a_friction_of_0_is_exact_and_one_beyond_1000_is_refused():
     [
         ("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
         ("contact.prior", "'paper', 'unknown'"),
-        ("run.method", "run.method: this key is gone: legs.model implies it"),
+        ("run.method", "run.method: this key is gone: walkers move by steps"),
+        ("legs.model", "legs.model: this key is gone: every walker moves in space"),
+        ("contact.law", "contact.law: this key is gone: feet are elastic"),
         ("tether", "tether: this key is gone: walkers run free"),
     ],
 )

@@ -90,7 +90,6 @@ def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
         ("legs.kind=braced", ("--legs", "braced")),
         ('legs.kind="braced"', ("--legs", "braced")),
         ("scene.contact.friction=0.1", ("--friction", "0.1")),
-        ("scene.contact.law=newton", ("--law", "newton")),
         ("scene.drive.gamma=2.2", ("--gamma", "2.2")),
         ("scene.drive.frequency_hz=80", ("--frequency", "80")),
     ],
@@ -227,7 +226,7 @@ def test_a_default_of_a_command_gives_way(tmp_path):
     assert caught.value.keys == ("printer.gap_mm",)
 
 
-SHORT = ("--model", "rigid", "--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
+SHORT = ("--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
 
 
 @pytest.mark.slow

@@ -33,8 +33,8 @@ NUMBERS = {
 """Effects that a number calls for, by their switches, with what is said where there is none."""
 
 
-def scene_of(model="space", **keys):
-    return SCENE.variant(**{"legs.model": model, **keys})
+def scene_of(**keys):
+    return SCENE.variant(**keys)
 
 
 def planned(scene, design=None):
@@ -54,9 +54,6 @@ def test_an_effect_without_its_number_cannot_be_forced_on(switch):
     [
         ({"effects.on": ["lane_walls"], "arena.kind": "plane"}, "the arena is a plane"),
         ({"effects.on": ["lane_walls"], "effects.off": ["roll_and_yaw"]}, "held in its plane"),
-        ({"effects.on": ["lane_walls"], "legs.model": "compliant"}, "the compliant model is planar"),
-        ({"effects.on": ["roll_and_yaw"], "legs.model": "compliant"}, "the compliant model is planar"),
-        ({"effects.on": ["leg_twist"], "legs.model": "relaxed"}, "the relaxed model is planar"),
     ],
 )
 def test_an_effect_that_has_no_part_cannot_be_forced_on(keys, words):
@@ -66,7 +63,7 @@ def test_an_effect_that_has_no_part_cannot_be_forced_on(keys, words):
 
 TURNED = {
     "drive": {"second_harmonic_ratio": 0.2, "second_harmonic_phase_deg": 40.0, "gamma": 2.0, "frequency_hz": 80.0},
-    "contact": {"prior": "unknown", "restitution": 0.4, "friction": 0.1, "law": "newton"},
+    "contact": {"prior": "unknown", "restitution": 0.4, "friction": 0.1},
     "plate": {
         "material": "glass",
         "youngs_modulus_gpa": 5.0,
@@ -92,7 +89,7 @@ TURNED = {
         "wall_friction": 0.5,
         "wall_restitution": 0.9,
     },
-    "legs": {"model": "relaxed", "damping_ratio": 0.1},
+    "legs": {"damping_ratio": 0.1},
     "feet": {"tip_radius_um": 8.0, "rigid_tips": True, "tangential_ratio": 0.5, "unevenness_um": 10.0},
     "run": {"seed": 2, "step_us": 2.0, "heading_deg": (1.0,)},
     "effects": {"on": ["air_drag"], "off": ["roll_and_yaw", "leg_twist", "lane_walls"]},
@@ -111,8 +108,7 @@ def moved(scene, design=None, seconds=SECONDS):
     """State after a while, and the line on keys without a part."""
     plan = planned(scene, design)
     plan, state = dropped(plan, 0)
-    if plan.resolved.model == "space":
-        state[V_Z] += 100.0  # toward a wall
+    state[V_Z] += 100.0  # toward a wall
     plan.advance(state, seconds, record.new(len(state)))
     return state, plan.resolved.idle
 
@@ -146,16 +142,13 @@ def test_all_keys_of_a_scene_are_turned():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("numbers", [{}, TAUT | WALLED], ids=["plain", "rich"])
-@pytest.mark.parametrize("model", ["space", "compliant", "relaxed"])
-def test_a_key_of_a_scene_changes_the_motion_or_is_named(model, numbers):
-    if model != "space":
-        numbers = {key: value for key, value in numbers.items() if key.startswith("drive")}
-    still, line = moved(scene_of(model, **numbers))
+def test_a_key_of_a_scene_changes_the_motion_or_is_named(numbers):
+    still, line = moved(scene_of(**numbers))
     assert not line
     for table, keys in TURNED.items():
         for key, value in keys.items():
             dotted = f"{table}.{key}"
-            turned = tried({"legs.model": model} | numbers | {dotted: value})
+            turned = tried(numbers | {dotted: value})
             if isinstance(turned, str):
                 assert key in turned or f"{table}:" in turned, dotted
                 assert "\n" not in turned, dotted
@@ -163,7 +156,7 @@ def test_a_key_of_a_scene_changes_the_motion_or_is_named(model, numbers):
             state, line = turned
             if len(state) != len(still) or not np.array_equal(state, still):
                 assert dotted not in line, dotted
-            elif table != "effects" and value != model:  # a switch of what is so anyway says nothing
+            elif table != "effects":  # a switch of what is so anyway says nothing
                 assert dotted in line, dotted
 
 
@@ -193,9 +186,9 @@ def test_a_key_of_a_design_changes_the_motion(key):
 
 
 def test_keys_without_a_part_are_named_in_one_line():
-    scene = scene_of("relaxed", **{"feet.rigid_tips": True, "arena.gap_mm": 9.0})
-    line = planned(scene, Design().variant(**{"material.youngs_modulus_gpa": 2.0})).resolved.idle
-    for key in ("feet.rigid_tips", "arena.gap_mm (no walls)", "material.youngs_modulus_gpa"):
+    scene = scene_of(**{"legs.damping_ratio": 0.1, "effects.off": ["roll_and_yaw"], "arena.gap_mm": 9.0})
+    line = planned(scene, Design().variant(kind="braced")).resolved.idle
+    for key in ("legs.damping_ratio (no leg swings)", "arena.gap_mm (no walls)"):
         assert line.count(key) == 1
     assert "\n" not in line
 
@@ -223,7 +216,6 @@ print(" ".join(name.rpartition(".")[2] for name in sys.modules if name.startswit
         ({"arena.kind": "plane", "plate.noise_ratio": 0.2}, {"noisy_plate"}),
         ({"arena.kind": "plane", "plate.along_ratio": 0.2}, {"swaying_plate"}),
         ({}, {"walls"}),
-        ({"legs.model": "compliant"}, set()),
     ],
 )
 def test_a_scene_imports_no_module_of_what_it_has_not(keys, needed):

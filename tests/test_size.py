@@ -19,20 +19,20 @@ LIMITS = {
     "walkergen/cli": 890,
     "walkergen/crowd": 7780,
     "walkergen/files": 3380,
-    "walkergen/jobs": 13390,
+    "walkergen/jobs": 12500,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
     "walkergen/printing": 2970,
     "walkergen/shapes": 4230,
-    "walkergen/simulation": 9580,
+    "walkergen/simulation": 5970,
     "walkergen/theory": 2570,
     "walkergen/track": 3680,
     "walkergen/walker": 4880,
     "benchmarks": 2740,
     "docs": 630,
     "evidence": 7080,
-    "tests": 43330,
+    "tests": 39450,
 }
 
 

@@ -1,4 +1,4 @@
-"""Model C in its limits: feet alone, energy, free flight, kinematics, masses, the plane
+"""The walker in space in its limits: feet alone, energy, free flight, kinematics, masses, the plane
 (docs/physics.md section 7).
 """
 
@@ -9,11 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from space_rival import UP, Walker, land, plan_of, weightless
-from worlds import hinged_state
 
 from walkergen.simulation import record
-from walkergen.simulation.compliant import state as hinged
-from walkergen.simulation.compliant.chain import LOOSE, chain_of, mobility_of
 from walkergen.simulation.effects import feet
 from walkergen.simulation.space.frame import load, stiffen
 from walkergen.simulation.space.pose import locate, place, point_velocity
@@ -323,35 +320,49 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     np.testing.assert_allclose(work.H, expected, rtol=0, atol=slanted * abs(expected).max())
 
 
+def planar_mobility(mass):
+    """Inverse mass (1/g) of both feet, x and y of each, from the kinetic energy in five coordinates of the plane.
+
+    They are the place of O, the pitch, and the angles of both legs against the body.
+    """
+    M, feet = np.diag([mass.M, mass.M, mass.J, 0.0, 0.0]), []
+    for number, leg in enumerate(mass.legs):
+        turn = np.zeros(5)
+        turn[[2, 3 + number]] = 1.0
+
+        def moved(reach, leg=leg, number=number):
+            """Rates of the point of the leg at `reach` from its anchor."""
+            whole = leg.anchor + reach
+            rows = np.array([[1.0, 0.0, -whole[1], 0.0, 0.0], [0.0, 1.0, whole[0], 0.0, 0.0]])
+            rows[:, 3 + number] = -reach[1], reach[0]
+            return rows
+
+        centre = moved(leg.c_A)
+        M += leg.m * centre.T @ centre + leg.j * np.outer(turn, turn)
+        feet.append(moved(leg.c_A + leg.c_T))
+    rows = np.concatenate(feet)
+    return rows @ np.linalg.inv(M) @ rows.T
+
+
 @pytest.mark.parametrize("tilt", [0, 10, 35])
-def test_walker_held_in_its_plane_has_the_inverse_mass_of_the_planar_model(tilt):
+def test_walker_held_in_its_plane_has_the_inverse_mass_of_three_bodies_on_hinges(tilt):
     plan = plan_of(tilt, arena={"kind": "lane"}, effects={"off": ["roll_and_yaw", "leg_twist"]})
     W = mobility(plan.world.walker).reshape(2, 2, 3, 2, 2, 3)
     # A foot is both its corners together: each carries half of its force
     feet_together = W.mean(axis=(1, 4))
-    walker = hinged.walker_of(plan.case.design, plan.case.mass)
-    planar = mobility_of(chain_of(walker, hinged_state(walker, 1.0), LOOSE))
-    x_y = [1, 0]
-    for found, expected in (
-        (feet_together[0][:, 0], (planar.bb_xx, planar.bb_xy, planar.bb_yy)),
-        (feet_together[1][:, 1], (planar.ff_xx, planar.ff_xy, planar.ff_yy)),
-    ):
-        found = found[np.ix_(x_y, x_y)]
-        # 1e-11: rounding of two inversions
-        assert found[0, 0] == pytest.approx(expected[0], rel=1e-11)
-        assert found[0, 1] == pytest.approx(expected[1], rel=1e-11, abs=1e-12)
-        assert found[1, 1] == pytest.approx(expected[2], rel=1e-11)
-    between = feet_together[0][:, 1][np.ix_(x_y, x_y)]
-    np.testing.assert_allclose(
-        between, [[planar.bf_xx, planar.bf_xy], [planar.bf_yx, planar.bf_yy]], rtol=0, atol=1e-11
-    )
+    expected, x_y = planar_mobility(plan.case.mass), [1, 0]
+    for one in range(2):
+        for other in range(2):
+            found = feet_together[one][:, other][np.ix_(x_y, x_y)]
+            # 1e-11: rounding of two inversions
+            np.testing.assert_allclose(found, expected[2 * one :, 2 * other :][:2, :2], rtol=1e-11, atol=1e-11)
     assert np.abs(W[..., 2, :, :, :]).max() < 1e-12 * W.max()  # nothing moves across
 
 
 def test_coarser_steps_are_those_of_a_scene_that_asks_for_them():
     """Steps and the flights tabulated for them change together."""
     plan = plan_of(10.0)
-    found = plan.model.coarser(plan.world, 1.25)
+    found = plan.coarser(1.25).world
     asked = plan_of(10.0, run={"step_us": 1.25e6 * plan.world.options.step}).world
     assert found.options.step == pytest.approx(asked.options.step, rel=1e-12)
     # 1e-9: rounding of exponentials of matrices whose entries differ by 1e9

@@ -1,4 +1,4 @@
-"""Model C against rivals: a landing by DOP853, Keller's equation, the planar model, MuJoCo
+"""The walker in space against rivals: a landing by DOP853, Keller's equation, MuJoCo
 (docs/physics.md section 7).
 """
 
@@ -45,7 +45,7 @@ def test_corner_lands_as_by_an_independent_integration(tilt, label, friction, ti
 
 def stiffer(plan, times):
     """The same plan with rigid tips so many times as stiff, in steps as much shorter as they resolve them."""
-    world = plan.model.coarser(plan.world, 1.0 / math.sqrt(times))
+    world = plan.coarser(1.0 / math.sqrt(times)).world
     assert np.isinf(world.walker.tip).all()
     return plan._replace(world=world._replace(walker=world.walker._replace(spring=times * world.walker.spring)))
 
@@ -99,15 +99,15 @@ HELD = {"effects": {"off": ["roll_and_yaw"]}}
 """Tables of a scene in which the walker is held in its plane."""
 
 
-def speed(tilt, label, model, seconds, finer=1.0, **tables):
+def speed(tilt, label, seconds, finer=1.0, **tables):
     """Mean speed and its standard error (mm/s) on the paper's plate: eight runs by steps `finer` than the own."""
     design = Design().variant(tilt_deg=float(tilt))
     contact = {"restitution": label, "friction": 0.25} | tables.pop("contact", {})
     run = {"seconds": seconds, "discard_seconds": 0.5, "runs": 8}
-    scene = Scene.model_validate({"contact": contact, "legs": {"model": model}, "run": run} | tables)
+    scene = Scene.model_validate({"contact": contact, "run": run} | tables)
     plan = prepare(scene, design, solids.mass_of(design))
     if finer > 1.0:
-        plan = plan._replace(world=plan.model.coarser(plan.world, 1.0 / finer))
+        plan = plan.coarser(1.0 / finer)
     summary, _ = ensemble.measure(plan, lambda *progress: None, 1)
     return summary.speed_mm_s, summary.speed_se_mm_s
 
@@ -120,7 +120,7 @@ RIGID = {"rigid_tips": True}
     ("tilt", "label", "expected"), [(5, 0.3, 40.0), (10, 0.5, 111.0), (15, 0.3, 55.0), (20, 0.5, 22.0), (35, 0.3, 3.0)]
 )
 def test_elastic_feet_in_the_plane_run_as_another_integrator_says(tilt, label, expected):
-    found, error = speed(tilt, label, "space", 3.0, feet=RIGID, **HELD)
+    found, error = speed(tilt, label, 3.0, feet=RIGID, **HELD)
     # 1.5 mm/s: errors of the other's speeds. 10 %: its tangential dampers are not known; without
     # any the speeds here are 11 and 3 % lower at 10 deg, 18 % at 15 deg (labels 0.3, 0.5; 0.5)
     assert found == pytest.approx(expected, abs=3.0 * error + 0.1 * expected + 1.5)
@@ -138,7 +138,7 @@ def test_compliant_tips_run_as_in_a_second_program(tilt, gamma):
     """Free to roll, turn and twist, default contact. At 5 deg and 1.8 g 40.0 +- 0.3 for the other's 39.9 +- 1.1."""
     scene = {"arena": {"kind": "plane"}, "drive": {"frequency_hz": 90.0, "gamma": gamma}}
     friction = Scene().contact.friction
-    found, error = speed(tilt, Scene().contact.restitution, "space", 4.0, contact={"friction": friction}, **scene)
+    found, error = speed(tilt, Scene().contact.restitution, 4.0, contact={"friction": friction}, **scene)
     runs = speeds(plan_of(tilt, **scene), 3.0, range(6), 3e-6)
     other = runs.std(ddof=1) / math.sqrt(len(runs))
     # 3 %: explicit steps of the other, first order in the damper, and its errors of six runs, known to a third
@@ -160,7 +160,7 @@ def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
 def test_feet_that_hardly_rebound_run_as_by_a_tenth_of_their_step(tilt, feet):
     """Undivided by the damping ratio, the step gave 11 mm/s for 20 at 10 deg on rigid tips."""
     plane = {"arena": {"kind": "plane"}, "feet": feet}
-    found, error = speed(tilt, 0.02, "space", 4.0, **plane)
-    expected, other = speed(tilt, 0.02, "space", 4.0, finer=10.0, **plane)
+    found, error = speed(tilt, 0.02, 4.0, **plane)
+    expected, other = speed(tilt, 0.02, 4.0, finer=10.0, **plane)
     # 3 % and 1 % of the plate's 31.2 mm/s: what is stated of the own step
     assert found == pytest.approx(expected, abs=3.0 * math.hypot(error, other) + 0.03 * expected + 0.31)

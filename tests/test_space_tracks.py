@@ -80,13 +80,13 @@ def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_lanes_tracks_have_a_particle_and_are_read_as_a_lanes(run, tmp_path):
-    words = ("--model", "relaxed", "--seconds", "0.2", "--runs", "3")
+def test_tracks_in_a_lane_have_a_particle_and_are_seen_from_above(run, tmp_path):
+    words = ("--seconds", "0.2", "--runs", "3")
     run("simulate", *words, "--trajectory", "t.csv")
     first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
-    assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,pitch_rad")
+    assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,theta_rad")
     found = track_files.read(tmp_path / "t.csv", Units())
-    assert found.lane
+    assert not found.lane
     assert [(t.particle, len(t.position)) for t in found.tracks] == [(n, 201) for n in range(3)]
 
 
@@ -104,7 +104,7 @@ def test_tracks_are_the_same_bytes_on_any_number_of_threads():
     written = []
     for threads in (1, 3):
         results = ensemble.run(plan, silent, threads, one.impacts, one.sample_interval)
-        found = trajectory.tracks(plan.model.columns, results)
+        found = trajectory.tracks(results)
         written.append(trajectory.to_csv(trajectories.with_film(found, one.sample_interval)))
     assert written[0] == written[1]
     assert written[0].startswith(HEADER.encode())
@@ -143,7 +143,7 @@ def test_analyse_finds_in_the_tracks_what_simulate_says(run):
     words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate-hz", "500", "--trajectory", "t.csv")
     told = json.loads(run("simulate", *words, "--json"))
     found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
-    assert (told["model"], told["tip_radius_um"], told["friction"]) == ("space", 5.0, 0.25)
+    assert (told["tip_radius_um"], told["friction"]) == (5.0, 0.25)
     for name in ("speed", "lane_speed", "sideways_speed", "turning_bias", "rotational_diffusion"):
         unit = {"turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}.get(name, "mm_s")
         # The same functions on the same samples, but for the rounding of written times; the time for which
@@ -189,7 +189,7 @@ def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reaso
 def test_a_summary_is_eight_lines_unless_all_is_asked_for(run):
     short = run("simulate", *PLANE, "--seconds", "1", "--runs", "2")
     names = [line[2:].partition("  ")[0] for line in short.splitlines() if line[2:3].strip()]
-    assert names[:4] == ["walker", "plate", "model", "mean speed"]
+    assert names[:4] == ["walker", "plate", "contact", "mean speed"]
     assert "runs" in names
     assert len(names) <= 9  # "--all: ..." is the last
     assert "impacts" not in names

@@ -76,7 +76,6 @@ UNMET = {
     "plate.across_ratio": 0.01,
     "plate.gradient_percent_per_mm": 0.01,
     "plate.rocking_percent_per_mm": 0.01,
-    "legs.model": "compliant",
     "effects.on": ["air_drag"],
     "effects.off": ["lane_walls"],
     "contact.friction": 5.0,
@@ -147,7 +146,7 @@ def test_keys_of_a_scene_are_read_or_declined():
     silent = {"name", "description", "prediction", "run", "crowd"}  # change no mean speed of a walker alone
     without_part = {
         *("arena.length_mm", "arena.width_mm"),  # where it walks, not how
-        *("contact.prior", "contact.law", "contact.restitution_sd", "contact.friction_sd"),  # planar models; bounds
+        *("contact.prior", "contact.restitution_sd", "contact.friction_sd"),  # bounds
         *(
             "legs.damping_ratio_sd",
             "feet.unevenness_sd_um",

@@ -201,7 +201,6 @@ def test_switched_off_it_is_as_if_it_were_not_there():
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"plate.along_ratio": 0.1, "legs.model": "compliant", "arena.kind": "lane"}, "only the model 'space' knows"),
         ({"plate.gradient_percent_per_mm": 0.5, "run.seconds": 60.0}, "a walker may get .* far.*arena.length_mm"),
         ({"plate.rocking_percent_per_mm": -5.0, "arena.length_mm": 60.0, "arena.width_mm": 60.0}, "by 212 %, and 100"),
     ],

@@ -14,12 +14,12 @@ from walkergen.jobs.run.sweep import figures, panels, scales
 from walkergen.jobs.run.sweep.figures import Columns
 
 TILT, DRIVE, MU = "legs.tilt_deg", "scene.drive.peak_speed_mm_s", "scene.contact.friction"
-LAW = "scene.contact.law"
+FOOT = "legs.foot"
 
 
 def columns(error=1.0, missing=(), doubtful=(), **keys):
     """Table of all combinations of values, the speed a sum that tells them apart."""
-    names = {"tilt": TILT, "drive": DRIVE, "mu": MU, "law": LAW}
+    names = {"tilt": TILT, "drive": DRIVE, "mu": MU, "foot": FOOT}
     grid = np.meshgrid(*(np.arange(len(values)) for values in keys.values()), indexing="ij")
     places = [one.ravel() for one in grid]
     speed = sum(10.0**power * place for power, place in enumerate(places)) + 1.0
@@ -108,10 +108,10 @@ def test_failed_and_doubtful_points_are_in_sight():
 
 
 def test_words_are_categories_that_no_line_joins():
-    _, (axes,) = drawn(columns(law=["poisson", "newton", "stronge"]))
-    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["poisson", "newton", "stronge"]
+    _, (axes,) = drawn(columns(foot=["flat", "square", "round"]))
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["flat", "square", "round"]
     assert not lines_of(axes)
-    assert axes.get_xlabel() == "law of restitution"
+    assert axes.get_xlabel() == "foot of the legs"
 
 
 @pytest.mark.parametrize("order", [("tilt", "drive"), ("drive", "tilt")])
@@ -186,9 +186,9 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
 
 
 def test_three_keys_with_few_values_are_small_multiples_of_lines():
-    table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], law=["poisson", "newton"])
+    table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], foot=["flat", "square"])
     found, panels_ = drawn(table)
-    assert [axes.get_title() for axes in panels_] == ["law of restitution poisson", "law of restitution newton"]
+    assert [axes.get_title() for axes in panels_] == ["foot of the legs flat", "foot of the legs square"]
     assert [len(lines_of(axes)) for axes in panels_] == [3, 3]
     assert said(found) == ["friction 0.1", "0.2", "0.3"]
     assert len({axes.get_ylim() for axes in panels_}) == 1
@@ -296,7 +296,7 @@ def test_axes_are_named_in_words_with_units(key, label):
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_all_letters_can_be_read_at_the_width_of_a_column(count):
-    keys = {"tilt": list(range(7)), "mu": [0.1 * step for step in range(1, 8)], "law": ["poisson", "newton"]}
+    keys = {"tilt": list(range(7)), "mu": [0.1 * step for step in range(1, 8)], "foot": ["flat", "square"]}
     table = columns(**dict(list(keys.items())[:count]), missing=[3], doubtful=[5])
     found, _ = drawn(table, "a long title of a sweep " * 8)
     shown = [one for one in found.findobj(Text) if one.get_text() and one.get_visible()]

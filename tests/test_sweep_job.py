@@ -313,7 +313,7 @@ def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
     monkeypatch.setattr("walkergen.points.run.evaluate", measured)
     monkeypatch.setattr(budget.time, "monotonic", lambda: float(next(clock)))
     monkeypatch.setattr(budget, "BATCH", 1)
-    request = request_of("legs.tilt_deg=4,8,12", model="compliant")
+    request = request_of("legs.tilt_deg=4,8,12", model="space")
     found = budget.spend(request, 8.5, Store(home / "points"), None, lambda *told: None)
     # Eight doublings: of 4 five times, of 2 twice, of 1 once; of equal ones the first comes first.
     assert [one.scene.run.runs for one in found] == [16, 256, 32]

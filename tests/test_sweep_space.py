@@ -6,13 +6,13 @@ the nightly sweep draws them as well.
 """
 
 import math
+import re
 
 import numpy as np
 import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 from one_corner import deepest_of
-from test_sweep import ENDINGS, check_refusal, decades
 
 from walkergen.errors import InputError
 from walkergen.files import config
@@ -22,8 +22,11 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
 from walkergen.simulation.space.pose import locate, place
 from walkergen.simulation.space.state import LEGS, PHASE, V_X, W_X, work_for
-from walkergen.walker import solids
+from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
+
+ENDINGS = {Outcome.OK, Outcome.STUCK, Outcome.TOPPLED, Outcome.FOLDED, Outcome.LEFT}
+"""Physical ends of a run; an energy error, or no convergence, is none."""
 
 MOST_EVENTS = 50_000
 
@@ -37,6 +40,40 @@ of 4e-5."""
 
 FINER = 4.0
 """By how much smaller a step has to end an energy error."""
+
+
+def decades(low, high):
+    """Numbers spread evenly over the powers of ten from 10^low to 10^high."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+BEYOND = {
+    ("body", "length_mm"): (0.0, -1.0, 1.001e6, math.nan, "28"),
+    ("body", "depth_mm"): (0.0, -8.0, math.inf),
+    ("body", "thickness_mm"): (0.0, -1e-9, 1e300),
+    ("legs", "kind"): ("soft", None),
+    ("legs", "tilt_deg"): (85.01, -90.0, 90.0, math.nan),
+    ("legs", "length_mm"): (0.0, -7.5, 1e7),
+    ("legs", "contact_spacing_mm"): (0.0, -13.0, math.inf),
+    ("legs", "flexible_thickness_mm"): (0.0, -0.4, True),
+    ("legs", "braced_thickness_mm"): (0.0, -1.0, 2e6),
+    ("legs", "brace_thickness_mm"): (0.0, -0.5, math.nan),
+    ("legs", "foot"): ("oval", 3),
+    ("material", "density_g_cm3"): (0.0, -1.0, 100.1),
+    ("material", "youngs_modulus_gpa"): (0.0, -3.0, 1.001e4),
+    ("weighed", "body_mass_g"): (0.0, -1.0, 2e12),
+    ("weighed", "leg_mass_g"): (0.0, -1.0, math.nan),
+    ("drive", "frequency_hz"): (0.0, -90.0, 2e9),
+    ("drive", "gamma"): (0.0, -1.8, math.inf),
+    ("drive", "second_harmonic_ratio"): (-0.1, 1.01),
+    ("drive", "second_harmonic_phase_deg"): (361.0, math.nan),
+    ("contact", "restitution"): (-0.01, 1.01, math.nan),
+    ("contact", "friction"): (-0.01, 1.1e6, "rough"),
+    ("plate", "slope_deg"): (60.0, -60.0, math.nan),
+    ("scene_legs", "damping_ratio"): (-0.01, 10.1),
+    ("run", "step_us"): (0.0, 1001.0),
+}
+"""Values just outside what each field allows."""
 
 
 @st.composite
@@ -101,10 +138,7 @@ def walkers(draw, plates):
             "slope_deg": draw(st.one_of(st.just(0.0), st.floats(-20.0, 20.0))),
         },
         "arena": {"kind": "lane" if lane else "plane"},
-        "scene_legs": {
-            "model": "space",
-            "damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), st.floats(0.0, 2.0))),
-        },
+        "scene_legs": {"damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), st.floats(0.0, 2.0)))},
         "feet": {
             "rigid_tips": draw(st.booleans()),
             "tip_radius_um": draw(st.one_of(st.just(5.0), decades(-3, 3))),
@@ -142,6 +176,9 @@ def walkers(draw, plates):
         linear = ("gradient", "rocking")
         tables["plate"] |= {f"{key}_percent_per_mm": draw(st.floats(-5.0, 5.0)) for key in linear}
         tables["plate"] |= {f"{key}_toward_deg": draw(st.floats(-180.0, 180.0)) for key in linear}
+    table, key = draw(st.sampled_from(sorted(BEYOND)))
+    if draw(st.integers(0, 9)) == 0 and isinstance(tables[table], dict):
+        tables[table][key] = draw(st.sampled_from(BEYOND[table, key]))
     return tables
 
 
@@ -157,6 +194,37 @@ def built(tables):
     plan = prepare(scene, design, solids.mass_of(design))
     seconds = min(scene.run.seconds, MOST_STEPS * plan.world.options.step)
     return plan.lasting(seconds=seconds)
+
+
+def check_refusal(error, tables):
+    """One line a mistake, each naming a field that the example has set."""
+    fields = set()
+    for table, value in tables.items():
+        name = table.removeprefix("scene_")
+        if isinstance(value, str):
+            fields.add(name)
+        elif isinstance(value, list):
+            numbered = enumerate(value, start=1)
+            fields |= {f"{name}[{number}].{key}" for number, one in numbered for key in one}
+        else:
+            fields |= {f"{name}.{key}" for key in value}
+    for line in str(error).splitlines():
+        named = re.search(r"\b([a-z]+(\[\d+\])?(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: "))
+        assert named, line
+        assert named[1] in fields | {"drive"}, line
+
+
+def check_solid(design):
+    """Parts of a box on two equal legs make up the whole."""
+    shape = solids.build(design)
+    whole, body, *legs = (mass.weigh(part, 1.0).volume for part in (shape.walker, shape.body, *shape.legs))
+    # Round feet are polygons: the union against its own parts; coordinates carry 16 digits.
+    assert whole == pytest.approx(body + sum(legs), rel=1e-11)
+    assert body == pytest.approx(math.prod(design.size), rel=1e-12)
+    for limb, volume in zip(design.limbs, legs, strict=True):
+        if not limb.rigid and limb.foot != "round":
+            assert volume == pytest.approx(limb.length * limb.thickness * limb.width, rel=1e-11)
+        assert volume > 0.0
 
 
 def drawn(plan):
@@ -202,8 +270,8 @@ def check_motion(plan, result):
     walker, noise = world.walker, world.acting.noise
     plate = plan.scene.plate  # along itself, and by slopes as much again where a walker may get
     swayed = 1.0 + (plate.along_ratio + plate.across_ratio + 2.0 if plate.sways else 0.0)
-    shaken = swayed * drive.peak_speed * drive.omega + (0.0 if noise is None else noise.strongest)
-    fast = liveliest(plan, rows) + swayed * drive.peak_speed + (0.0 if noise is None else noise.fastest)
+    shaken = swayed * drive.peak_speed * drive.omega + noise.strongest
+    fast = liveliest(plan, rows) + swayed * drive.peak_speed + noise.fastest
     drive_force = walker.mass * (GRAVITY + shaken)
     for k in range(len(walker.leg)):
         allowed = deepest_of(walker, k, drive_force, 2.0 * fast)
@@ -232,6 +300,9 @@ def check(tables):
     except InputError as error:
         check_refusal(error, tables)
         return "refused: " + type(error).__name__
+    design = plan.case.design
+    if design.pair and design.body.outline is None:
+        check_solid(design)
     interval = plan.scene.run.seconds / 100.0
     result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
     if result.outcome is Outcome.ENERGY:
@@ -255,7 +326,7 @@ def sweep(plates, **examples):
 
 
 def test_a_call_for_less_than_a_billionth_of_a_step_stays_finite():
-    tables = {"arena": {"kind": "plane"}, "legs": {"model": "space"}}
+    tables = {"arena": {"kind": "plane"}}
     design = Design.model_validate({})
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
     state = plan.start(-1e-6, 0.0, 0.0)

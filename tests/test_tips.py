@@ -74,7 +74,7 @@ def test_walker_presses_its_tips_as_hertz_says():
     """Level on four corners, braced: a quarter of its mass each. Tips of 1 MPa, whose legs do not give."""
     tables = {"plate": {"youngs_modulus_gpa": 1e-3}, "contact": {"restitution": 1.0, "friction": 0.0}}
     plan = weightless(plan_of(0, "braced", **tables))
-    plan = plan._replace(world=plan.model.coarser(plan.world, 1 / 64))
+    plan = plan.coarser(1 / 64)
     walker, speed = plan.world.walker, 100.0
     depth, time = hertz(0.25 * walker.mass, speed, walker.tip[0])
     state = plan.start(1e-3, 0.0, 0.0)
@@ -144,7 +144,6 @@ def lengthened(scale, **tables):
     tables = tables | {
         "drive": {"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8},
         "arena": {"kind": "plane"},
-        "legs": {"model": "space"},
         "feet": {"tip_radius_um": 5.0 * scale},
         "plate": {"youngs_modulus_gpa": 3.0 * scale},
     }

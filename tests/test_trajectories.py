@@ -27,9 +27,9 @@ OVITO = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """From the simulation's axes (forward, up, right) to those of the file (forward, left, up)."""
 
 
-def asked_of(arena, model, runs=2, seconds=0.06):
+def asked_of(arena, runs=2, seconds=0.06):
     run = {"runs": runs, "seconds": seconds, "discard_seconds": 0.0, "seed": 5}
-    scene = Scene.model_validate({"arena": {"kind": arena}, "legs": {"model": model}, "run": run})
+    scene = Scene.model_validate({"arena": {"kind": arena}, "run": run})
     return make.asked(scene, WALKER, solids.mass_of(WALKER), INTERVAL)
 
 
@@ -54,7 +54,7 @@ def frames_of(text):
 
 
 def test_xarray_reads_all_runs_in_the_layout_of_movement(tmp_path):
-    found = simulated(asked_of("plane", "space"))
+    found = simulated(asked_of("plane"))
     own = dict(zip(found.columns, found.rows.T, strict=True))
     path = tmp_path / "all.nc"
     path.write_bytes(trajectories.to_nc(Written(found, WALKER)))
@@ -76,7 +76,7 @@ def test_xarray_reads_all_runs_in_the_layout_of_movement(tmp_path):
 
 
 def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
-    found = simulated(asked_of("plane", "space"))
+    found = simulated(asked_of("plane"))
     path = tmp_path / "all.csv"
     path.write_bytes(trajectories.to_csv(Written(found, WALKER)))
     ours = track_files.read(path, Units())
@@ -91,23 +91,9 @@ def test_all_runs_are_read_back_as_a_film_in_mm_and_as_ours(tmp_path):
         np.testing.assert_array_equal(one.heading, other.heading)
 
 
-def test_a_planar_walker_runs_along_x_seen_from_above():
-    found = simulated(asked_of("lane", "relaxed"))
-    own = dict(zip(found.columns, found.rows.T, strict=True))
-    assert found.columns[:8] == (*trajectories.FILM, "t_s", "x_mm", "y_mm")
-    np.testing.assert_array_equal(own["x"], own["x_mm"])
-    assert not own["y"].any()
-    assert not own["theta"].any()
-    assert own["y_mm"].min() > 5.0  # the height
-    assert own["frame"].tolist() == 2 * list(range(7))
-    (_, rows), *_ = frames_of(trajectories.to_xyz(Written(found, WALKER)).decode())
-    assert rows[:, 1] == pytest.approx(own["x"][::7], rel=1e-8)
-    assert rows[:, 3] == pytest.approx(own["y_mm"][::7], rel=1e-8)
-
-
 def test_ovito_sees_the_walker_as_it_stood():
     """Places and turns of the file are those of the body, as the movies have them."""
-    one = asked_of("plane", "space", runs=1)
+    one = asked_of("plane", runs=1)
     frames = frames_of(trajectories.to_xyz(Written(simulated(one), WALKER)).decode())
     seen = poses.sample(prepare(one.scene, WALKER, one.mass), INTERVAL)
     assert [time for time, _ in frames] == pytest.approx(seen.times)
@@ -133,8 +119,9 @@ def test_large_turns_are_those_of_three_rotations_one_after_the_other():
 
 
 def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_frame():
-    columns = ("t_s", "particle", "x_mm", "y_mm", "pitch_rad")
-    rows = np.array([[0, 0, 0, 9, 0], [0.01, 0, 1, 9, 0], [0, 1, 5, 9, 0.1]], dtype=float)
+    columns = ("t_s", "particle", "x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
+    rows = np.zeros((3, len(columns)))
+    rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 5] = (0.0, 0.01, 0.0), (0, 0, 1), (0.0, 1.0, 5.0), 9.0
     found = trajectories.with_film(Trajectory(columns, rows), 0.01)
     frames = frames_of(trajectories.to_xyz(Written(found, WALKER)).decode())
     assert [values[:, 0].tolist() for _, values in frames] == [[0, 1], [0]]
@@ -144,7 +131,7 @@ def test_a_run_that_ended_early_is_absent_from_later_frames_and_no_run_is_no_fra
 
 
 def test_samples_kept_are_not_simulated_again(monkeypatch):
-    one = asked_of("lane", "relaxed")
+    one = asked_of("lane")
     point = make.measure(one, silent).point
     monkeypatch.setattr(trajectories.walkers, "simulate", None)
     assert len(trajectories.of(one, point, silent).rows) == 14

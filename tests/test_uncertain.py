@@ -19,9 +19,10 @@ def _names(reader, design=DESIGN):
 
 def test_each_reader_is_given_what_it_reads():
     of_motor = {"drive.frequency_hz", "drive.eccentric_g_mm"}
-    assert _names("space") == set(uncertain.READ_BY) - of_motor
-    assert _names("compliant") == _names("space") - {"feet.unevenness_um", "feet.tip_radius_um"}
-    assert "leg mass" not in _names("rigid", DESIGN.variant(kind="braced"))
+    assert _names(uncertain.SPACE) - _names(uncertain.PREDICTION) == {"legs.damping_ratio"}
+    assert {"feet.unevenness_um", "feet.tip_radius_um"} < _names(uncertain.PREDICTION)
+    assert not of_motor & _names(uncertain.SPACE)
+    assert "leg mass" not in _names(uncertain.SPACE, DESIGN.variant(kind="braced"))
 
 
 def test_an_input_without_deviation_is_known():

@@ -13,7 +13,7 @@ from walkergen.points import draws as uncertain
 from walkergen.theory.uncertain import Input, draws
 
 KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))
-QUICK = ("simulate", "--model", "relaxed", "--uncertain", "--draws", "16", "--seconds", "0.3")
+QUICK = ("simulate", "--uncertain", "--draws", "16", "--seconds", "0.3")
 
 
 def _synthetic(count, seed, statistical, print_sd=0.0):
@@ -26,7 +26,7 @@ def _synthetic(count, seed, statistical, print_sd=0.0):
 
 
 def _analysed(values, halves, seed=1):
-    return uncertain.analyse("space", KNOWN, values, halves, {"ok": len(values)}, seed)
+    return uncertain.analyse(KNOWN, values, halves, {"ok": len(values)}, seed)
 
 
 @pytest.mark.slow
@@ -110,12 +110,11 @@ def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
     out = tmp_path / "un"
     result = CliRunner().invoke(command_line, [*QUICK, "--json", "--out", str(out)])
     found = json.loads(result.stdout)
-    assert found["model"] == "relaxed"
     low, high = found["speed_low_95_mm_s"], found["speed_high_95_mm_s"]
     assert low <= found["speed_low_68_mm_s"] < found["speed_mm_s"] < high
     assert "extrapolated by Student's t" in found["notes"][0]  # 16 draws
     names = {one["name"] for one in found["shares"]}
-    assert names == {"contact.restitution", "contact.friction", "legs.thickness_mm", "body mass", "leg mass"}
+    assert names > {"contact.restitution", "contact.friction", "legs.thickness_mm", "body mass", "leg mass"}
     assert (out / "uncertain.png").read_bytes()[:4] == b"\x89PNG"
     lines = (out / "draws.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + found["draws"]

@@ -67,7 +67,6 @@ def family(
     gamma: float | None = None,
     frequency: float | None = None,
     mode: Literal["coulomb", "paper"] = "coulomb",
-    law: str | None = None,
     printer: Machine = "prusa-mk3s",
     text: str | None = None,
     mirror: bool | None = None,
@@ -176,7 +175,6 @@ def predict(
     gamma: float | None = None,
     frequency: float | None = None,
     mode: Literal["coulomb", "paper"] = "coulomb",
-    law: str | None = None,
     text: str | None = None,
     mirror: bool | None = None,
     set: Mapping[str, Any] = {},
@@ -232,8 +230,6 @@ def simulate(
     legs: Kind | Iterable[Kind] | None = None,
     seconds: float | None = None,
     runs: int | None = None,
-    model: str | None = None,
-    law: str | None = None,
     restitution: float | None = None,
     friction: float | None = None,
     gamma: float | None = None,
@@ -318,8 +314,6 @@ def movie(
     slow: float | None = None,
     view: Literal["above", "perspective"] | None = None,
     fps: int = 25,
-    model: str | None = None,
-    law: str | None = None,
     restitution: float | None = None,
     friction: float | None = None,
     gamma: float | None = None,
@@ -334,7 +328,7 @@ def movie(
 ) -> Report:
     """Film a walker in slow motion, or several tilts running (GIF, and MP4).
 
-    A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
+    A walker is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
     --view above or --view perspective says otherwise.
 
     Example: `wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files`
@@ -346,7 +340,6 @@ def explain(
     *,
     tilt: float | None = None,
     legs: Literal["flexible", "braced"] | None = None,
-    model: str | None = None,
     friction: float | None = None,
     gamma: float | None = None,
     frequency: float | None = None,
@@ -432,12 +425,11 @@ def fit(
     design: Walker = "koumakis2016",
     scene: Ground = "lane-90hz",
     *,
-    model: Literal["prediction", "theory", "compliant", "space"] = "prediction",
+    model: Literal["prediction", "theory", "space"] = "prediction",
     fix: Mapping[str, float] | Iterable[str] = [],
     prior: Literal["flat", "scene"] | None = None,
     predict: float | Iterable[float] | str | None = None,
     mode: Literal["coulomb", "paper"] = "coulomb",
-    law: str | None = None,
     seed: int | None = None,
     set: Mapping[str, Any] = {},
     pictures: bool = True,

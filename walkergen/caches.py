@@ -70,9 +70,9 @@ def _check(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
-COMPILING_S = {"space": 40, "compliant": 20, "relaxed": 20, "shapes": 6}
-"""Time that the kernels of a folder of the package take to compile on an idle core, s: those of a
-model, or of crossings of triangles. Others take a second or two."""
+COMPILING_S = {"space": 40, "shapes": 6}
+"""Time that the kernels of a folder of the package take to compile on an idle core, s: those of the
+model in space, or of crossings of triangles. Others take a second or two."""
 
 _announced: set[str] = set()
 

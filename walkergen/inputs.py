@@ -260,15 +260,6 @@ def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
     return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.filled(path)]
 
 
-def check_mode(mode: str, scene: "Scene") -> None:
-    """Raise InputError for the theory of the paper under a law for which it does not hold."""
-    if mode == "paper" and scene.contact.law != "poisson":
-        raise InputError(
-            f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: use --mode coulomb",
-            "mode",
-        )
-
-
 @contextmanager
 def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[WorkerPool | None]":
     """Workers for points; none, unless asked for, where so `few` are faster in this process.

@@ -412,14 +412,7 @@ Restitution = Annotated[
 Friction = Annotated[float | None, Flag("Friction coefficient, >= 0.", "NUMBER", sets="scene.contact.friction")]
 Gamma = Annotated[float | None, Flag("Peak acceleration over g.", "NUMBER", sets="scene.drive.gamma")]
 Frequency = Annotated[float | None, Flag("Frequency of the drive, Hz.", "HZ", sets="scene.drive.frequency_hz")]
-Law = Annotated[
-    str | None,
-    Flag("Law of impact: poisson, newton or stronge; the last two not in space.", "LAW", sets="scene.contact.law"),
-]
 Mode = Annotated[Literal["coulomb", "paper"], Flag("Theory: coulomb (feet may stick) or paper (eq. 15).", "MODE")]
-Model = Annotated[
-    str | None, Flag("Model: rigid, relaxed, compliant, space or auto.", "MODEL", sets="scene.legs.model")
-]
 Seconds = Annotated[float | None, Flag("Measured time of each simulated run, s.", "S", sets="scene.run.seconds")]
 Runs = Annotated[int | None, Flag("Number of simulated runs.", "N", sets="scene.run.runs")]
 Seed = Annotated[int | None, Flag("Seed of the runs' random starts.", "N", sets="scene.run.seed")]

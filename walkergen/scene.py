@@ -50,6 +50,8 @@ class Contact(Section):
     Numbers that are not given are those of the prior; a friction that is given as 0 is exact.
     """
 
+    gone: ClassVar[Mapping[str, str]] = {"law": "feet are elastic and have a damper; leave the key out"}
+
     prior: Literal["paper", "unknown"] = "paper"
     """Source of the numbers below that are not given: the paper's plate, or any plastic on any plate."""
     restitution: Fraction = PAPER_CONTACT.restitution
@@ -60,8 +62,6 @@ class Contact(Section):
     """Coefficient of friction of foot and plate."""
     friction_sd: Friction = PAPER_CONTACT.friction_sd
     """Standard deviation of the friction, for bounds."""
-    law: Literal["poisson", "newton", "stronge"] = "poisson"
-    """Law of impact of the models in a plane."""
 
     @model_validator(mode="after")
     def _supplied(self) -> "Contact":
@@ -232,14 +232,13 @@ class Crowd(Section):
 
 
 class LegModel(Section):
-    """Treatment of the legs by the simulator (docs/physics.md sections 5 and 7)."""
+    """Damping of the legs in the simulation."""
 
     gone: ClassVar[Mapping[str, str]] = {
-        "spring": "a leg has a cantilever's stiffness, 3 E I/l; material.youngs_modulus_gpa of the design changes it"
+        "model": "every walker moves in space; leave the key out",
+        "spring": "a leg has a cantilever's stiffness, 3 E I/l; material.youngs_modulus_gpa of the design changes it",
     }
 
-    model: Literal["auto", "space", "compliant", "relaxed", "rigid"] = "auto"
-    """Model of the walker. auto: the one in space."""
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
     damping_ratio_sd: Annotated[float, Field(ge=0, le=10)] = 0.02
@@ -247,7 +246,7 @@ class LegModel(Section):
 
 
 class Feet(Section):
-    """Elastic feet of the model in space: a Hertzian tip at each point, in series with its leg's corner."""
+    """Elastic feet: a Hertzian tip at each point, in series with its leg's corner."""
 
     gone: ClassVar[Mapping[str, str]] = {
         "damping": "feet have one damper, which gives contact.restitution; leave the key out",
@@ -287,7 +286,7 @@ class Run(Section):
     """Duration, number and step of the simulated runs."""
 
     gone: ClassVar[Mapping[str, str]] = {
-        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); leave the key out",
+        "method": "walkers move by steps; leave the key out",
         "energy_tolerance": "5 % of the exchanged energy may go unaccounted for; leave the key out",
     }
 
@@ -302,13 +301,12 @@ class Run(Section):
     heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_headings)] = (0.0,)
     """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
-    """Time step, us, while a foot is in contact. None: the model's own, 30
-    us in a plane, in space what resolves the feet."""
+    """Time step, us, while a foot is in contact. None: the one that resolves the feet."""
     accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
     """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
-    less, as measured, is left out, effects that [effects] does not name, and for `model = "auto"` the
-    model in space. None: nothing is. A prediction by the surrogate, which is of the whole model, is
-    within it; one by runs leaves out the same, and its bounds bear that."""
+    less, as measured, is left out: effects that [effects] does not name. None: nothing is. A prediction
+    by the surrogate, which is of the whole model, is within it; one by runs leaves out the same, and
+    its bounds bear that."""
 
 
 EffectName = Literal[

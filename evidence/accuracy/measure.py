@@ -106,7 +106,6 @@ def measured(setting: Setting, seed: int) -> Row:
     simulated_s = summary.runs * (one.scene.run.seconds + DISCARD_S)
     return Row(
         *setting[:3],
-        "space",
         setting.share,
         step_us,
         summary.speed_mm_s if well else None,

@@ -12,8 +12,7 @@ from evidence.validate.ensembles import simulated, speed_of
 from walkergen.numerics.quantity import mean
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.space.walker import mobility
 from walkergen.theory import impact, tensors
 from walkergen.walker import solids

@@ -14,7 +14,7 @@ HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 
 
 OPTIONS = {
-    "Contact and drive": ("restitution", "friction", "gamma", "frequency", "law", "mode"),
+    "Contact and drive": ("restitution", "friction", "gamma", "frequency", "mode"),
     "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
     "Output": ("out", "trajectory", "rate-hz", "pictures", "all", "json", "quiet", "help"),
 }

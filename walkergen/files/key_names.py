@@ -22,7 +22,6 @@ WHOLE = {
     "drive.gamma": "peak acceleration of the plate (g)",
     "drive.eccentric_g_mm": "eccentric moment of the motor (g mm)",
     "drive.axis": "axis of the motor",
-    "contact.law": "law of restitution",
     "run.discard_seconds": "discarded time (s)",
     "run.seconds": "measured time (s)",
     "run.step_us": "step (µs)",

@@ -16,9 +16,9 @@ from walkergen.lab import resting
 from walkergen.lab.inverse import Curve
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import batch, record
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.space.state import HEIGHT
-from walkergen.simulation.world import OK, State, World
+from walkergen.simulation.world import OK
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -79,16 +79,6 @@ def rebound(plan: Plan, let: Let) -> Rebound:
         return Rebound(None if fell else 0.0, fell)
     second = float(heights[rising[0] :].max())
     return Rebound(math.sqrt(max(second, 0.0) / first), fell)
-
-
-def let_go(plan: Plan, let: Let) -> Plan:
-    """Plan whose runs start as `let` says, not by the height, turns and phase that each draws."""
-    start = plan.model.start
-
-    def started(world: World, clearance: float, pitch: float, phase: float, roll: float, heading: float) -> State:
-        return start(world, let.height, let.pitch, 0.0, let.roll, heading)
-
-    return plan._replace(model=plan.model._replace(start=started))
 
 
 def from_hand(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:

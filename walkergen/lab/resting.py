@@ -5,8 +5,7 @@ import math
 from walkergen.errors import InputError
 from walkergen.scene import Scene, at_rest
 from walkergen.simulation.effects.resolve import on_still_plate
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -16,10 +15,8 @@ by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops 
 
 
 def resting(scene: Scene) -> Scene:
-    """Scene in space on an endless level plate at rest, with the contact and feet of `scene`."""
-    return on_still_plate(scene).model_copy(
-        update={"drive": at_rest(scene.drive.frequency), "legs": scene.legs.model_copy(update={"model": "space"})}
-    )
+    """Scene on an endless level plate at rest, with the contact and feet of `scene`."""
+    return on_still_plate(scene).model_copy(update={"drive": at_rest(scene.drive.frequency)})
 
 
 def filmed(scene: Scene) -> Scene:
@@ -29,14 +26,14 @@ def filmed(scene: Scene) -> Scene:
 
 
 def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
-    """Plan of a walker in space on the scene's plate at rest; `finer`: its steps over usual ones.
+    """Plan of a walker on the scene's plate at rest; `finer`: its steps over usual ones.
 
     A step that the scene states stays as it is. Raises InputError.
     """
     plan = prepare(resting(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
         return plan
-    return plan._replace(world=plan.model.coarser(plan.world, finer))
+    return plan.coarser(finer)
 
 
 def with_contact(scene: Scene, **contact: float) -> Scene:
@@ -55,10 +52,10 @@ def one_material(design: Design) -> None:
 
 
 def in_words(scene: Scene, design: Design) -> str:
-    """Walker, model and feet of a test, as pages and tables name them."""
+    """Walker and feet of a test, as pages and tables name them."""
     contact = scene.contact
     return (
-        f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg; model space, "
+        f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg; "
         f"restitution {contact.restitution:g}, friction "
         f"{contact.friction:g}; plate at rest"
     )

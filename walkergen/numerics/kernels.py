@@ -17,7 +17,6 @@ from walkergen import caches
 from walkergen.numerics import shipped
 
 SOURCES = (
-    "numerics/dormand_prince.py",
     "numerics/emulator.py",
     "numerics/kernels.py",
     "numerics/shipped.py",

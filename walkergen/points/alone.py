@@ -7,7 +7,7 @@ from walkergen.analysis.estimates import ALIGNED, UNITS
 from walkergen.errors import InputError
 from walkergen.points import expected, speeds, walkers
 from walkergen.points.kinds import Picture
-from walkergen.points.point import PREDICTION, Point, Record, Went, went
+from walkergen.points.point import PREDICTION, SPACE, Point, Record, Went, went
 from walkergen.points.simplest import simplest
 from walkergen.points.walkers import Met
 from walkergen.printing import checks
@@ -61,10 +61,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     """Refuse groups that do not go with a model. Raises InputError."""
     for name in ("persistence", "alignment", "impacts"):
         if name in keep and model == PREDICTION:
-            raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
-    for name in OF_MOTION:
-        if name in keep and model not in ("space", "auto"):
-            raise InputError(f"--keep {name}: model {model} cannot turn: --model space")
+            raise InputError(f"--keep {name}: needs a simulation: --model space")
     if "printability" in keep and printer is None:
         raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
 
@@ -156,7 +153,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         "step_error_mm_s": results.step_errors[observables.SPEED].error,
         "runs": summary.runs,
         "seconds": scene.run.seconds,
-        "model": results.model,
+        "model": SPACE,
     }
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
@@ -167,10 +164,10 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
 
 
 def _motion(results: Results, names: Sequence[str]) -> Record:
-    """Estimates of the motion of runs in space; None where they are not known."""
+    """Estimates of the motion of runs; None where they are not known."""
     good = [result for result in results.results if result.outcome in ENDED_WELL]
     moved = None
-    if good and results.model == "space":
+    if good:
         moved, _ = walkers.motion_of(good, results.walker.scene)
     record: Record = {}
     for name in names:

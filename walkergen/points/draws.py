@@ -40,7 +40,6 @@ GROUPS = 8
 class Uncertain(NamedTuple):
     """Speed of a walker of which design and scene do not know everything, from many prints."""
 
-    model: str
     draws: int
     """Draws whose runs ended well."""
     outcomes: dict[str, int]
@@ -77,7 +76,7 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
         raise InputError(f"--draws {draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
     drawn = simulated(scene, design, draws, progress)
-    result = analyse(drawn.model, drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
+    result = analyse(drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
     ends = widened(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
     return result._replace(by_step_mm_s=drawn.by_step_mm_s, bounds_mm_s=ends)
 
@@ -85,7 +84,6 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
 class Drawn(NamedTuple):
     """Draws of uncertain prints whose runs ended well."""
 
-    model: str
     inputs: tuple[Input, ...]
     values: Array
     """Values of the inputs, shape (draws, inputs)."""
@@ -102,12 +100,11 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     Raises InputError when nothing is uncertain, and when fewer than FEWEST_DRAWS runs end well.
     """
     plan = prepare(scene, design, solids.mass_of(design))
-    model = plan.resolved.model
-    inputs = uncertain.inputs(scene, design, model)
+    inputs = uncertain.inputs(scene, design, uncertain.SPACE)
     if not inputs:
         raise InputError(
-            "--uncertain: design and scene have no standard deviation above 0 that model "
-            f"{model} reads; set one, for instance contact.restitution_sd"
+            "--uncertain: design and scene have no standard deviation above 0 that a simulation "
+            "reads; set one, for instance contact.restitution_sd"
         )
     values = uncertain.draws(inputs, draws, scene.run.seed)
     experiments_of = [_asked(scene, design, inputs, row, number) for number, row in enumerate(values)]
@@ -122,7 +119,7 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     outcomes = dict(Counter(point.results[0].outcome.value for point in points))
     summary = points[0].summary._replace(speed_mm_s=float(halves.mean()))
     step = resolution.judge(plan, summary)[observables.SPEED].error
-    return Drawn(model, inputs, values[good], halves, outcomes, step)
+    return Drawn(inputs, values[good], halves, outcomes, step)
 
 
 def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
@@ -164,9 +161,7 @@ def _halves(point: Results) -> tuple[float, float]:
     return float(blocks[:middle].mean()), float(blocks[middle:].mean())
 
 
-def analyse(
-    model: str, inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int
-) -> Uncertain:
+def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: dict[str, int], seed: int) -> Uncertain:
     """Tell apart what prints and what short runs add to the scatter of speeds.
 
     Values of the inputs, shape (n, inputs); mean speeds of the halves of each run, shape (n, 2),
@@ -183,7 +178,6 @@ def analyse(
         shares = uncertain.listed(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
-        model,
         len(speeds),
         outcomes,
         mean,

@@ -17,8 +17,8 @@ from walkergen.points.measure import Error, Measured
 from walkergen.points.tolerance import Tolerance
 from walkergen.simulation.batch import Stopped
 from walkergen.simulation.experiments import Walker
-from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import ENDED_WELL, compile_kernels, simulate
 
 MOMENT_S = 0.4

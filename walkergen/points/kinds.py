@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import NamedTuple, Protocol, cast
 
 from walkergen.errors import InputError, WalkergenError
-from walkergen.points.point import ALONE, PREDICTION, Point, Record, refused
+from walkergen.points.point import ALONE, PREDICTION, SPACE, Point, Record, refused
 from walkergen.printing.printers import Printer
 
-MODELS = (PREDICTION, "rigid", "relaxed", "compliant", "space", "auto")
+MODELS = (PREDICTION, SPACE)
 """Models of a walker alone; any other model is a kind of its own."""
 
 KINDS = {ALONE: "walkergen.points.alone", "crowd": "walkergen.crowd.points"}

@@ -34,8 +34,6 @@ class Simulated(NamedTuple):
     """Standard error of the simulated speed; None when the data are too few."""
     sim_low_95_mm_s: float | None
     sim_high_95_mm_s: float | None
-    sim_model: str
-    sim_method: str
     sim_outcomes: str
     verdict: str
     """Agreement of the predicted speed with the simulated one."""

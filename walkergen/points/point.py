@@ -18,8 +18,8 @@ from walkergen.walker.design import Design
 ALONE = "alone"
 """Kind of a point that is one walker alone."""
 
-PREDICTION = "prediction"
-"""Model of a point that is not simulated: its record's model says by what it is predicted."""
+PREDICTION, SPACE = "prediction", "space"
+"""Models of a point that is not simulated, whose record says by what it is predicted, and of one that is."""
 
 Value = float | int | str | None
 Record = dict[str, Value]
@@ -49,7 +49,7 @@ class Point(NamedTuple):
 
     design: Design
     scene: Scene
-    """Scene, with the model and the runs that shall be simulated."""
+    """Scene, with the runs that shall be simulated."""
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)

@@ -47,7 +47,7 @@ class Request(NamedTuple):
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
         kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(f"--error {self.wanted}: the prediction has no runs: --model compliant")
+            raise InputError(f"--error {self.wanted}: the prediction has no runs: --model space")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
             raise InputError(f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
@@ -90,9 +90,6 @@ class Request(NamedTuple):
         design, scene = changed(self.design, self.scene, values, data=self.data)
         if (kind := kinds.kind_of(self.model)) != ALONE:
             return Point(design, scene, True, (), kind=kind)
-        if self.model != PREDICTION:
-            legs = scene.legs.model_copy(update={"model": self.model})
-            scene = scene.model_copy(update={"legs": legs})
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
     def points(self) -> Iterator[Asked]:

@@ -12,7 +12,6 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.points.variants import Change, Pairs, Variant
 from walkergen.scene import Scene
 from walkergen.simulation.effects import rules
-from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import changed
 from walkergen.simulation.experiments import Walker
 
@@ -90,8 +89,6 @@ class Simplest(NamedTuple):
 def _in_words(change: Change) -> str:
     """Effect with what the speed is without it, less that with it."""
     speed, named = change.speed, change.effect
-    if named == variants.IN_SPACE:
-        named = f"{named}, by {change.change}"
     if speed.value is None:
         return f"{named} ({speed.refused})"
     number = words.fixed(speed.value, 2) if speed.se is None else words.with_error(*speed.pair)
@@ -109,8 +106,7 @@ def refuse(scene: Scene, why: str) -> None:
 def simplest(walker: Walker, progress: Progress = silent, threads: int | None = None) -> Simplest:
     """Leave out what changes the speed by less than the scene's `run.accepted_error`, with 95 % confidence.
 
-    Planar models come first, the fastest before the others, where the scene leaves the choice of the model; then
-    effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
+    Tried are effects that no switch forces. Each is measured beside the whole scene, with what was left out before it.
     """
     accepted = walker.scene.run.accepted_error
     if accepted is None:
@@ -132,21 +128,9 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
         return found._replace(kept=(*found.kept, change), cpu_s=spent)
 
     until = Decided(Tolerance(accepted, relative=True))
-    for model in _models(whole):
-        if not found.left_out:
-            found = tried(variants.planar(whole, model))
     for rule in rules.every():
         effect = rule.judge(found.walker.plan().case)
-        if effect.on and rule.switch and "legs.model" not in rule.off and rule.switch not in whole.scene.effects.on:
+        if effect.on and rule.switch and rule.switch not in whole.scene.effects.on:
             variant = variants.off(found.walker, rule)
             found = tried(None if variant is None else variant._replace(effect=effect.name))
     return found
-
-
-def _models(walker: Walker) -> tuple[ModelName, ...]:
-    """Planar models that may stand for a scene, the fastest first."""
-    scene = walker.scene
-    forced = [rule for rule in rules.every() if not rule.planar and rule.switch in scene.effects.on]
-    if scene.legs.model != "auto" or scene.arena.kind == "plane" or scene.drive.kind == "motor" or forced:
-        return ()
-    return ("rigid",) if walker.design.rigid else ("relaxed", "compliant")

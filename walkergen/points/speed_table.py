@@ -26,7 +26,7 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
         f"{100 * assumed.model_sd:g} % for the model itself. {origin}: restitution "
         f"{contact.restitution:g} ± {contact.restitution_sd:g}, friction {contact.friction:g} ± "
         f"{contact.friction_sd:g}. Theory (eq. 15): {what} x impact speed, {assumed.impact_speed_factor:g} of the "
-        f"{swing} peak speed; mode {mode}, law {contact.law}"
+        f"{swing} peak speed; mode {mode}"
     )
 
 
@@ -207,7 +207,6 @@ def _of_runs(row: Any) -> str:
 RUNS = (
     Column("simulated\n(mm/s, 95 %)", _of_runs),
     report.text("verdict", "verdict"),
-    report.text("model", "sim_model")._replace(wide=True),
     report.text("ended", "sim_outcomes"),
 )
 """Columns of simulated speeds."""

@@ -29,7 +29,7 @@ def predict(
 
     With model "known" nothing is simulated, with "theory" the theory stands alone: then a row may have no speed.
     Raises InputError where a walker that is to be simulated and its scene contradict each other or it takes minutes,
-    TheoryError where mode and law do.
+    TheoryError for an unknown mode.
     """
     if model == "theory":
         return prediction.row_of(design, mass, scene, mode, None)

@@ -17,17 +17,14 @@ from walkergen.points.walkers import error_of_speed
 from walkergen.simulation import orbits
 from walkergen.simulation.batch import OneRun
 from walkergen.simulation.effects import harmonic, rules
-from walkergen.simulation.effects.effect import Effect, ModelName, Rule
-from walkergen.simulation.effects.resolve import changed, in_a_plane
+from walkergen.simulation.effects.effect import Effect, Rule
+from walkergen.simulation.effects.resolve import changed
 from walkergen.simulation.experiments import Walker
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
 
 LONGEST_S, DISCARDED_S = 2.0, 0.5
 """Measured time of a run, and its start that is not, s, at most: more runs tell more than longer ones."""
-
-IN_SPACE = "motion in space"
-"""Name of what planar models leave out."""
 
 Beside = tuple[RunResult, ...]
 """Runs of one number: the scene's, then each variant's."""
@@ -41,12 +38,12 @@ class Variant(NamedTuple):
     """What differs, in words."""
     walker: Walker
     values: Mapping[str, Any]
-    """Values of keys of the scene that make it; none where it is another model."""
+    """Values of keys of the scene that make it."""
 
     @property
     def leaves_out(self) -> bool:
         """Whether it lacks what the scene has."""
-        return self.change == "off" or not self.values
+        return self.change == "off"
 
 
 class Change(NamedTuple):
@@ -134,37 +131,20 @@ def judged(plan: Plan) -> list[tuple[Rule, Effect]]:
 
 def off(walker: Walker, rule: Rule) -> Variant | None:
     """Variant without the effect of a rule; None where it cannot be made."""
-    model = rule.off.get("legs.model")
-    if model is not None:
-        return planar(walker, model)
     return _variant(walker, "", "off", rule.off)
 
 
-def planar(walker: Walker, model: ModelName) -> Variant | None:
-    """Variant in a lane by a planar model; None where that does not know the walker."""
-    other = walker._replace(scene=in_a_plane(walker.scene, model))
-    return _possible(Variant(IN_SPACE, f"model {model}", other, {}))
-
-
 def every(walker: Walker, also_on: bool) -> Iterator[Variant]:
-    """Variants without each effect that is on; `also_on`: with each that is off at its usual size, too, and by
-    models that are simpler than space.
-    """
-    plan = walker.plan()
-    in_space, by_motor = plan.resolved.model == "space", walker.scene.drive.kind == "motor"
-    for rule, effect in judged(plan):
+    """Variants without each effect that is on; `also_on`: with each that is off at its usual size, too."""
+    by_motor = walker.scene.drive.kind == "motor"
+    for rule, effect in judged(walker.plan()):
         variant = None
         if effect.on and effect.switch:
-            dear = in_space and not also_on and "legs.model" in rule.off  # kernels of another model
-            variant = None if dear else off(walker, rule)
+            variant = off(walker, rule)
         elif also_on and not effect.on and rule.usual and not (by_motor and harmonic.KEY in rule.usual):
             variant = _variant(walker, "", _usual(rule), {f"effects.{rule.switch}": None, **rule.usual})
         if variant is not None:
             yield variant._replace(effect=effect.name)
-    if also_on and in_space:
-        variant = planar(walker, "rigid" if walker.design.rigid else "compliant")
-        if variant is not None:
-            yield variant
 
 
 def _usual(rule: Rule) -> str:

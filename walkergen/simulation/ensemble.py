@@ -17,8 +17,9 @@ from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
 from walkergen.simulation import batch, observables, orbits, record
 from walkergen.simulation.batch import OneRun
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate, with_impacts
+from walkergen.simulation.space.state import COLUMNS
 
 FEWEST_RUNS = 4
 """Number of runs that ended well below which a mean has no error bar (see `mean_speed`)."""
@@ -74,11 +75,10 @@ def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = No
     """What simulates the run of a number.
 
     With `impacts` each keeps all its impacts; with a `sample_interval` (s) also samples of the
-    entries of its state that a trajectory shows, `Model.columns`.
+    entries of its state that a trajectory shows, `space.state.COLUMNS`.
     """
     simulate_one = with_impacts if impacts else simulate
-    shown = len(plan.model.columns)
-    return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, shown)
+    return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(COLUMNS))
 
 
 def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:

@@ -17,10 +17,8 @@ from walkergen.numerics.quantity import Quantity
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, resolution
 from walkergen.simulation.batch import OneRun
-from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.resolution import StepError
 from walkergen.simulation.run import RunResult, compile_kernels
 from walkergen.walker.design import Design
@@ -72,9 +70,9 @@ class Walker(NamedTuple):
         return resolution.quantities(resolution.judge(plan, summary), summary)
 
     def finer(self) -> "Walker | None":
-        """The same by half the step; None for the finest, and where there is no step."""
+        """The same by half the step; None for the finest."""
         step = _step_us(self.plan())
-        return None if step is None or step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
+        return None if step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
 
     def with_run(self, **run: float) -> "Walker":
         """The same with other values in its scene's [run]."""
@@ -86,7 +84,6 @@ class Results(NamedTuple):
 
     walker: Walker
     """Walker, with the runs and the step that were taken in its scene."""
-    model: ModelName
     summary: Summary
     """Statistics of the runs; the bounds of the speed hold the step's error as well."""
     results: Sequence[RunResult]
@@ -94,9 +91,9 @@ class Results(NamedTuple):
     step_errors: Mapping[str, StepError]
     """What the step leaves of each observable, by the names of `observables.NAMES`."""
     warnings: Sequence[str]
-    """Warnings on the step."""
-    step_us: float | None
-    """Step that was taken; None for a model that goes from event to event."""
+    """Warnings on keys without a part."""
+    step_us: float
+    """Step that was taken."""
 
     @property
     def partial(self) -> bool:
@@ -107,11 +104,6 @@ class Results(NamedTuple):
     def values(self) -> Mapping[str, float]:
         """Values of all observables, by the names of `observables.NAMES`."""
         return resolution.values(self.summary)
-
-    @property
-    def method(self) -> str:
-        """Method of the model: "event" or "step"."""
-        return METHODS[self.model]
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
@@ -140,19 +132,17 @@ def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: flo
     step_errors = resolution.judge(plan, summary)
     return Results(
         walker.with_run(runs=runs),
-        plan.resolved.model,
         resolution.bounded(step_errors, summary),
         records,
         step_errors,
-        resolution.warnings(plan),
+        [plan.resolved.idle] if plan.resolved.idle else [],
         _step_us(plan),
     )
 
 
-def _step_us(plan: Plan) -> float | None:
-    """Step of a plan; None for a model that goes from event to event."""
-    step = getattr(plan.world.options, "step", None)
-    return None if step is None else 1e6 * step
+def _step_us(plan: Plan) -> float:
+    """Step of a plan."""
+    return 1e6 * plan.world.options.step
 
 
 def _plain(value: Any) -> Any:

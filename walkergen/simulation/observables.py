@@ -39,7 +39,7 @@ NAMES = (
     *(f"{BY_IMPULSE}.{name}" for name in record.KINDS),
     *(f"{BY_NUMBER}.{name}" for name in COUNTS),
 )
-"""Names of the observables of every model."""
+"""Names of the observables."""
 
 FEWEST_RUNS = 4
 """Number of runs from which their scatter is an error: of fewer it is itself off by half."""

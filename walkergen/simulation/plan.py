@@ -1,19 +1,89 @@
-"""Plans, made of a scene, a design and its masses: the kernels that a run needs, and no others."""
+"""Plans, made of a scene, a design and its masses: the world in which a walker runs."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.drive import Drive as PlateDrive
+from walkergen.numerics import kernels
 from walkergen.scene import Scene
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects import harmonic
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved, resolve
-from walkergen.simulation.model import Plan
-from walkergen.simulation.world import Contact, World
-from walkergen.theory.impact import Law
+from walkergen.simulation.record import Tally
+from walkergen.simulation.space import model, steps
+from walkergen.simulation.space.walker import coarser, walker_of
+from walkergen.simulation.world import State, World
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
-from walkergen.walker.mass import MassProperties, as_rigid
-from walkergen.walker.planar import in_plane
+from walkergen.walker.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
+
+
+class Release(NamedTuple):
+    """How a walker is let go: height of its lowest corner (mm), pitch and roll (rad)."""
+
+    height: float
+    pitch: float = 0.0
+    roll: float = 0.0
+
+
+class Plan(NamedTuple):
+    """Simulation to be run: a scene, what it calls for, and the world of the walker."""
+
+    case: Case
+    resolved: Resolved
+    world: World
+    release: Release | None = None
+    """How all runs begin; None: each draws its own drop."""
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.case.scene
+
+    @property
+    def shaken(self) -> PlateDrive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.case.shaken
+
+    def lasting(self, **run: float) -> "Plan":
+        """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        changed = self.scene.run.model_copy(update=run)
+        scene = self.scene.model_copy(update={"run": changed})
+        return self._replace(case=self.case._replace(scene=scene))
+
+    def coarser(self, factor: float) -> "Plan":
+        """Plan with steps `factor` times longer."""
+        return self._replace(world=coarser(self.world, factor))
+
+    def drawn(self, rng: np.random.Generator) -> "Plan":
+        """Plan of one run, whose print and plate are drawn where the scene calls for it."""
+        return self._replace(world=model.drawn(self.case, self.resolved, self.world, rng))
+
+    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0) -> State:
+        """A state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
+        return model.start(self.world, clearance, pitch, phase, roll, heading)
+
+    def advance(self, state: State, seconds: float, tally: Tally) -> int:
+        """Advance a state in place by `seconds`; returns a status of `world`."""
+        return int(steps.advance(self.world, state, seconds, tally))
+
+    def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
+        """Function that advances a state in place by seconds, as `advance`, without looking up its machine code."""
+        code = kernels.entry(steps.advance, self.world, state, 1.0, tally)
+        return lambda seconds: int(code(self.world, state, seconds, tally))
+
+    def energy(self, state: State) -> float:
+        """Mechanical energy of a state, g mm^2/s^2."""
+        return float(model.energy(self.world, state))
+
+    def feet(self, state: State) -> Array:
+        """Places and velocities of the feet, shape (legs, 4), as in `space.model.feet`."""
+        return model.feet(self.world, state)
 
 
 def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
@@ -21,41 +91,10 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
-    resolved = resolve(scene, design, mass)
-    if resolved.model == "rigid":
-        mass = as_rigid(mass)
-    case = Case(scene, design, mass, resolved.model)
+    case = Case(scene, design, mass)
+    resolved = resolve(case)
     harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else harmonic.OFF
     motor = scene.drive.kind == "motor"  # an effect on the walker, over a plate that is still
     drive = Drive(0.0 if motor else scene.drive.amplitude, scene.drive.omega, harmonics)
-    contacts = () if resolved.model == "space" else _contacts(scene, in_plane(design, mass).limbs)
-    model, walker, options = _room(resolved).of(case, resolved, drive)
-    return Plan(case, resolved, model, World(walker, drive, contacts, resolved.acting, options))
-
-
-def _contacts(scene: Scene, limbs: tuple[Limb, ...]) -> tuple[Contact, ...]:
-    """Contact of each foot of the plane: its own restitution and friction, or the scene's."""
-    contact = scene.contact
-    return tuple(
-        Contact(
-            contact.restitution if limb.restitution is None else limb.restitution,
-            contact.friction if limb.friction is None else limb.friction,
-            Law[contact.law.upper()].value,
-        )
-        for limb in limbs
-    )
-
-
-def _room(resolved: Resolved) -> Any:
-    """Module that moves the walker of a resolved scene, imported with the first such walker."""
-    if resolved.model == "space":
-        from walkergen.simulation.space import model as space
-
-        return space
-    if resolved.model == "compliant":
-        from walkergen.simulation.compliant import model as compliant
-
-        return compliant
-    from walkergen.simulation.relaxed import model as relaxed
-
-    return relaxed
+    walker, options = walker_of(case, resolved)
+    return Plan(case, resolved, World(walker, drive, resolved.acting, options))

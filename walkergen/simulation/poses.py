@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation import run
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.space.pose import locate, place, plate_height
 from walkergen.simulation.space.state import (
     C_X,

@@ -44,7 +44,7 @@ class Samples(NamedTuple):
 
 
 class Events(NamedTuple):
-    """Impacts: rows of t (s), foot (0 back, 1 front), F_x, F_y (g mm/s), v_x, v_y before, kind."""
+    """Landings: rows of t (s), number of the contact, F_x, F_y (g mm/s), v_x, v_y before, kind."""
 
     rows: Array
     """Shape (n, 7)."""

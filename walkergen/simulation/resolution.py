@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 from walkergen.numerics.quantity import Quantity
 from walkergen.simulation import observables
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import ENDED_WELL, Outcome
 
 LANDED, GROUPED, MOTION = "landings", "groups", "motion"
-"""Names of what else a step moves in space: rates of landings of single corners and of groups of
+"""Names of what else a step moves: rates of landings of single corners and of groups of
 corners, and all that tracks tell."""
 
 LIMITS = {
@@ -28,7 +27,7 @@ LIMITS = {
     LANDED: 0.08,
     GROUPED: 0.15,
 }
-"""Largest errors (95 %) in space at the step that feet take by themselves, as shares of the value.
+"""Largest errors (95 %) at the step that feet take by themselves, as shares of the value.
 
 They fall with the square of the step. They bound what 19 settings differ by from a quarter of the step (tilts of 0 to
 35 deg, restitution 0.1 to 0.9, friction 0.05 to 0.5, 60 and 90 Hz, 1.4 to 2.6 g, tips of 1 to 50 um, rigid tips, braced
@@ -46,23 +45,10 @@ SHARES = {
 }
 """The same for shares of types, by impulse and by number, as differences of shares."""
 
-IN_SPACE, IN_SPACE_FLOOR = 0.03, 0.01
+SPEED_SHARE, SPEED_FLOOR = 0.03, 0.01
 """The same for the speed, as shares of itself and of the plate's peak speed, which add: found are 2 % at 10 deg, and at
 most 1.4 ± 0.8 mm/s."""
 
-SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
-IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}
-"""Largest errors in a plane at the walker's own step: of the speed, as shares of itself and of the
-plate's peak speed, which add; of the contact fraction; of powers, as shares of the plate's; of
-shares of types by impulse. From 13 settings (tilts of -15 to 35 deg, legs of 0.3 to 1.5 mm,
-restitution 0.3 to 0.9, friction 0.1 to 0.6, damping ratios of 0.02 to 0.3, 1.8 and 3 g) against a
-tenth of the step, 128 s each: no bias of the speed is told from zero beyond 0.3 mm/s, and errors
-fall at least in proportion to the step."""
-
-ENDLESS = (
-    "not resolved: impacts that shrink without end are counted down to a cut-off, so the number "
-    "grows as that shrinks, by steps and by events; see the types by impulse"
-)
 TURNING = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
     "at one setting of 14 twice as large"
@@ -82,19 +68,16 @@ class StepError(NamedTuple):
 def judge(plan: Plan, summary: Summary) -> dict[str, StepError]:
     """Errors by the step of all observables of a summary, by the names of `observables.NAMES`.
 
-    In space also on landings of corners and of groups of corners per second, as shares of a rate,
-    and on motion.
+    Also on landings of corners and of groups of corners per second, as shares of a rate, and on motion.
     """
     values_of = values(summary)
-    if plan.resolved.model != "space":
-        return {name: _in_a_plane(plan, name, values_of) for name in values_of}
     own = own_step(plan)
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
         names = [*values_of, LANDED, GROUPED, MOTION]
         return dict.fromkeys(names, StepError(None, COARSE.format(own=_down(1e6 * own))))
     values_of |= {LANDED: 1.0, GROUPED: 1.0}
-    step_errors = {name: _in_space(plan, part, name, value) for name, value in values_of.items()}
+    step_errors = {name: _step_error(plan, part, name, value) for name, value in values_of.items()}
     return step_errors | {MOTION: StepError(None, TURNING)}
 
 
@@ -115,38 +98,18 @@ def values(summary: Summary) -> dict[str, float]:
     return numbers
 
 
-def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> StepError:
-    if name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}."):
-        return StepError(None, ENDLESS)
-    if plan.resolved.model != "compliant":
-        return StepError(0.0)
-    from walkergen.simulation.compliant import lengths
-
-    own = lengths.own_step(plan.world.walker, plan.world.drive.period)
-    part = plan.world.options.step / own
-    if part > 1.0 + 1e-9:
-        return StepError(None, COARSE.format(own=_down(1e6 * own)))
-    if name == observables.SPEED:
-        floor = SPEED_FLOOR * plan.shaken.peak_speed
-        return StepError(part * (SPEED_SHARE * abs(values[name]) + floor))
-    share = part * IN_A_PLANE[name.partition(".")[0]]
-    if name.startswith(f"{observables.POWERS}."):
-        return StepError(share * abs(values[f"{observables.POWERS}.from_plate"]))
-    return StepError(share)
-
-
-def _in_space(plan: Plan, part: float, name: str, value: float) -> StepError:
+def _step_error(plan: Plan, part: float, name: str, value: float) -> StepError:
     """Error by a step that is `part` (at most 1) of the walker's own."""
     if name == observables.SPEED:
-        floor = IN_SPACE_FLOOR * plan.shaken.peak_speed
-        return StepError(part**2 * (IN_SPACE * abs(value) + floor))
+        floor = SPEED_FLOOR * plan.shaken.peak_speed
+        return StepError(part**2 * (SPEED_SHARE * abs(value) + floor))
     if name in LIMITS:
         return StepError(part**2 * LIMITS[name] * abs(value))
     return StepError(part**2 * SHARES[name.partition(".")[2]] if value > 0.0 else 0.0)
 
 
 def own_step(plan: Plan) -> float:
-    """Step (s) in space that resolves the walker's feet, whatever the scene's own is."""
+    """Step (s) that resolves the walker's feet, whatever the scene's own is."""
     run = plan.scene.run.model_copy(update={"step_us": None})
     scene = plan.scene.model_copy(update={"run": run})
     return float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)
@@ -156,33 +119,6 @@ def _down(value: float) -> float:
     """Round down to two significant digits."""
     digit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.floor(value / digit + 1e-9) * digit
-
-
-def longest_step(plan: Plan) -> float:
-    """Step (s) of a walker on springs beyond which every rebound is absorbed, else infinity.
-
-    Legs that are hit swing back within twice that step, by half a period of their slower mode or
-    by their damper: it ends before their rebound (`compliant.lengths.swings_back`).
-    """
-    if plan.resolved.model != "compliant":
-        return math.inf
-    from walkergen.simulation.compliant import lengths
-
-    return lengths.longest_step(plan.world.walker)
-
-
-def warnings(plan: Plan) -> list[str]:
-    """Warnings on keys of the scene without a part, and on a step longer than what the legs' swing allows."""
-    idle = [plan.resolved.idle] if plan.resolved.idle else []
-    longest, step = longest_step(plan), getattr(plan.world.options, "step", 0.0)
-    if step <= longest:
-        return idle
-    return [
-        *idle,
-        f"run.step_us = {1e6 * step:g}: beyond {1e6 * longest:.3g} legs swing back within two "
-        "steps, every rebound is absorbed, and the speed is wrong (by 70 to 90 % at 10 deg); at "
-        f"most {0.5e6 * longest:.2g}, half of it",
-    ]
 
 
 def bounded(step_errors: Mapping[str, StepError], summary: Summary) -> Summary:

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.numerics import kernels
 from walkergen.simulation import record
-from walkergen.simulation.model import Plan
-from walkergen.simulation.world import FAILED, FOLDED, INSIDE, OK, RUNAWAY, TOPPLED
+from walkergen.simulation.plan import Plan
+from walkergen.simulation.space.model import pose
+from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
 Array = npt.NDArray[np.float64]
 
@@ -42,12 +42,9 @@ class Outcome(Enum):
     TOPPLED = "toppled"
     FOLDED = "leg folded"
     LEFT = "left the ground"
-    RUNAWAY = "energy without bound"
-    """Impacts of relaxed legs gain energy: H_rigid > H_flexible (docs/physics.md section 5)."""
     ENERGY = "energy error"
     """More energy unaccounted for than ENERGY_TOLERANCE allows."""
     FAILED = "no convergence"
-    INSIDE = "foot below the plate"
     TOO_FEW = "too few data for an error bar"
     ORBIT = "on one periodic orbit"
     """As all the others: their agreement is no measurement of an error (`orbits`)."""
@@ -57,16 +54,10 @@ class Outcome(Enum):
 ENDED_WELL = (Outcome.OK, Outcome.STUCK)
 """Outcomes of runs whose speed counts."""
 
-ENDS = {
-    TOPPLED: Outcome.TOPPLED,
-    FAILED: Outcome.FAILED,
-    FOLDED: Outcome.FOLDED,
-    INSIDE: Outcome.INSIDE,
-    RUNAWAY: Outcome.RUNAWAY,
-}
+ENDS = {TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED}
 """Outcome of each status of `world` other than OK."""
 
-UNFINISHED = {Outcome.FAILED, Outcome.INSIDE, Outcome.STOPPED, Outcome.RUNAWAY}
+UNFINISHED = {Outcome.FAILED, Outcome.STOPPED}
 """Outcomes whose energy need not balance; that of a fall or a folded leg must."""
 
 
@@ -101,7 +92,8 @@ def compile_kernels(plan: Plan) -> float:
 def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
     """Plan of one run, with its own print and its own plate, and the state in which it is let go.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll; at a heading of the scene.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, at a heading of the scene; or as the
+    plan releases it, at phase 0.
     """
     run = plan.scene.run
     rng = np.random.default_rng([run.seed, number])
@@ -119,6 +111,8 @@ def drop(
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.drawn(rng)
+    if plan.release is not None:
+        return plan, plan.start(plan.release.height, plan.release.pitch, 0.0, plan.release.roll, heading)
     height = plan.shaken.amplitude * clearance
     phase = phase if common_phase is None else common_phase
     return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll, heading)
@@ -150,7 +144,7 @@ def simulate(
     blocks = min(max(blocks, 1), MOST_BLOCKS)
     block = run.seconds / blocks
     places = np.empty((blocks + 1, 3))
-    places[0], energy = plan.model.pose(state), plan.energy(state)
+    places[0], energy = pose(state), plan.energy(state)
     done = 0
     while done < blocks and outcome is Outcome.OK:
         if stopped():
@@ -158,7 +152,7 @@ def simulate(
             break
         outcome = advance(block)
         done += 1
-        places[done] = plan.model.pose(state)
+        places[done] = pose(state)
 
     error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
     if outcome not in UNFINISHED and error > ENERGY_TOLERANCE:
@@ -206,15 +200,15 @@ def impacts_of(result: RunResult) -> Array:
 
 def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
     """What advances a state by so many seconds and says how that ended."""
-    code = kernels.entry(plan.model.advance, plan.world, state, 1.0, tally)
+    move = plan.advancer(state, tally)
     arena = plan.scene.arena
     half = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
 
     def advance(seconds: float) -> Outcome:
-        status = code(plan.world, state, seconds, tally)
+        status = move(seconds)
         if status != OK:
             return ENDS[status]
-        x, y, _ = plan.model.pose(state)
+        x, y, _ = pose(state)
         left = abs(x) > half[0] or abs(y) > half[1]
         return Outcome.LEFT if left else Outcome.OK
 

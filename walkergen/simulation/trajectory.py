@@ -9,8 +9,9 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import RunResult, simulate
+from walkergen.simulation.space.state import COLUMNS
 
 Array = npt.NDArray[np.float64]
 
@@ -21,7 +22,7 @@ class Trajectory(NamedTuple):
     """States of one run, or of all runs one after the other, at a fixed interval."""
 
     columns: tuple[str, ...]
-    """Names with units: t_s, for several runs `particle`, then `Model.columns`."""
+    """Names with units: t_s, for several runs `particle`, then `space.state.COLUMNS`."""
     rows: Array
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
@@ -38,19 +39,18 @@ def check(scene: Scene, interval: float, runs: int = 1) -> None:
 def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
     check(plan.scene, interval)
-    columns = plan.model.columns
-    result = simulate(plan, number, sample_interval=interval, sample_size=len(columns))
-    return Trajectory(("t_s", *columns), sampled(result))
+    result = simulate(plan, number, sample_interval=interval, sample_size=len(COLUMNS))
+    return Trajectory(("t_s", *COLUMNS), sampled(result))
 
 
-def tracks(columns: Sequence[str], results: Sequence[RunResult]) -> Trajectory:
-    """Tracks of runs that kept samples of these columns; `particle` is the number of the run.
+def tracks(results: Sequence[RunResult]) -> Trajectory:
+    """Tracks of runs that kept samples of what a trajectory shows; `particle` is the number of the run.
 
     Runs come by their numbers, each with its own time from the end of its discarded start.
     """
     parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
-    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(columns)))
-    return Trajectory(("t_s", "particle", *columns), rows)
+    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(COLUMNS)))
+    return Trajectory(("t_s", "particle", *COLUMNS), rows)
 
 
 def sampled(result: RunResult) -> Array:

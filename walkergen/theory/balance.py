@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from walkergen.errors import TheoryError
 from walkergen.numerics.kernels import kernel
-from walkergen.theory.impact import Law, impact
-from walkergen.theory.speed import LawName, Mode, factor
+from walkergen.theory.impact import impact
+from walkergen.theory.speed import Mode, factor
 from walkergen.theory.tensors import InverseMass
 from walkergen.walker.mass import Values
 
@@ -57,7 +57,7 @@ class Balance(NamedTuple):
     """What was balanced, and what was assumed for it."""
 
 
-def balanced(feet: Sequence[Foot], mode: Mode = "coulomb", law: LawName = "poisson") -> Balance:
+def balanced(feet: Sequence[Foot], mode: Mode = "coulomb") -> Balance:
     """Speed and shares of impacts at which a walker gains neither momentum nor spin on average.
 
     With F_i(v) the impulse at foot i and loads N_i = s_i F_y,i / sum, the force ratios rho_i =
@@ -75,7 +75,7 @@ def balanced(feet: Sequence[Foot], mode: Mode = "coulomb", law: LawName = "poiss
         )
     if not feet:
         raise TheoryError("balance: a walker without feet has no speed; give it two or more")
-    own = [factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in feet]
+    own = [factor(foot.H, foot.restitution, foot.friction, mode) for foot in feet]
     every = np.broadcast_arrays(
         *own,
         *(
@@ -90,10 +90,7 @@ def balanced(feet: Sequence[Foot], mode: Mode = "coulomb", law: LawName = "poiss
     _check(numbers)
     numbers[:, FRICTION] = np.maximum(numbers[:, FRICTION], LEAST_FRICTION)
     speeds, loads, impulses = _solve(
-        np.ascontiguousarray(numbers.transpose(2, 0, 1)),
-        stationary.min(axis=0),
-        stationary.max(axis=0),
-        Law[law.upper()].value,
+        np.ascontiguousarray(numbers.transpose(2, 0, 1)), stationary.min(axis=0), stationary.max(axis=0)
     )
     if np.isnan(speeds).any():
         raise TheoryError(
@@ -130,7 +127,7 @@ def _places(numbers: Array) -> str:
 
 
 @kernel
-def _solve(feet: Array, low: Array, high: Array, law: int) -> tuple[Array, Array, Array]:
+def _solve(feet: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
     """Bisect each draw's net force between two speeds (draws,); feet of shape (draws, feet, 7).
 
     Speeds are resolved to a rounding of the larger of the two, also where they nearly cancel.
@@ -145,7 +142,7 @@ def _solve(feet: Array, low: Array, high: Array, law: int) -> tuple[Array, Array
         resolved = EPSILON * max(abs(below), abs(above))
         while True:
             speed = 0.5 * (below + above)
-            _strike(feet[k], speed, law, ratios, impulses[k])
+            _strike(feet[k], speed, ratios, impulses[k])
             _act(feet[k], ratios, levers)
             if not levers.min() < 0.0 < levers.max():
                 speed = np.nan
@@ -165,10 +162,10 @@ def _solve(feet: Array, low: Array, high: Array, law: int) -> tuple[Array, Array
 
 
 @kernel
-def _strike(feet: Array, speed: float, law: int, ratios: Array, impulses: Array) -> None:
+def _strike(feet: Array, speed: float, ratios: Array, impulses: Array) -> None:
     """Fill force ratios F_x / F_y and normal impulses of feet that slide at a speed, for w = 1."""
     for i, foot in enumerate(feet):
-        hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION], law)
+        hit = impact(foot[XX], foot[XY], foot[YY], speed, -1.0, foot[RESTITUTION], foot[FRICTION])
         impulses[i] = hit.F_y
         ratios[i] = hit.F_x / hit.F_y
 

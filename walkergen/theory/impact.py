@@ -3,8 +3,8 @@
 The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are
 followed along the normal impulse p = F_y, along which they are piecewise linear: a first segment
 in which the foot slides with the sign of v_x, and, once v_x has reached zero, a second one in
-which it sticks or slides on. Compression ends where v_y = 0; the law of restitution says where
-the impact ends. Every simulator and the theory call the same kernel.
+which it sticks or slides on. Compression ends where v_y = 0. Poisson's law of restitution says
+where the impact ends: F_y = (1 + e) times that of compression, as in the paper.
 """
 
 import math
@@ -14,24 +14,12 @@ from typing import NamedTuple
 from walkergen.errors import TheoryError
 from walkergen.numerics.kernels import kernel
 
-# The values as kernels read them; `Law` and `Kind` say what they mean.
-POISSON, NEWTON, STRONGE = range(3)
+# The values as kernels read them; `Kind` says what they mean.
 NONE, TYPE_I, TYPE_II, TYPE_III, TYPE_IV, FROM_REST = range(6)
 II_MIRRORED, III_MIRRORED = -TYPE_II, -TYPE_III
 
-# Speed (mm/s) below which, and above whose inverse, an impact is scaled: works are quadratic.
+# Speed (mm/s) below which, and above whose inverse, an impact is scaled, so that it loses no digits.
 SMALL = 1e-100
-
-
-class Law(IntEnum):
-    """Law of restitution: what ends the impact after the compression phase."""
-
-    POISSON = POISSON
-    """Normal impulse: F_y = (1 + e) times that of compression (the paper's)."""
-    NEWTON = NEWTON
-    """Normal velocity: v_y after = -e v_y before. May create energy with friction."""
-    STRONGE = STRONGE
-    """Energy: work of restitution = e^2 times that of compression. Never creates energy."""
 
 
 class Kind(IntEnum):
@@ -100,29 +88,29 @@ def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
 
 @kernel
 def impact(
-    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float, law: int
+    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
     """Compute impulse and outcome of one impact; the kernel of everything that collides.
 
-    H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0, law
-    a value of `Law`: not checked here (`resolve` does). Homogeneous of degree 1 in the velocity.
+    H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0:
+    not checked here (`resolve` does). Homogeneous of degree 1 in the velocity.
     For v_y >= 0 there is no impulse and the type is `Kind.NONE`.
     """
     if v_y >= 0.0:
         return Impact(0.0, 0.0, v_x, v_y, NONE, False)
     size = max(abs(v_x), -v_y)
     if SMALL < size < 1.0 / SMALL:
-        return _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction, law)
+        return _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
     _, n = math.frexp(size)  # a power of two: scaling by it loses no digit
     v_x, v_y = math.ldexp(v_x, -n), math.ldexp(v_y, -n)
-    hit = _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction, law)
+    hit = _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction)
     F_x, F_y = math.ldexp(hit.F_x, n), math.ldexp(hit.F_y, n)
     return Impact(F_x, F_y, math.ldexp(hit.v_x, n), math.ldexp(hit.v_y, n), hit.kind, hit.sticks)
 
 
 @kernel
 def _follow(
-    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float, law: int
+    H_xx: float, H_xy: float, H_yy: float, v_x: float, v_y: float, restitution: float, friction: float
 ) -> Impact:
     """Impact of a foot that approaches at a speed whose square neither under- nor overflows."""
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
@@ -152,32 +140,10 @@ def _follow(
     if stops_early:
         v_stop = v_y + slope_y1 * stop
         compression = stop - v_stop / slope_y2
-        work = 0.5 * (v_y + v_stop) * stop - 0.5 * v_stop * v_stop / slope_y2
     else:
         compression = -v_y / slope_y1
-        work = 0.5 * v_y * compression
 
-    # Restitution: further impulse by the law, first within the segment where compression ended.
-    left = math.inf if stops_early else stop - compression
-    slope = slope_y2 if stops_early else slope_y1
-    if law == POISSON:
-        extra = restitution * compression  # eq. 3.3
-    elif law == NEWTON:
-        target = -restitution * v_y
-        extra = target / slope
-        if extra > left:
-            extra = left + (target - slope * left) / slope_y2
-    else:
-        target = -restitution * restitution * work
-        # Without squares, which a slow approach beside a fast slide would not survive
-        extra = math.sqrt(2.0 * target / slope) if stops_early else restitution * compression
-        if extra > left:
-            v_left = slope * left
-            rest = target - 0.5 * v_left * left
-            root = math.sqrt(v_left * v_left + 2.0 * slope_y2 * rest)
-            extra = left + 2.0 * rest / (v_left + root)
-
-    total = compression + extra
+    total = compression + restitution * compression  # eq. 3.3
     if total <= stop and v_x != 0.0:
         return Impact(
             ratio_1 * total,
@@ -205,11 +171,7 @@ def _follow(
 
 
 def resolve(
-    H: tuple[float, float, float],
-    velocity: tuple[float, float],
-    restitution: float,
-    friction: float,
-    law: Law = Law.POISSON,
+    H: tuple[float, float, float], velocity: tuple[float, float], restitution: float, friction: float
 ) -> Impact:
     """Resolve one impact after checking H = (H_xx, H_xy, H_yy) in 1/g and the velocity in mm/s.
 
@@ -225,13 +187,13 @@ def resolve(
         raise TheoryError(f"impact: restitution {restitution} must lie in 0..1")
     if not (friction >= 0.0 and math.isfinite(friction)):
         raise TheoryError(f"impact: friction {friction} must be a finite number >= 0")
-    return Impact(*impact(H_xx, H_xy, H_yy, v_x, v_y, float(restitution), float(friction), law))
+    return Impact(*impact(H_xx, H_xy, H_yy, v_x, v_y, float(restitution), float(friction)))
 
 
 def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
     """Kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
 
-    Negative when energy is lost; Newton's law can make it positive with friction.
+    Negative when energy is lost.
     """
     # Eq. 3.4
     return 0.5 * (outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y))

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from walkergen.drive import GRAVITY
 from walkergen.numerics.kernels import kernel
 from walkergen.scene import Scene
-from walkergen.theory.impact import POISSON, impact
+from walkergen.theory.impact import impact
 from walkergen.theory.tensors import InverseMass
 from walkergen.theory.tensors import feet as tensors_of
 from walkergen.walker.design import Design
@@ -327,7 +327,7 @@ def _sequence(world, foot, r, pitch, v_x, v_y):
     own, rigid = _turned(world.tensors[foot], pitch), _rigid(world.mass, world.inertia, r)
     F_x, F_y, kind = 0.0, 0.0, 0
     for _ in range(MOST_IMPACTS):
-        hit = impact(own[0], own[1], own[2], v_x, v_y, world.restitution, world.friction, POISSON)
+        hit = impact(own[0], own[1], own[2], v_x, v_y, world.restitution, world.friction)
         kind = hit.kind if kind == 0 else kind
         F_x, F_y = F_x + hit.F_x, F_y + hit.F_y
         v_x += rigid[0] * hit.F_x + rigid[1] * hit.F_y
@@ -393,7 +393,7 @@ def _pivot(world, state, foot):
     r_x, r_y = _lever(world, foot, state[PITCH])
     H = _rigid(world.mass, world.inertia, (r_x, r_y))
     slip, rate = state[V_X] - state[SPIN] * r_y, _gap(world, state, foot)[1]
-    hit = impact(H[0], H[1], H[2], slip, rate, 0.0, world.friction, POISSON)
+    hit = impact(H[0], H[1], H[2], slip, rate, 0.0, world.friction)
     state[BACK + foot] = 1.0 if hit.kind != 0 else 0.0
     state[V_X] += hit.F_x / world.mass
     state[V_Y] += hit.F_y / world.mass

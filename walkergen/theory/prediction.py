@@ -123,7 +123,6 @@ class Prediction(NamedTuple):
     factor_mean: float
     """That of the walker: the mean of two equal feet, of unlike ones what balances them."""
     mode: str
-    law: str
     theory_note: str
     """Reason why the theory's speed is not that of the paper's eq. 15; "" where it is, or nearly."""
     note: str
@@ -247,7 +246,6 @@ def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode
         drawn.of("contact.restitution", contact.restitution),
         drawn.of("contact.friction", contact.friction),
         mode,
-        contact.law,
         (contact.restitution, contact.friction),
     )
     return np.asarray(by_foot.factor) * _impact_speed(scene, mass)
@@ -281,7 +279,7 @@ def predict(design: Design, mass: MassProperties, scene: Scene, mode: Mode = "co
     """Predict the speed of one walker, and what the theory has for it (docs/physics.md section 4).
 
     `mode` is the theory's. Members of a family share their random numbers. Raises UnknownError for a walker that
-    is to be simulated, TheoryError when mode and law do not go together.
+    is to be simulated, TheoryError for an unknown mode.
     """
     try:
         return row_of(design, mass, scene, mode, spread(design, mass, scene))
@@ -300,7 +298,7 @@ def row_of(
 ) -> Prediction:
     """Row of a walker with these speeds, or none, and what the theory has for it."""
     contact = scene.contact
-    by_foot = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
+    by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
     bounds = (None,) * 4 if speeds is None else speeds.bounds
     return Prediction(
@@ -327,7 +325,6 @@ def row_of(
         factor_front=float(by_foot.feet[-1]),
         factor_mean=float(by_foot.factor),
         mode=mode,
-        law=contact.law,
         theory_note=by_foot.note or _theory_note(design, mass, scene, mode, by_foot),
         note=note or ("" if speeds is None else speeds.note),
     )
@@ -338,7 +335,7 @@ def _theory_note(design: Design, mass: MassProperties, scene: Scene, mode: Mode,
     contact = scene.contact
     if contact.friction == 0.0:
         return "friction 0: every speed is stationary; the limit friction -> 0 is given"
-    if all(by_foot.reverses) or contact.law != "poisson":
+    if all(by_foot.reverses):
         return ""
     other = stationary(design, mass, contact.restitution, contact.friction, "coulomb" if mode == "paper" else "paper")
     own, others = float(by_foot.factor), float(other.factor)
@@ -379,7 +376,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
+        by_foot = stationary(variant, mass, contact.restitution, contact.friction, mode)
         try:
             of_tilt = spread(variant, mass, scene, drawn)
             speeds.append((of_tilt.nominal_mm_s, of_tilt.median, *of_tilt.bounds))
@@ -395,7 +392,7 @@ def through(walkers: Sequence[tuple[Design, MassProperties, Prediction]], scene:
     """Curve through walkers that stand close to each other, by their own rows, in the order of their tilts."""
     speeds, sticks, contact = [], [], scene.contact
     for design, mass, row in sorted(walkers, key=lambda walker: walker[2].tilt_deg):
-        by_foot = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
+        by_foot = stationary(design, mass, contact.restitution, contact.friction, mode)
         own = row.nominal_mm_s, row.speed_mm_s, row.speed_low_95_mm_s, row.speed_low_68_mm_s
         ends = row.speed_high_68_mm_s, row.speed_high_95_mm_s
         known = row.speed_by in ("statics", "surrogate")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.theory.speed import Array, Factors, LawName, Mode, factor, factors
+from walkergen.theory.speed import Array, Factors, Mode, factor, factors
 from walkergen.theory.tensors import feet
 from walkergen.theory.uncertain import in_proportion
 from walkergen.walker.design import Design
@@ -38,7 +38,6 @@ def stationary(
     restitution: float | Array,
     friction: float | Array,
     mode: Mode = "coulomb",
-    law: LawName = "poisson",
     nominal: tuple[float, float] | None = None,
 ) -> Stationary:
     """Stationary speed of a walker from its mass properties, which may carry batch axes.
@@ -49,12 +48,12 @@ def stationary(
     mode `paper` of unlike feet.
     """
     if design.pair:
-        return _of_equal(factors(mass, restitution, friction, mode, law))
+        return _of_equal(factors(mass, restitution, friction, mode))
     from walkergen.walker.planar import in_plane
 
     flat = in_plane(design, mass)
     if design.alike:
-        return _of_equal(factors(flat.mass, restitution, friction, mode, law))
+        return _of_equal(factors(flat.mass, restitution, friction, mode))
     from walkergen.theory.balance import Foot, balanced  # compiles
 
     centre = flat.mass.centre
@@ -64,8 +63,8 @@ def stationary(
         mu = _own(limb.friction, friction, nominal[1] if nominal else None)
         lever = leg.foot - centre
         by_foot.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
-    balance = balanced(by_foot, mode, law)
-    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in by_foot)
+    balance = balanced(by_foot, mode)
+    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode) for foot in by_foot)
     reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in by_foot)
     return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
 

@@ -124,8 +124,6 @@ def _reasons(scene: Scene, design: Design) -> Iterator[str]:
     limb = design.limbs[0]
     if limb.foot != "flat" or limb.friction is not None or limb.restitution is not None:
         yield "walkers on feet of another shape or material are simulated"
-    if scene.legs.model not in ("auto", "space"):
-        yield f"legs.model = {scene.legs.model} is simulated: the surrogate is of the model in space"
     if scene.plate.slope_deg and scene.run.heading_deg != type(scene.run).model_fields["heading_deg"].default:
         yield "walkers that start across a slope are simulated"
     yield from beyond(scene)
@@ -138,7 +136,7 @@ READ = {
     "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
     "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa"},
     "feet": {"unevenness_um", "unevenness_sd_um", "tip_radius_um", "tip_radius_sd_factor"},
-    "legs": {"model", "damping_ratio", "damping_ratio_sd"},
+    "legs": {"damping_ratio", "damping_ratio_sd"},
 }
 """Keys of other tables that the surrogate reads, or that it draws."""
 

@@ -22,27 +22,11 @@ from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 
-PREDICTION = "prediction"
+PREDICTION, SPACE = "prediction", "space"
+"""Who reads uncertain inputs: the prediction, and the model in space in its runs."""
 
 FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
 """Names of what is uncertain of a motor."""
-
-READ_BY = {
-    "contact.restitution": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
-    "contact.friction": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
-    "legs.thickness_mm": (PREDICTION, "relaxed", "compliant", "space"),
-    "material.youngs_modulus_gpa": (PREDICTION, "compliant", "space"),
-    "legs.damping_ratio": ("compliant", "space"),
-    "body mass": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
-    "leg mass": (PREDICTION, "relaxed", "compliant", "space"),
-    "feet.unevenness_um": (PREDICTION, "space"),
-    "feet.tip_radius_um": (PREDICTION, "space"),
-    FREQUENCY: (PREDICTION, "space"),
-    MOMENT: (PREDICTION, "space"),
-}
-"""Names of the inputs, keys where there is one, and who reads each: the prediction, from what the
-model in space does, and models."""
-
 
 QUANTILES = (0.025, 0.16, 0.84, 0.975)
 """Ends of the bounds of 95 and 68 %."""
@@ -68,12 +52,11 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Inputs with a standard deviation that `reader`, "prediction" or a model's name, reads."""
+    """Inputs with a standard deviation that `reader`, PREDICTION or SPACE, reads."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    lowest = LEAST_RESTITUTION if reader in (PREDICTION, "space") else 0.0
     known = (
-        Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
+        Input("contact.restitution", contact.restitution, contact.restitution_sd, LEAST_RESTITUTION, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
         Input(
             "legs.thickness_mm",
@@ -95,12 +78,14 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         _tip_radius(scene),
         *_of_motor(scene.drive),
     )
-    off = {"leg mass"} if design.rigid else set()
+    off = {"legs.damping_ratio"} if reader == PREDICTION else set()
+    if design.rigid:
+        off.add("leg mass")
     if scene.feet.rigid_tips:
         off.add("feet.tip_radius_um")
     if "unevenness" in scene.effects.off:
         off.add("feet.unevenness_um")
-    return tuple(one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name])
+    return tuple(one for one in known if one.sd > 0 and one.name not in off)
 
 
 def _tip_radius(scene: Scene) -> Input:

@@ -1,6 +1,6 @@
 """Walkers seen from the side: legs that look alike there are one leg of the plane.
 
-Planar models and the theory know the run and the height only. A leg of width W, or a pair of legs
+The theory knows the run and the height only. A leg of width W, or a pair of legs
 side by side, is one planar leg: masses and widths add up, and with the widths the stiffnesses.
 Limit: in space such a pair lands one after the other where the walker rolls.
 """

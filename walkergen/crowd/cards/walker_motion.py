@@ -23,7 +23,6 @@ from walkergen.points import walkers
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import ensemble, trajectory
 from walkergen.simulation.effects import swaying_plate
-from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import mass as masses
@@ -78,10 +77,6 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
             f"--scene {PLANE}, or --set scene.arena.kind=plane"
-        )
-    if resolve(scene, design, mass).model != "space":
-        raise InputError(
-            "a card needs the model in space, in which a walker turns: leave out --model, legs.model and effects.off"
         )
     own, ended = _runs(scene, design, mass, progress)
     note = (

@@ -20,9 +20,9 @@ from walkergen.scene import Arena, Scene
 from walkergen.simulation import plan as plans
 from walkergen.simulation import record
 from walkergen.simulation.effects import swaying_plate
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
-from walkergen.simulation.space.model import turn_to
+from walkergen.simulation.space.model import energy, turn_to
 from walkergen.simulation.space.pose import place
 from walkergen.simulation.space.state import C_X, C_Z, COLUMNS, PHASE, Array, work_for
 from walkergen.simulation.world import OK, State, World
@@ -140,9 +140,9 @@ def simulate(
     advance(crowd, run.discard_seconds, blocks, stopped)
     tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
     crowd, walkers = recorded(plan, walkers, crowd, tallies)
-    energies, held = _energies(plan, walkers), float(steps.stored(crowd))
+    energies, held = _energies(walkers), float(steps.stored(crowd))
     done = advance(crowd, run.seconds, _blocks(plan, run.seconds), stopped, progress)
-    gained = _energies(plan, walkers) - energies
+    gained = _energies(walkers) - energies
     balanced = [
         record.energy_error(sums, change, before)
         for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
@@ -256,10 +256,9 @@ def advance(
     return done
 
 
-def _energies(plan: CrowdPlan, walkers: Walkers) -> Array:
+def _energies(walkers: Walkers) -> Array:
     """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
-    of_kinds = [plan.plans[kind].model for kind in plan.kinds]
-    return np.array([model.energy(*walker) for model, walker in zip(of_kinds, walkers, strict=True)])
+    return np.array([energy(*walker) for walker in walkers])
 
 
 def _unbalanced(book: Array, held: float) -> float:

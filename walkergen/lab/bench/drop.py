@@ -10,7 +10,7 @@ from walkergen.lab import drops, resting
 from walkergen.lab.drops import Let, Rebounds, rebound, rebounds
 from walkergen.lab.inverse import Curve
 from walkergen.scene import Scene
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.walker.design import Design
 
 TILTS = (0.0, 5.0, 10.0, 12.0, 15.0, 20.0, 25.0, 35.0)

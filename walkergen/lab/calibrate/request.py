@@ -183,8 +183,10 @@ def _filmed(dropped: "Job", height: float, path: Path, progress: Progress) -> "M
     """Film of the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.jobs.run.movie import make
     from walkergen.lab import drops, resting
+    from walkergen.simulation.plan import Release
 
     let = drops.from_hand(height, dropped.turn_deg, dropped.drops, dropped.scene.run.seed)[0]
     seconds = drops.seconds_of(height)
     job = make.plan([dropped.design], resting.filmed(dropped.scene), seconds=seconds, fps=FPS, view="perspective")
-    return make.make(job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress)
+    release = Release(let.height, let.pitch, let.roll)
+    return make.make(job._replace(release=release), path, progress)

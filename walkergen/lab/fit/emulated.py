@@ -27,7 +27,7 @@ from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 
-SECONDS = {"compliant": 4.0, "space": 2.0}
+SECONDS = 2.0
 """Measured time of a simulated run, s: prints differ by more than such runs of one print do."""
 
 DISCARDED = 0.5
@@ -147,11 +147,10 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
 def _short(ground: Ground, setting: Setting) -> Scene:
     """Scene of the short runs: endless ground, since a speed needs no end to run to."""
     scene = on_plate(ground.scene, setting)
-    run = {"seconds": SECONDS[ground.model], "discard_seconds": DISCARDED, "runs": 1}
+    run = {"seconds": SECONDS, "discard_seconds": DISCARDED, "runs": 1}
     return scene.model_copy(
         update={
             "run": scene.run.model_copy(update=run),
-            "legs": scene.legs.model_copy(update={"model": ground.model}),
             "arena": scene.arena.model_copy(update={"length_mm": None, "width_mm": None}),
         }
     )

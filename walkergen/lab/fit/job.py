@@ -61,24 +61,18 @@ class Job(NamedTuple):
     @property
     def caption(self) -> str:
         """Statement of the assumptions on which a fit rests."""
-        contact, model = self.scene.contact, self.model
         parts = [f"walker {self.design.name}"]
-        if model == "theory":
-            parts += [f"mode {self.mode}", f"law {contact.law}"]
+        if self.model == "theory":
+            parts.append(f"mode {self.mode}")
         else:
-            parts.append(f"model {model}")
-            parts += [f"law {contact.law}"] if model == "compliant" else []
-            parts.append(f"prior {self.prior}")
+            parts += [f"model {self.model}", f"prior {self.prior}"]
         held = ", ".join(f"{name} = {value:g}" for name, value in self.held.items())
         return ", ".join([*parts, *([f"given {held}"] if held else [])])
 
 
 def completed(job: Job) -> Job:
-    """Job with the prior and with the scene of its model, which a fit of the theory has none of."""
-    if job.model == "theory":
-        return job
-    scene = job.scene if job.model == "prediction" else job.scene.variant(**{"legs.model": job.model})
-    return job._replace(scene=scene, prior=PRIORS[0] if job.prior is None else job.prior)
+    """Job with its prior, of which a fit of the theory has none."""
+    return job if job.model == "theory" or job.prior is not None else job._replace(prior=PRIORS[0])
 
 
 def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
@@ -86,8 +80,6 @@ def _ranges(model: str) -> Mapping[str, tuple[float, float]]:
     if model == "theory":
         return RANGES
     ranges = dict(OF_MODEL)
-    if model == "compliant":
-        ranges["restitution"] = (0.0, 1.0)
     if model == "prediction":
         del ranges["damping_ratio"]
         ranges["friction"] = (TABLED_FROM, FLAT["friction"][1])

@@ -266,8 +266,6 @@ def _scene(model: ModelName, scene: Scene, rows: Sequence[Learnt], path: Path) -
         elif row.name in OF_SCENE:
             table, _, key = KEYS[row.name].partition(".")
             data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
-    if model != "prediction":
-        data["legs"]["model"] = model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {model}"
     data["name"] = named(scene.name, path, "fit-")
     return validate(data, Scene, "fitted scene")

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.theory.speed import LawName, Mode, factor
+from walkergen.theory.speed import Mode, factor
 from walkergen.theory.tensors import InverseMass, feet
 from walkergen.walker.mass import MassProperties
 
@@ -51,7 +51,6 @@ class Speeds(NamedTuple):
     back: InverseMass
     """Inverse-mass tensors at the back feet, 1/g, entries of shape (n,)."""
     front: InverseMass
-    law: LawName
     mode: Mode
 
 
@@ -91,9 +90,7 @@ def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]
 def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
     """Predicted speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
-    mean = 0.5 * (
-        factor(speeds.back, e, mu, speeds.mode, speeds.law) + factor(speeds.front, e, mu, speeds.mode, speeds.law)
-    )
+    mean = 0.5 * (factor(speeds.back, e, mu, speeds.mode) + factor(speeds.front, e, mu, speeds.mode))
     return speeds.plate_speed * mean
 
 

@@ -22,7 +22,7 @@ PRIORS: tuple[PriorName, ...] = ("scene", "flat")
 is the default.
 """
 
-ModelName = Literal["prediction", "compliant", "space"]
+ModelName = Literal["prediction", "space"]
 """Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
 
 KEYS = {
@@ -52,8 +52,8 @@ TABLED_FROM = 0.05
 
 SCATTER = "print_scatter"
 PRINT_SCATTER = 0.15
-"""Name and prior standard deviation of the scatter of speeds between prints, over their speed,
-for a model that knows no unevenness: in space 5 um bring 25 % at 10 deg, 5 % from 15 deg on."""
+"""Name and prior standard deviation of the scatter of speeds between prints, over their speed, where speeds have no
+errors: an unevenness of 5 um brings 25 % at 10 deg, 5 % from 15 deg on."""
 
 
 class Parameter(NamedTuple):
@@ -90,7 +90,7 @@ class Unknown(NamedTuple):
     printed: tuple[Input, ...]
     """Inputs that differ from print to print."""
     scatter: tuple[Parameter, ...]
-    """Scatter between prints as a parameter, for a model that cannot simulate it; else none."""
+    """Scatter between prints as a parameter, where speeds have no errors; else none."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -124,7 +124,7 @@ def unknown(
             continue
         if prior == "flat" and name in FLAT:
             low, high = FLAT[name]
-            if name == "restitution" and model != "compliant":
+            if name == "restitution":
                 low = LEAST_RESTITUTION
             if name == "friction" and model == "prediction":
                 low = TABLED_FROM
@@ -139,7 +139,7 @@ def unknown(
         )
     printed = tuple(inputs[name] for name in PRINTED if name in inputs)
     scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
-    return Unknown(tuple(parameters), printed, (scatter,) if model == "compliant" or not errors else ())
+    return Unknown(tuple(parameters), printed, () if errors else (scatter,))
 
 
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:

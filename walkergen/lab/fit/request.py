@@ -40,8 +40,8 @@ class FitRequest(request.Request):
     design: request.Filmed = request.PAPER
     scene: request.Ground = request.LANE
     model: Annotated[
-        Literal["prediction", "theory", "compliant", "space"],
-        Flag("Model: prediction, as family prints it; theory; compliant or space, simulated (minutes).", "MODEL"),
+        Literal["prediction", "theory", "space"],
+        Flag("Model: prediction, as family prints it; theory; space, simulated (minutes).", "MODEL"),
     ] = "prediction"
     fix: Annotated[
         list[str],
@@ -64,7 +64,6 @@ class FitRequest(request.Request):
         ),
     ] = None
     mode: request.Mode = "coulomb"
-    law: request.Law = None
     seed: request.Seed = None
     set: request.Settings = {}
     pictures: request.Pictures = True
@@ -80,8 +79,7 @@ class FitRequest(request.Request):
             self.refuse("--model theory has none", "predict", "prior", "seed")
         else:
             self.refuse(f"a mode of the theory; --model {self.model} has none", "mode")
-        simulated = {"scene.legs.model": ("--model", self.model)} if self.model in ("compliant", "space") else {}
-        given = self.inputs(simulated)
+        given = self.inputs()
         design, scene = given.design(self.design), given.scene(self.scene)
         job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)
         return make.fit(self.speeds, job, output.results(self.speeds, self.out, "fit"), progress, self._expect)

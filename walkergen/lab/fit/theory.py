@@ -76,7 +76,7 @@ def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Arr
     """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
     pairs = zip(tilt, legs, strict=True)
     masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
-    return Speeds(speed, se, plate, *least_squares.tensors(masses), job.scene.contact.law, job.mode)
+    return Speeds(speed, se, plate, *least_squares.tensors(masses), job.mode)
 
 
 def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:

@@ -17,7 +17,7 @@ from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
 from walkergen.simulation.effects.sway import Sway
 
-_drag, _drag_in_space = air_drag.force, air_drag.force_in_space
+_drag = air_drag.force_in_space
 
 
 class Acting(NamedTuple):
@@ -25,33 +25,25 @@ class Acting(NamedTuple):
 
     Those of an effect that is off are neutral: a comparison skips its branch, so that no switch of
     an effect needs machine code of its own.
-
-    None: planar models do not know it.
     """
 
     gravity: Gravity
     air: Air = air_drag.OFF
-    noise: Noise | None = None
+    noise: Noise = noise.OFF
     """Noise of one run, which draws it."""
-    roughness: Roughness | None = None
+    roughness: Roughness = roughness.OFF
     """Surface of one run, which draws it."""
-    sway: Sway | None = None
+    sway: Sway = sway.OFF
     """Motion of the plate along itself, and what makes its height differ from place to place."""
-    motor: Rotor | None = None
+    motor: Rotor = rotor.OFF
 
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
     """Parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else 0.0
     air = air_drag.parameters(case) if on(air_drag.NAME) else air_drag.OFF
-    acts = Acting(slope.gravity_of(descent), air)
-    if case.model != "space":
-        return acts
-    return acts._replace(
-        noise=noise.OFF,
-        roughness=roughness.OFF,
-        sway=_sway(case, on),
-        motor=_rotor(case, on) if on(MOTOR) else rotor.OFF,
+    return Acting(
+        slope.gravity_of(descent), air, sway=_sway(case, on), motor=_rotor(case, on) if on(MOTOR) else rotor.OFF
     )
 
 
@@ -84,13 +76,7 @@ def across(acting: Acting) -> float:
     return acting.gravity.into
 
 
-@kernel
-def body_force(acting, pitch, v_x, v_y):
-    """Force (x, y) of effects on a body at (v_x, v_y) mm/s, without its weight, g mm/s^2."""
-    return _drag(acting.air, pitch, v_x, v_y)
-
-
 @lean
 def force_in_space(acting, velocity):
     """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
-    return _drag_in_space(acting.air, velocity)
+    return _drag(acting.air, velocity)

@@ -8,7 +8,6 @@ Limits: no air, no force; a falling plate's speed is v_t tanh(g t / v_t), v_t^2 
 import math
 from typing import NamedTuple
 
-from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
 from walkergen.scene import GRAVITY, forcing
 from walkergen.simulation.effects.effect import Case, Effect, Rule, forced
@@ -51,17 +50,9 @@ def parameters(case: Case) -> Air:
 
 
 def judge(case: Case) -> Effect:
-    """Rule: off unless forced. The number is drag over friction, for a fast walker.
-
-    Raises InputError for models whose flights are exact only without drag.
-    """
+    """Rule: off unless forced. The number is drag over friction, for a fast walker."""
     scene, air = case.scene, parameters(case)
     wanted, speed = scene.effects.forced(SWITCH), case.shaken.peak_speed
-    if wanted and case.model in ("rigid", "relaxed"):
-        raise InputError(
-            f"{forcing(SWITCH, True)}: flights of the {case.model} model are exact only without drag; "
-            "use legs.model 'space'"
-        )
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction
     reason = "small" if number < SMALL else f"NOT small: force it with {forcing(SWITCH, True)}"
@@ -70,17 +61,6 @@ def judge(case: Case) -> Effect:
 
 
 RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
-
-
-@kernel
-def force(air, pitch, v_x, v_y):
-    """Drag (x, y) on a body with `pitch` (rad) that moves at (v_x, v_y) mm/s, g mm/s^2."""
-    if air.ends == 0.0:
-        return 0.0, 0.0
-    cos, sin = math.cos(pitch), math.sin(pitch)
-    u, w = cos * v_x + sin * v_y, cos * v_y - sin * v_x
-    f, n = -air.ends * u * abs(u), -air.sides * w * abs(w)
-    return cos * f - sin * n, sin * f + cos * n
 
 
 @kernel

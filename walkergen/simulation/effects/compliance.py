@@ -1,7 +1,6 @@
 """Leg compliance: each leg swings on a torsional spring at its anchor, with a damper.
 
-Source: docs/physics.md section 5, model B. Limits: stiff legs slide like braced legs
-(tests/test_engines.py), and legs that relax at once are model A.
+Source: docs/physics.md section 5. Limit: stiff legs slide like braced legs (tests/test_engines.py).
 """
 
 import math
@@ -12,7 +11,7 @@ from walkergen.walker import names
 from walkergen.walker.limbs import Limb
 from walkergen.walker.sections import section_of
 
-NAME, SWITCH = "leg compliance", "legs.model"
+NAME = "leg compliance"
 
 ALIKE = 1.0 + 1e-6
 """Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
@@ -22,10 +21,7 @@ CANTILEVER = 3.0
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on for the compliant model and in space.
-
-    The number is the frequency of the slowest leg over the drive's.
-    """
+    """Rule: on for free legs. The number is the frequency of the slowest leg over the drive's."""
     scene, design = case.scene, case.design
     if design.rigid:
         return Effect(NAME, False, 0.0, f"legs are {design.kind}", "no free leg", "")
@@ -35,13 +31,11 @@ def judge(case: Case) -> Effect:
         if leg.m > 0.0
     }
     ratio = min(frequencies.values(), default=0.0) / scene.drive.frequency
-    on = case.model in ("compliant", "space")
-    reason = "legs swing" if on else f"legs swing back at once in the {case.model} model"
     meaning = f"frequency of a free leg over the drive's{_slowest(frequencies)}"
-    return Effect(NAME, on, ratio, meaning, reason, SWITCH)
+    return Effect(NAME, True, ratio, meaning, "legs swing", "")
 
 
-RULE = Rule(judge, SWITCH, without={SWITCH: "relaxed"})
+RULE = Rule(judge)
 
 
 def _slowest(frequencies: Mapping[str, float]) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.drive import Drive
 from walkergen.errors import InputError
@@ -10,24 +10,17 @@ from walkergen.scene import Scene, forcing
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-ModelName = Literal["rigid", "relaxed", "compliant", "space"]
-
 WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
 ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
 """Effects whose modules are imported with the first scene that calls for them."""
 
-METHODS: Mapping[str, str] = {"rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"}
-"""Method that each model implies: from event to event, or by time steps."""
-
 
 class Case(NamedTuple):
-    """Scene, walker and model of the legs that a rule judges."""
+    """Scene and walker that a rule judges."""
 
     scene: Scene
     design: Design
     mass: MassProperties
-    model: ModelName
-    """Model of the legs that the scene calls for, chosen by `resolve`."""
 
     @property
     def shaken(self) -> Drive:
@@ -54,11 +47,9 @@ class Rule(NamedTuple):
     """How an effect is judged, and where it is known."""
 
     judge: Callable[[Case], Effect]
-    """The effect in a case. Raises InputError where the case's model does not know it."""
+    """The effect in a case. Raises InputError where the scene contradicts itself or the design."""
     switch: str = ""
     """Name in effects.on and effects.off, or key of the scene, that forces it."""
-    planar: bool = True
-    """False: planar models refuse it."""
     away: Mapping[str, Any] = MappingProxyType({})
     """Values of keys of the scene with which it is no part of a still plate, as a bench's is; none
     where it remains."""
@@ -97,12 +88,3 @@ def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
     if wanted is None:
         return decided, reason
     return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"
-
-
-def only_in_space(case: Case, key: str, value: float, what: str, switch: str) -> None:
-    """Raise InputError for planar models, which do not know `what` that `key` = value asks for."""
-    if case.model != "space":
-        raise InputError(
-            f"{key} = {value:g}: only the model 'space' knows {what}, not {case.model!r}: "
-            f"use legs.model = 'space', or {forcing(switch, False)}"
-        )

@@ -76,8 +76,7 @@ def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
     e = scene.contact.restitution if limb.restitution is None else limb.restitution
     if e < LEAST_RESTITUTION:
         raise InputError(
-            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; the model "
-            f"'space' takes {LEAST_RESTITUTION:g}..1 (legs.model = 'compliant' takes 0 as well)"
+            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; give {LEAST_RESTITUTION:g}..1"
         )
     return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
 
@@ -88,10 +87,8 @@ def landing_stiffness(tip: float, mass: float, speed: float) -> float:
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on in space unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
+    """Rule: on unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
     meaning = "stiffness of a leg's corner over that of its tip, at a landing"
-    if case.model != "space":
-        return Effect(NAME, False, 0.0, meaning, f"the {case.model} model has rigid feet", "")
     rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
     if not rigid:
         tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))

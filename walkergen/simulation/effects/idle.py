@@ -1,17 +1,9 @@
 """Idle keys: what a scene gives and its simulation does not read, which is said in one line."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 
 from walkergen.scene import SHAPES
 from walkergen.simulation.effects.effect import LID, WALLS, Case
-
-OF_MODELS: Mapping[str, tuple[str, ...]] = {
-    **dict.fromkeys(("feet.tip_radius_um", "feet.rigid_tips", "feet.tangential_ratio"), ("space",)),
-    **dict.fromkeys(("plate.material", "plate.youngs_modulus_gpa"), ("space",)),
-    **dict.fromkeys(("legs.damping_ratio", "run.step_us"), ("compliant", "space")),
-    "material.youngs_modulus_gpa": ("compliant", "space"),
-}
-"""Models that read a key which others do not: of the scene, and of the design's material."""
 
 OF_WALLS = ("arena.wall_friction", "arena.wall_restitution")
 OF_FEET = ("contact.restitution", "contact.friction")
@@ -26,7 +18,7 @@ def line(case: Case, on: Callable[[str], bool]) -> str:
     given: dict[str, list[str]] = {}
     for key, why in _idle(case, on):
         table, _, own = key.partition(".")
-        section = getattr(case.design if table == "material" else case.scene, table)
+        section = getattr(case.scene, table)
         if own in section.model_fields_set and getattr(section, own) != type(section).model_fields[own].default:
             given.setdefault(why, []).append(key)
     told = "; ".join(f"{', '.join(keys)} ({why})" for why, keys in given.items())
@@ -36,11 +28,8 @@ def line(case: Case, on: Callable[[str], bool]) -> str:
 def _idle(case: Case, on: Callable[[str], bool]) -> Iterator[tuple[str, str]]:
     """Keys that a case does not read, each with the reason, whether the scene gives them or not."""
     scene, limbs = case.scene, case.design.limbs
-    for key, models in OF_MODELS.items():
-        if case.design.rigid and key == "legs.damping_ratio":
-            yield key, "no leg swings"
-        elif case.model not in models:
-            yield key, f"not in the {case.model} model"
+    if case.design.rigid:
+        yield "legs.damping_ratio", "no leg swings"
     for number, keys in SHAPES.items():
         if not scene.value(number):
             yield from ((key, f"{number} = 0") for key in keys)

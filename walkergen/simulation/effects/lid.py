@@ -6,7 +6,7 @@ feet). Limits: legs, caps and mounted parts pass through it; a lid above every h
 
 from walkergen.errors import InputError
 from walkergen.scene import GRAVITY
-from walkergen.simulation.effects.effect import LID, Case, Effect, Rule, called_for, only_in_space
+from walkergen.simulation.effects.effect import LID, Case, Effect, Rule, called_for
 
 NAME, SWITCH, KEY = LID, "lid", "arena.lid_mm"
 
@@ -17,15 +17,13 @@ DROP, TILT = 1.5, 2e-3
 def judge(case: Case) -> Effect:
     """Rule: on under a lid. The number is how high the plate's peak speed throws a body, over the room.
 
-    Raises InputError for planar models, and where the walker does not fit.
+    Raises InputError where the walker does not fit.
     """
     meaning = "height of a hop over the room above the walker"
     on, reason = called_for(case, KEY, SWITCH)
     wanted = case.scene.arena.lid_mm
     if wanted is None:
         return Effect(NAME, on, 0.0, meaning, reason, SWITCH)
-    if on:
-        only_in_space(case, KEY, wanted, "lids", SWITCH)
     size, shaken = case.design.size, case.shaken
     height = 0.5 * size.thickness - min(limb.foot_height for limb in case.design.limbs)
     least = height + DROP * shaken.amplitude + TILT * max(size.length, size.depth)
@@ -38,4 +36,4 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, hop / max(wanted - height, 1e-9), meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, away={KEY: None})
+RULE = Rule(judge, SWITCH, away={KEY: None})

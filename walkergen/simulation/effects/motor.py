@@ -4,7 +4,7 @@ The rotor turns at Omega about an axis n of the body; its mass counts in the wal
 The unbalanced mass leads the walker's centre of mass C away from where it would be, by s =
 (m_e r/M) (first cos(phase) + second sin(phase)), with second = n x first, in the body's axes. So
 the body swings by -s about C, as if pushed by m_e r Omega^2 s/|s| at the rotor's place p; about C
-the rotor has the angular momentum p x M s' + h n (docs/physics.md section 8). In space only.
+the rotor has the angular momentum p x M s' + h n (docs/physics.md section 8).
 
 What is left out is of the order of 2 m_e r |p|/J: the change of the inertia within a turn.
 Limits: without a moment there is no motor; a free walker draws a circle of radius m_e r/M.
@@ -34,17 +34,12 @@ LARGEST_THROW = 200.0
 def judge(case: Case) -> Effect:
     """Effect of the scene's motor. The number is its push over the weight.
 
-    Raises InputError for planar models, walkers that carry no motor, and moments beyond reason.
+    Raises InputError for walkers that carry no motor, and moments beyond reason.
     """
     drive, meaning = case.scene.drive, "push of the motor over the weight"
     if drive.kind == "plate":
         return Effect(NAME, False, 0.0, meaning, "drive.kind = 'plate'", "")
     design, total = case.design, float(case.mass.total)
-    if case.model != "space":
-        raise InputError(
-            f"drive.kind = 'motor': only the model 'space' knows a motor, not {case.model!r}: "
-            "use legs.model = 'space' or 'auto'"
-        )
     design.driving_motor()
     reach, length = drive.eccentric / total, design.size.length
     if reach >= length:
@@ -73,7 +68,7 @@ def gyroscopic(case: Case) -> Effect:
     return Effect(GYROSCOPIC, on, number, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, planar=False)
+RULE = Rule(judge)
 SPIN_RULE = Rule(gyroscopic, SWITCH, usual={f"effects.{SWITCH}": True})
 
 

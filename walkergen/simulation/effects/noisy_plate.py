@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import NOISE, Case, Effect, Rule, called_for, only_in_space
+from walkergen.simulation.effects.effect import NOISE, Case, Effect, Rule, called_for
 from walkergen.simulation.effects.noise import Noise
 
 NAME, SWITCH, KEY = NOISE, "plate_noise", "plate.noise_ratio"
@@ -30,16 +30,15 @@ FEWEST_LINES = 32
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when the scene's plate is noisy. Raises InputError for planar models."""
+    """Rule: on when the scene's plate is noisy."""
     ratio = case.scene.plate.noise_ratio
     on, reason = called_for(case, KEY, SWITCH)
     if on:
-        only_in_space(case, KEY, ratio, "noise", SWITCH)
         _grid(case)
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, away={KEY: 0.0}, usual={KEY: 0.3})
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
 
 
 def _grid(case: Case) -> tuple[int, float, int, int]:

@@ -1,4 +1,4 @@
-"""Effects that belong to a model: nothing switches them; their numbers say how much they matter."""
+"""Effects that nothing switches; their numbers say how much they matter."""
 
 import math
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
-from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
 NAME, SWITCH, KEY = "plate roughness", "plate_roughness", "plate.roughness_um"
 
@@ -36,12 +36,10 @@ OFF = Roughness(np.zeros((0, 4)))
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on when the scene's plate is rough. Raises InputError for planar models."""
+    """Rule: on when the scene's plate is rough."""
     plate = case.scene.plate
     slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
     on, reason = called_for(case, KEY, SWITCH)
-    if on:
-        only_in_space(case, KEY, plate.roughness_um, "bumps", SWITCH)
     if on and slope > STEEPEST:
         raise InputError(
             f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
@@ -50,7 +48,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, usual={KEY: 5.0})
+RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
 
 
 def draw(case: Case, rng: np.random.Generator) -> Roughness:

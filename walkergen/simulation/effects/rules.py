@@ -54,7 +54,7 @@ RARE = (WALLS, LID, NOISE, ALONG, GRADIENT, ROCKING, MOTOR, GYROSCOPIC)
 def of(case: Case) -> tuple[Rule, ...]:
     """Rules that are judged in a case."""
     scene, rules, on = case.scene, list(COMMON), set(case.scene.effects.on)
-    if (scene.arena.kind == "lane" and case.model == "space") or "lane_walls" in on:
+    if scene.arena.kind == "lane" or "lane_walls" in on:
         from walkergen.simulation.effects import walls
 
         rules.append(walls.RULE)

@@ -11,7 +11,7 @@ import math
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects.effect import ALONG, GRADIENT, ROCKING, Case, Effect, Rule, called_for, only_in_space
+from walkergen.simulation.effects.effect import ALONG, GRADIENT, ROCKING, Case, Effect, Rule, called_for
 from walkergen.simulation.effects.sway import Sway
 
 ALONG_X, TO_THE_LEFT = "plate.along_ratio", "plate.across_ratio"
@@ -67,22 +67,20 @@ def _farthest(case: Case) -> float:
 
 
 def _called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
-    """As `called_for`. Raises InputError for planar models and still plates, which do not know it."""
+    """As `called_for`. Raises InputError for still plates."""
     on, reason = called_for(case, key, switch)
-    if on:
-        only_in_space(case, key, case.scene.value(key), "plates that sway", switch)
-        if case.scene.drive.kind == "motor":
-            raise InputError(
-                f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
-                "a shaken plate (drive.kind = 'plate')"
-            )
+    if on and case.scene.drive.kind == "motor":
+        raise InputError(
+            f"{key} = {case.scene.value(key):g}: the plate under a motor is still; leave the key out, or take "
+            "a shaken plate (drive.kind = 'plate')"
+        )
     return on, reason
 
 
 RULES = (
-    Rule(judge_along, "plate_along", planar=False, away={ALONG_X: 0.0, TO_THE_LEFT: 0.0}, usual={ALONG_X: 0.1}),
-    Rule(judge_gradient, "plate_gradient", planar=False, away={STEEPER: 0.0}, usual={STEEPER: 0.1}),
-    Rule(judge_rocking, "plate_rocking", planar=False, away={ROCKS: 0.0}, usual={ROCKS: 0.1}),
+    Rule(judge_along, "plate_along", away={ALONG_X: 0.0, TO_THE_LEFT: 0.0}, usual={ALONG_X: 0.1}),
+    Rule(judge_gradient, "plate_gradient", away={STEEPER: 0.0}, usual={STEEPER: 0.1}),
+    Rule(judge_rocking, "plate_rocking", away={ROCKS: 0.0}, usual={ROCKS: 0.1}),
 )
 
 

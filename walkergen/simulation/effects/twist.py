@@ -15,7 +15,7 @@ NAME, SWITCH = "leg twist", "leg_twist"
 
 
 def judge(case: Case) -> Effect:
-    """Rule: on in space for flexible legs.
+    """Rule: on for flexible legs.
 
     The number is the least frequency of a leg's twist over the drive's.
     """
@@ -29,13 +29,11 @@ def judge(case: Case) -> Effect:
     ]
     ratio = min(frequencies, default=0.0) / case.scene.drive.frequency
     meaning = "frequency of a leg's twist over the drive's"
-    if case.model != "space":
-        return Effect(NAME, False, ratio, meaning, absent(case, SWITCH, f"the {case.model} model is planar"), "")
     on, reason = forced(case.scene.effects.forced(SWITCH), True, "corners land one by one")
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, usual={f"effects.{SWITCH}": True})
+RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})
 
 
 def stiffness(limb: Limb, material: Material) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Rule, called_for
 
 NAME, SWITCH, KEY = "unevenness", "unevenness", "feet.unevenness_um"
 
@@ -19,12 +19,10 @@ TALLEST = 0.1
 def judge(case: Case) -> Effect:
     """Rule: on when corners differ. The number is their standard deviation over the amplitude.
 
-    Raises InputError for planar models, and for corners that differ as much as legs are long.
+    Raises InputError for corners that differ as much as legs are long.
     """
     height = case.scene.feet.unevenness_um
     on, reason = called_for(case, KEY, SWITCH)
-    if on:
-        only_in_space(case, KEY, height, "corners", SWITCH)
     shortest = min(limb.length for limb in case.design.limbs)
     most = 1e3 * TALLEST * shortest
     if on and height > most:
@@ -37,7 +35,7 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, usual={KEY: 10.0})
+RULE = Rule(judge, SWITCH, usual={KEY: 10.0})
 
 
 def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:

@@ -55,9 +55,8 @@ def judge(case: Case) -> Effect:
     """Rule: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
     arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
-    if arena.kind != "lane" or case.model != "space":
-        why = f"the {case.model} model is planar" if arena.kind == "lane" else "the arena is a plane"
-        return Effect(NAME, False, 0.0, meaning, absent(case, SWITCH, why), "")
+    if arena.kind != "lane":
+        return Effect(NAME, False, 0.0, meaning, absent(case, SWITCH, "the arena is a plane"), "")
     play = gap(case) - size.depth
     turn = min(play / size.length, 0.5 * math.pi)
     if not turning.judge(case).on:
@@ -68,4 +67,4 @@ def judge(case: Case) -> Effect:
     return Effect(NAME, on, turn, meaning, reason, SWITCH)
 
 
-RULE = Rule(judge, SWITCH, planar=False, away={"arena": Arena(kind="plane")}, usual={"arena.kind": "lane"})
+RULE = Rule(judge, SWITCH, away={"arena": Arena(kind="plane")}, usual={"arena.kind": "lane"})

@@ -1,1 +1,1 @@
-"""Model C: the walker in space, on elastic feet, by time steps (docs/physics.md section 7)."""
+"""The walker in space, on elastic feet, by time steps (docs/physics.md section 7)."""

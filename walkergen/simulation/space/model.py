@@ -1,18 +1,16 @@
-"""Model C, the walker in space on elastic feet, as a `Model`."""
+"""The walker in space on elastic feet: its first state, its energy, and what each run draws."""
 
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects import rotor as motors
 from walkergen.simulation.effects import roughness, unevenness
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.effects.effect import NOISE, Case
 from walkergen.simulation.effects.resolve import Resolved
-from walkergen.simulation.model import Array, Model
-from walkergen.simulation.space import steps
 from walkergen.simulation.space.flight import legs_energy
 from walkergen.simulation.space.points import mirror_order
 from walkergen.simulation.space.pose import locate, place, plate_velocity, point_velocity
@@ -22,7 +20,6 @@ from walkergen.simulation.space.state import (
     C_X,
     C_Y,
     C_Z,
-    COLUMNS,
     HEADING,
     J_A,
     LEGS,
@@ -42,7 +39,6 @@ from walkergen.simulation.space.state import (
     W_X,
     W_Y,
     W_Z,
-    Options,
     Walker,
     Work,
     first_row,
@@ -50,8 +46,9 @@ from walkergen.simulation.space.state import (
     work_for,
 )
 from walkergen.simulation.space.tips import elastic_energy
-from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
+
+Array = npt.NDArray[np.float64]
 
 
 def start(
@@ -95,7 +92,7 @@ def turn_to(state: State, heading: float) -> None:
 def _sway(world: World, state: State, work: Work) -> None:
     """Let the body turn to and fro as its motor turns it, without turning on."""
     walker, rotor = world.walker, world.acting.motor
-    if rotor is not None and motors.acts(rotor):
+    if motors.acts(rotor):
         still = rotor._replace(spin=(0.0, 0.0, 0.0))
         turning = motors.spin(still, walker.centre, walker.mass, work.thrown)
         state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
@@ -128,7 +125,9 @@ def energy(world, state):
 
 
 def feet(world: World, state: State) -> Array:
-    """Middles of the feet, shape (legs, 4), as in `Model.feet`: x is along the lane."""
+    """Middles of the feet, shape (legs, 4): x along the lane (mm), height over the plate (mm), v_x and v_y over the
+    plate (mm/s).
+    """
     work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms
     place(world, copy, work)
@@ -140,11 +139,6 @@ def feet(world: World, state: State) -> Array:
         x = state[C_X] + work.R[0] @ work.points["at"][k]
         rows[k] = x, work.points["gap"][k], velocity[0], velocity[1] - plate_velocity(world, copy)
     return 0.5 * (rows[0::2] + rows[1::2])
-
-
-def momentum(world: World, state: State) -> float:
-    """Momentum of body and legs along the lane, g mm/s."""
-    return float(world.walker.mass * state[V_X])
 
 
 def mirrored(walker: Walker, state: State) -> State:
@@ -169,11 +163,6 @@ def pose(state: State) -> tuple[float, float, float]:
     return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
 
 
-def resting(world: World) -> float:
-    """Speed (mm/s) below which a foot does not rebound: what gravity gives it in a step."""
-    return float(world.options.step * world.acting.gravity.size)
-
-
 def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
     """World of one run, with its own print and its own plate, where the scene calls for them."""
     walker, acting = world.walker, world.acting
@@ -192,24 +181,3 @@ def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator
     if resolved.on(roughness.NAME):
         acting = acting._replace(roughness=roughness.draw(case, rng))
     return world._replace(walker=walker, acting=acting)
-
-
-STEPS = Model(
-    start=start,
-    advance=steps.advance,
-    energy=energy,
-    feet=feet,
-    momentum=momentum,
-    pose=pose,
-    coarser=coarser,
-    resting=resting,
-    columns=COLUMNS,
-    drawn=drawn,
-)
-"""Method by implicit steps of second order."""
-
-
-def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, Walker, Options]:
-    """Model, walker and options of a case."""
-    walker, options = walker_of(case, resolved)
-    return STEPS, walker, options

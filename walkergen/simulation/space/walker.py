@@ -104,7 +104,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         flights=np.zeros((0, n, n)),
     )
     rotor = resolved.acting.motor
-    if rotor is not None and motors.acts(rotor) and n > 0:
+    if motors.acts(rotor) and n > 0:
         walker = walker._replace(forced=_forced(walker, rotor))
     return _with_feet(walker, case, feet)
 

@@ -21,8 +21,7 @@ from walkergen.scene import GRAVITY, Drive, Scene, forcing
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.effects import compliance, feet, turning
 from walkergen.simulation.effects.effect import LID, WALLS
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.space.state import Walker
 from walkergen.simulation.space.walker import mobility
 from walkergen.theory.hertz import landing_depth
@@ -93,8 +92,6 @@ def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
     effects = scene.effects.force("leg_twist", False)
     plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
     resolved = plan.resolved
-    if resolved.model != "space":
-        raise InputError(f"legs.model = {resolved.model!r}: MJCF is of the model 'space'")
     if not resolved.on(turning.NAME):
         raise InputError(f"{forcing(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
     for effect in resolved.effects:

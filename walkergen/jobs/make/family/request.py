@@ -34,7 +34,6 @@ class FamilyRequest(request.Request):
     gamma: request.Gamma = None
     frequency: request.Frequency = None
     mode: request.Mode = "coulomb"
-    law: request.Law = None
     printer: request.Machine = request.PRUSA
     text: request.Text = None
     mirror: request.Mirror = None
@@ -66,7 +65,6 @@ class FamilyRequest(request.Request):
         except GeometryError as error:
             raise make.drawn(error, self.folder(Path("out") / "trouble")) from None
         scene = given.scene(request.ground(self.scene, [design]))
-        inputs.check_mode(self.mode, scene)
         members, counts = given.batch(design, self.tilt, self.legs, self.copies, whole=True)
         masses, unused = inputs.weighed(self.weights, members)
         measured, left_out = self._measured(design, scene)

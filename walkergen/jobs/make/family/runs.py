@@ -32,8 +32,6 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
             summary.speed_se_mm_s,
             summary.speed_low_95_mm_s,
             summary.speed_high_95_mm_s,
-            point.model,
-            point.method,
             listed(summary.outcomes),
             verdict(member.row, summary),
         )

@@ -67,8 +67,8 @@ def explain(
     """Say which effects a scene calls for, and what each costs where it can be off.
 
     What the scene's accepted error leaves out is said, too. `measure`: also what effects that are off would change,
-    for ten seconds; `whole`: with all reasons; written where `folder` says. Raises InputError for a scene that no
-    model can simulate.
+    for ten seconds; `whole`: with all reasons; written where `folder` says. Raises InputError for a scene that
+    contradicts itself or the design.
     """
     walker = Walker(scene, design, solids.mass_of(design))
     plan = prepare(scene, design, walker.mass)
@@ -89,7 +89,7 @@ def explain(
         read=None if whole else on,
         notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
     )
-    caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}: model {plan.resolved.model}"
+    caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}"
     made = Report(
         name="explain",
         title="Effects",
@@ -126,14 +126,13 @@ def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
 
 
 def _accepted(simple: Simplest, measured: bool) -> list[str]:
-    """What runs leave out, and by which model they are, where an error is accepted."""
+    """What runs leave out where an error is accepted."""
     if simple.accepted is None:
         return []
     key = f"run.accepted_error = {simple.accepted:g}"
     if not measured:
         return [f"{key}: what it leaves out is measured; leave --no-cost out"]
-    model = simple.walker.plan().resolved.model
-    return [f"{key}: runs are by model {model}", *(f"{name}: {value}" for name, value in simple.lines)]
+    return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 
 def _facts(rows: Sequence[Row], found: Measured | None) -> dict[str, object]:

@@ -22,7 +22,6 @@ class ExplainRequest(request.Request):
     scene: request.Home = None
     tilt: request.Tilt = None
     legs: request.Legs = None
-    model: request.Model = None
     friction: request.Friction = None
     gamma: request.Gamma = None
     frequency: request.Frequency = None

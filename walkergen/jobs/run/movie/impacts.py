@@ -9,7 +9,8 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
 from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, Place
-from walkergen.jobs.run.movie.footage import Array, Impact, Struck, pace
+from walkergen.jobs.run.movie.footage import Array, Impact, pace
+from walkergen.jobs.run.movie.shot import Shot
 from walkergen.theory.impact import Kind
 
 Dashes = str | tuple[float, tuple[float, ...]]
@@ -90,18 +91,18 @@ class Course(NamedTuple):
     colour: str
     line: Dashes
     heights: Array
-    """Heights at the times of the footage, shape (n,), mm."""
+    """Heights at the times of the shot, shape (n,), mm."""
 
 
-def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> Line2D:
+def strip(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
     """Draw heights (µm) of plate and feet in time, with impacts; returns the line that marks now.
 
     `feet`: in the order of their numbers in the impacts.
     """
     axes = canvas.axes(*place)
     canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL)
-    times, heights = 1e3 * footage.times, 1e3 * np.array([course.heights for course in feet])
-    plate = 1e3 * footage.plate
+    times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
+    plate = 1e3 * shot.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)
     axes.set_ylim(low - margin, high + margin)
@@ -109,7 +110,7 @@ def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> 
     axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
     for (name, colour, line, _), height in zip(feet, heights, strict=True):
         axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
-    _mark(axes, footage, feet)
+    _mark(axes, shot, feet)
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.02, 0.98),
@@ -128,12 +129,12 @@ def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> 
     return now
 
 
-def _mark(axes: Axes, footage: Struck, feet: list[Course]) -> None:
+def _mark(axes: Axes, shot: Shot, feet: list[Course]) -> None:
     """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
-    largest = largest_impulse(footage)
-    for hit in footage.impacts:
+    largest = largest_impulse(shot)
+    for hit in shot.impacts:
         style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
-        height = 1e3 * np.interp(hit.time, footage.times, footage.plate)
+        height = 1e3 * np.interp(hit.time, shot.times, shot.plate)
         edge = feet[hit.foot].colour
         axes.plot(
             [1e3 * hit.time],
@@ -190,6 +191,21 @@ def so_far(time: float, phase: float, distance: float) -> str:
     return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
 
 
-def largest_impulse(footage: Struck) -> float:
+def largest_impulse(shot: Shot) -> float:
     """Largest impulse of all impacts, g mm/s; 1 when there are none."""
-    return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)
+    return max((float(np.hypot(*hit.impulse)) for hit in shot.impacts), default=1.0)
+
+
+def strongest(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
+    """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
+
+    Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.
+    """
+    shown = [
+        (hit, 1.0 - (time - hit.time) / afterglow)
+        for hit in shot.impacts
+        if hit.foot == side and time - afterglow < hit.time <= time
+    ]
+    if not shown:
+        return None
+    return max(shown, key=lambda pair: float(np.hypot(*pair[0].impulse)) * pair[1])

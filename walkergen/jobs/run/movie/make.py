@@ -1,40 +1,33 @@
-"""Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
+"""Movies: one walker in slow motion, or several running; from above, in perspective."""
 
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
-
-import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Expect, Expected, Progress, unheard
-from walkergen.jobs.run.movie.footage import Footage, Shape, Title, impact_of, pace
+from walkergen.jobs.run.movie.footage import Title, pace
 from walkergen.jobs.run.movie.shot import Shot, shot_of
 from walkergen.scene import Scene
 from walkergen.simulation import poses
-from walkergen.simulation.drive import height
 from walkergen.simulation.effects import walls
 from walkergen.simulation.effects.effect import Case
-from walkergen.simulation.effects.resolve import resolve
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
+from walkergen.simulation.plan import Plan, Release, prepare
+from walkergen.simulation.run import Outcome
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb, Polygon
-from walkergen.walker.mass import MassProperties, as_rigid, from_centre
-from walkergen.walker.planar import in_plane
+from walkergen.walker.mass import MassProperties
 
 if TYPE_CHECKING:
     from walkergen.files.animation import Draw
 
-View = Literal["side", "above", "perspective"]
-"""Ways to see a walker: in the plane that the planar models move in, or in space."""
+View = Literal["above", "perspective"]
+"""Ways to see a walker."""
 
-IN_SPACE: tuple[View, ...] = ("above", "perspective")
+VIEWS: tuple[View, ...] = ("above", "perspective")
 
 FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
@@ -76,9 +69,9 @@ class Job(NamedTuple):
     slow: float
     """Seconds of the movie for each second of the run."""
     fps: int
-    view: View = "side"
-    let_go: Callable[[Plan], Plan] | None = None
-    """Changes how a plan's walker starts; None: as in the ensemble's first run."""
+    view: View
+    release: Release | None = None
+    """How the walker is let go; None: as in the ensemble's first run."""
 
     @property
     def frames(self) -> int:
@@ -105,7 +98,7 @@ class Made(NamedTuple):
     without_mp4: str
     """Reason why there is no MP4; '' when there is an MP4."""
     frames: int
-    footage: Sequence[Footage | Shot]
+    shots: Sequence[Shot]
 
 
 def plan(
@@ -130,8 +123,6 @@ def plan(
     if seconds is not None and periods is not None:
         raise InputError("--seconds and --periods: both say how long; leave one of them out")
     seen = _view(members, scene, view)
-    if seen != "side":  # also walkers for which a lane calls for less
-        scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": "space"})})
     single = len(members) == 1 and seen != "above"
     if periods is not None:
         seconds = periods / scene.drive.frequency
@@ -149,20 +140,12 @@ def plan(
 
 
 def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
-    """How the members are seen; the models decide unless it is said. Raises InputError."""
-    models = [resolve(scene, design, solids.mass_of(design)).model for design in members]
-    if wanted is None and "space" not in models:
-        return "side"
+    """How the members are seen. Raises InputError."""
     if wanted is None:
         return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
-    chosen = next((view for view in IN_SPACE if view == wanted), None)
+    chosen = next((view for view in VIEWS if view == wanted), None)
     if chosen is None:
-        raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(IN_SPACE)}")
-    if "space" not in models:
-        raise InputError(
-            f"--view {wanted}: the model '{models[0]}' moves in a plane, which is seen from its "
-            "side: leave --view out, or choose --model space or a scene with a plane to run on"
-        )
+        raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(VIEWS)}")
     if chosen == "perspective" and len(members) > 1:
         raise InputError(f"--view perspective: shows one walker, seen {len(members)}")
     return chosen
@@ -177,7 +160,7 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: E
     from walkergen.files import animation
     from walkergen.jobs.run.movie import impacts
 
-    draw, frames, footage = _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
+    draw, frames, shots = _draw(job, progress)
     colours = impacts.colours(max(len(design.limbs) for design in job.members))
     expect(lambda: _time(draw, frames))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
@@ -189,7 +172,7 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: E
             target.write(path.name, encoded.gif)
         if mp4 is not None and encoded.mp4 is not None:
             target.write(mp4.name, encoded.mp4)
-    return Made(path, mp4, encoded.without_mp4, frames, footage)
+    return Made(path, mp4, encoded.without_mp4, frames, shots)
 
 
 def _time(draw: "Draw", frames: int) -> Expected:
@@ -200,34 +183,20 @@ def _time(draw: "Draw", frames: int) -> Expected:
     return Expected((time.thread_time() - started) * WRITTEN * frames)
 
 
-def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Footage]]:
-    """Movie of planar models: what draws its frames, their number, and what they show."""
-    from walkergen.jobs.run.movie import bounce, race
-
-    every = FINE if len(job.members) == 1 else 1
-    footage = [film(job, design, every) for design in _counted(job, progress)]
-    frames = 1 + max(len(clip.times) - 1 for clip in footage) // every
-    words = settings(job.scene, list(dict.fromkeys(clip.model for clip in footage)))
-    words += _of_their_own(job.members)
-    if len(footage) == 1:
-        return bounce.draw_bounce(footage[0], every, job.slow, words), frames, footage
-    return race.draw_race(footage, job.slow, words), frames, footage
-
-
-def _in_space(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
-    """Movie of walkers in space, as `_in_plane`."""
+def _draw(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+    """Movie of walkers: what draws its frames, their number, and what they show."""
     from walkergen.jobs.run.movie import above
 
     every = TRAIL if job.view == "above" else FINE
     shots = [shoot(job, design, every) for design in _counted(job, progress)]
     frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
-    words, lane = settings(job.scene, ["space"]), job.scene.arena.kind == "lane"
+    words, lane = settings(job.scene), job.scene.arena.kind == "lane"
     words += _of_their_own(job.members)
     if job.view == "perspective":
         from walkergen.jobs.run.movie import perspective
 
         return perspective.draw_perspective(shots[0], every, job.slow, words), frames, shots
-    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]), "space")
+    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]))
     gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
     return above.draw_above(shots, every, job.slow, words, period, gap), frames, shots
 
@@ -238,17 +207,8 @@ def _counted(job: Job, progress: Progress) -> Iterator[Design]:
         yield design
 
 
-def film(job: Job, design: Design, every: int) -> Footage:
-    """Simulate the ensemble's first run, with `every` poses for a frame, and its impacts."""
-    mass, prepared, interval = _prepared(job, design, every)
-    result = with_impacts(prepared, 0, sample_interval=interval)
-    footage = footage_of(design, mass, prepared, result)
-    _check(design, len(footage.times), every, result.outcome)
-    return footage
-
-
 def shoot(job: Job, design: Design, every: int) -> Shot:
-    """Simulate the ensemble's first run in space, with `every` poses for a frame."""
+    """Simulate the ensemble's first run, with `every` poses for a frame."""
     mass, prepared, interval = _prepared(job, design, every)
     shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
     _check(design, len(shot.times), every, shot.poses.outcome)
@@ -264,7 +224,7 @@ def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Pla
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
     prepared = prepare(scene, design, mass)
-    return mass, prepared if job.let_go is None else job.let_go(prepared), interval
+    return mass, prepared._replace(release=job.release), interval
 
 
 def _check(design: Design, frames: int, every: int, outcome: Outcome) -> None:
@@ -278,46 +238,6 @@ def title(design: Design) -> Title:
     return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
 
 
-def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
-    """What a recorded run shows, in the terms of the picture."""
-    samples = result.tally.samples
-    rows = samples.rows[: samples.cursor[0]]
-    column = dict(zip(plan.model.columns, rows[:, 1:].T, strict=False))
-    none = np.zeros(len(rows))
-    drive = plan.world.drive
-    places = np.column_stack([column["x_mm"] - column["x_mm"][:1], column["y_mm"]])
-    return Footage(
-        title=title(design),
-        model=plan.resolved.model,
-        shape=_shape(design, as_rigid(mass) if plan.resolved.model == "rigid" else mass),
-        times=rows[:, 0],
-        places=places,
-        pitch=column["pitch_rad"],
-        angles=np.column_stack([column.get(f"alpha_{side}_rad", none) for side in ("back", "front")]),
-        plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
-        phase=column["phase_rad"],
-        impacts=tuple(map(impact_of, impacts_of(result))),
-        ended="" if result.outcome is Outcome.OK else result.outcome.value,
-    )
-
-
-def _shape(design: Design, mass: MassProperties) -> Shape:
-    """Outline about the centre of mass that the simulated state follows."""
-    outline, planar = solids.outline(design), in_plane(design, mass)
-    return Shape(
-        from_centre(design, mass, outline.body),
-        tuple(_polygons(outline, design, limb) for limb in planar.limbs),
-        np.array([leg.anchor for leg in planar.mass.legs]),
-        np.array([limb.anchor_to_foot for limb in planar.limbs]),
-    )
-
-
-def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[Polygon, ...]:
-    """Polygons of a leg of the plane: those of the first leg that it stands for."""
-    alike = [own._replace(width=limb.width) for own in design.limbs]
-    return outline.limbs[alike.index(limb)]
-
-
 def _of_their_own(members: Sequence[Design]) -> str:
     """Addition to the settings where feet have a friction of their own; "" where none has."""
     limbs = [limb for design in members for limb in design.limbs]
@@ -327,12 +247,9 @@ def _of_their_own(members: Sequence[Design]) -> str:
     return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
 
 
-def settings(scene: Scene, models: Sequence[str]) -> str:
+def settings(scene: Scene) -> str:
     """Line that says what was simulated."""
     drive, contact = scene.drive, scene.contact
-    law = f"({contact.law})"
-    if "space" in models:
-        law = "(elastic feet)"
     shaken = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
         if 1e3 * drive.amplitude > AT_REST_UM
@@ -340,6 +257,6 @@ def settings(scene: Scene, models: Sequence[str]) -> str:
     )
     slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
     return (
-        f"{scene.name}: {shaken}; simulated: {', '.join(models)}, restitution "
-        f"{contact.restitution:g} {law}, friction {contact.friction:g}" + (slope if scene.plate.slope_deg else "")
+        f"{scene.name}: {shaken}; elastic feet, restitution {contact.restitution:g}, friction {contact.friction:g}"
+        + (slope if scene.plate.slope_deg else "")
     )

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY, INK, PLATE, SMALL, Canvas, Place, rounded_up
 from walkergen.jobs.run.movie import raster
-from walkergen.jobs.run.movie.footage import Impact, strongest
+from walkergen.jobs.run.movie.footage import Impact
 from walkergen.jobs.run.movie.impacts import (
     AFTERGLOW_S,
     LONGEST_STILL,
@@ -26,6 +26,7 @@ from walkergen.jobs.run.movie.impacts import (
     sheet,
     so_far,
     strip,
+    strongest,
 )
 from walkergen.jobs.run.movie.raster import Camera
 from walkergen.jobs.run.movie.shot import Array, Shot

@@ -8,7 +8,7 @@ from walkergen.jobs.run.movie.make import Job, Made
 def of(job: Job, film: Made) -> Report:
     """Report of a film that was made: a line a walker, then its files."""
     lines = []
-    for shot in film.footage:
+    for shot in film.shots:
         seconds, distance = shot.times[-1], shot.distance
         ended = f"; {shot.ended}" if shot.ended else ""
         lines.append(
@@ -21,13 +21,12 @@ def of(job: Job, film: Made) -> Report:
     walkers = [
         {
             "name": shot.name,
-            "model": shot.model,
             "seconds": shot.times[-1],
             "distance_mm": shot.distance,
             "impacts": len(shot.impacts),
             "ended": shot.ended,
         }
-        for shot in film.footage
+        for shot in film.shots
     ]
     facts = {
         "gif": str(film.gif),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class MovieRequest(request.Request):
     """Film a walker in slow motion, or several tilts running (GIF, and MP4).
 
-    A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
+    A walker is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
     --view above or --view perspective says otherwise.
     """
 
@@ -27,11 +27,9 @@ class MovieRequest(request.Request):
     periods: Annotated[float | None, Flag("Time to show, in periods of the drive.", "N")] = None
     slow: Annotated[float | None, Flag("Play N times slower than real time.", "N")] = None
     view: Annotated[
-        Literal["above", "perspective"] | None, Flag("How to see a walker in space: above or perspective.", "VIEW")
+        Literal["above", "perspective"] | None, Flag("How to see a walker: above or perspective.", "VIEW")
     ] = None
     fps: Annotated[int, Flag("Frames per second: 10, 20, 25 or 50.", "N")] = 25
-    model: request.Model = None
-    law: request.Law = None
     restitution: request.Restitution = None
     friction: request.Friction = None
     gamma: request.Gamma = None

@@ -38,11 +38,6 @@ class Shot(NamedTuple):
         return str(self.title)
 
     @property
-    def model(self) -> str:
-        """Model of the walker in the simulation."""
-        return "space"
-
-    @property
     def times(self) -> Array:
         """Times of the poses, shape (n,), s, from 0."""
         return self.poses.times

@@ -29,7 +29,6 @@ class PredictRequest(request.Request):
     gamma: request.Gamma = None
     frequency: request.Frequency = None
     mode: request.Mode = "coulomb"
-    law: request.Law = None
     text: request.Text = None
     mirror: request.Mirror = None
     set: request.Settings = {}
@@ -47,7 +46,6 @@ class PredictRequest(request.Request):
         given = self.inputs()
         design = given.design(self.design)
         scene = given.scene(request.ground(self.scene, [design]))
-        inputs.check_mode(self.mode, scene)
         members = given.members(design, self.tilt, self.legs, whole=False)
         masses, warnings = inputs.weighed(self.weights, members)
         report = make.predict(design, members, scene, self.mode, masses, self.uncertain, self.model, self.why, progress)

@@ -1,4 +1,4 @@
-"""Simulation of a walker: the speed of its runs and, in space, their motion and landings."""
+"""Simulation of a walker: the speed of its runs, their motion and landings."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -17,7 +17,6 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.points.walkers import Met
 from walkergen.scene import Scene
 from walkergen.simulation import resolution, trajectory
-from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.experiments import Results, Walker
 from walkergen.simulation.observables import SPEED
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
@@ -26,11 +25,11 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 MOST_S = 500.0
-"""Time of all runs together (s) up to which every landing in space is kept: 0.3 MB a second."""
+"""Time of all runs together (s) up to which every landing is kept: 0.3 MB a second."""
 
 
 class Simulated(NamedTuple):
-    """Results of a simulation; motion and landings belong to walkers in space."""
+    """Results of a simulation."""
 
     point: Results
     errors: Mapping[str, float | None]
@@ -39,7 +38,7 @@ class Simulated(NamedTuple):
     """Orbit that all runs share: they tell no error then, and the bounds are those of prints."""
     motion: Motion | None = None
     untold: str = ""
-    """Reason why a walker in space has no `motion`; "" when it has one."""
+    """Reason why there is no `motion`; "" when there is one."""
     landings: Sequence[Landings] = ()
     """Landings of each run that ended well; none where they were not kept."""
     legs: tuple[str, ...] = ()
@@ -56,16 +55,15 @@ class Simulated(NamedTuple):
 
 
 def asked(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
-    """Walker in a scene: with landings where it is in space, and samples `interval` s apart."""
-    in_space = resolve(scene, design, mass).model == "space"
+    """Walker in a scene: with landings of runs that are not too long, and samples `interval` s apart."""
     few = scene.run.runs * scene.run.seconds <= MOST_S
-    return Walker(scene, design, mass, impacts=in_space and few, sample_interval=interval)
+    return Walker(scene, design, mass, impacts=few, sample_interval=interval)
 
 
 def measure(
     walker: Walker, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED, expect: Expect = unheard
 ) -> Simulated:
-    """Simulate what is asked, and measure motion and landings of a walker in space.
+    """Simulate what is asked, and measure its motion and landings.
 
     With an error of the observable `of` as many runs as that needs, without landings; `expect` is told of their time
     once the first ones are made. Raises
@@ -81,7 +79,7 @@ def measure(
 
 
 def measured(point: Results, progress: Progress = silent) -> Simulated:
-    """What a simulated point says of shared orbits and, in space, of motion and landings."""
+    """What a simulated point says of shared orbits, of motion and landings."""
     walker = point.walker
     errors = resolution.errors(point.step_errors, point.summary)
     shared = orbit.of(point, progress)
@@ -89,8 +87,6 @@ def measured(point: Results, progress: Progress = silent) -> Simulated:
         point = point._replace(summary=orbit.of_prints(point.summary, shared))
         errors = dict.fromkeys(errors)
     simulated = Simulated(point, errors, shared)
-    if point.model != "space":
-        return simulated
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return simulated._replace(untold="no run ended well")

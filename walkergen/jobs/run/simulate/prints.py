@@ -75,7 +75,7 @@ def rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
     yield "error by the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
     yield "error of each short run", Quantity("statistical", "mm_s", spread.statistical_mm_s, 0.0)
     outcomes = ", ".join(f"{count} x {name}" for name, count in spread.outcomes.items())
-    yield "runs", f"model {spread.model}, a run a draw: {outcomes}"
+    yield "runs", f"a run a draw: {outcomes}"
     for note in notes(spread):
         yield "note", note
 
@@ -102,7 +102,6 @@ def _facts(spread: Uncertain) -> dict[str, Any]:
     low2, low1, high1, high2 = spread.bounds_mm_s
     unexplained = {"share": spread.unexplained, "se": spread.unexplained_se}
     return {
-        "model": spread.model,
         "draws": spread.draws,
         "outcomes": spread.outcomes,
         "speed_mm_s": spread.speed_mm_s,

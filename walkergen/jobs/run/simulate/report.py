@@ -46,7 +46,7 @@ LINES = (report.text("", "name"), Column("", _cell))
 FIRST = (
     "walker",
     "plate",
-    "model",
+    "contact",
     "left out",
     "kept",
     "mean speed",
@@ -77,7 +77,7 @@ class SimulationReport(Report):
 
     @property
     def motion(self) -> Motion | None:
-        """Motion of a walker in space: turning, persistence, spread; None where it is not known."""
+        """Motion of the walker: turning, persistence, spread; None where it is not known."""
         return self.simulated.motion
 
     @property
@@ -92,7 +92,7 @@ class SimulationReport(Report):
         """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
 
         What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
-        theta (rad) from above, then t_s and the model's own. The runs are simulated again. Raises
+        theta (rad) from above, then t_s and what a trajectory shows. The runs are simulated again. Raises
         InputError for more samples than can be kept.
         """
         if not 1e-3 <= rate_hz <= 1e7:
@@ -132,14 +132,7 @@ def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
 
 def _row(simulated: Simulated, design: Design) -> Table:
     """Table of the summary in one row; tables within it become columns with a dot."""
-    named = {
-        "name": design.name,
-        "tilt_deg": design.tilt_deg,
-        "legs": design.kind,
-        "scene": simulated.scene.name,
-        "model": simulated.point.model,
-        "method": simulated.point.method,
-    }
+    named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
     values = named | _flat(numbers.of_drive(simulated.point.summary._asdict(), simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
@@ -183,7 +176,7 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
 def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
     data: dict[str, Any]
-    data = tables.model_as_dict(simulated, scene) | simulated.point.summary._asdict()
+    data = tables.contact_as_dict(scene) | simulated.point.summary._asdict()
     data["partial"] = simulated.point.partial
     if simulated.motion is not None:
         data["motion"] = facts.of(simulated.motion)
@@ -205,7 +198,7 @@ def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     yield scene.drive.kind, tables.plate_in_words(scene)
-    yield "model", tables.model_in_words(simulated, scene)
+    yield "contact", tables.contact_in_words(scene)
     if simulated.simplest is not None:
         yield from simulated.simplest.lines
     yield "mean speed", _speed(simulated, scene)
@@ -237,8 +230,7 @@ def _speed(simulated: Simulated, scene: Scene) -> str:
         return "none: no run ended well"
     mean = summary.speed_mm_s
     speed = f"{words.fixed(mean, 2) if se is None else words.with_error(mean, se)} mm/s"
-    if simulated.point.model == "space":
-        speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
+    speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
     speed += tables.speed_by_step(simulated)
     if simulated.orbit is not None:
         return f"{speed}; {simulated.orbit.kind}: all runs end so, and tell no error"

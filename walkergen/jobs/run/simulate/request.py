@@ -39,8 +39,6 @@ class SimulateRequest(request.Request):
     legs: request.Kinds = None
     seconds: request.Seconds = None
     runs: request.Runs = None
-    model: request.Model = None
-    law: request.Law = None
     restitution: request.Restitution = None
     friction: request.Friction = None
     gamma: request.Gamma = None

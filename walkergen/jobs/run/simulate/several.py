@@ -26,8 +26,6 @@ class Row(NamedTuple):
     name: str
     tilt_deg: float
     legs: str
-    model: str
-    method: str
     predicted_mm_s: float | None
     theory_mm_s: float
     speed_mm_s: float | None
@@ -76,8 +74,6 @@ def each(found: Sequence[Simplest], progress: Progress) -> Iterator[Row]:
             name,
             walker.design.tilt_deg,
             walker.design.kind,
-            point.model,
-            point.method,
             predicted.speed_mm_s,
             predicted.theory_mm_s,
             summary.speed_mm_s,
@@ -147,7 +143,6 @@ def _ended(row: Row) -> str:
 COLUMNS = (
     Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
     report.text("legs", "legs"),
-    report.text("model", "model"),
     report.fixed("predicted\nmm/s", "predicted_mm_s", 1),
     Column("simulated\nmm/s", _speed, right=True),
     Column("95 %\nmm/s", _bounds, right=True),

@@ -18,26 +18,16 @@ def plate_in_words(scene: Scene) -> str:
     return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
-def model_in_words(simulated: Simulated, scene: Scene) -> str:
-    """Model of a simulation, and what it assumes of the contact."""
-    contact, model = scene.contact, simulated.point.model
-    law = feet_in_words(scene) if model == "space" else f"law of impact {contact.law}"
-    return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
+def contact_in_words(scene: Scene) -> str:
+    """Return what a simulation assumes of the contact."""
+    tips = "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
+    return f"{tips}, restitution {scene.contact.restitution:g}, friction {scene.contact.friction:g}"
 
 
-def feet_in_words(scene: Scene) -> str:
-    """Tips of the feet, as reports name them."""
-    return "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
-
-
-def model_as_dict(simulated: Simulated, scene: Scene) -> dict[str, Any]:
-    """Model, method and contact law of a simulation for JSON."""
-    named = {"model": simulated.point.model, "method": simulated.point.method}
-    contact = scene.contact
-    if simulated.point.model != "space":
-        return named | {"law": contact.law}
-    radius = None if scene.feet.rigid_tips else scene.feet.tip_radius_um
-    return named | {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
+def contact_as_dict(scene: Scene) -> dict[str, Any]:
+    """Return the same for JSON."""
+    radius, contact = None if scene.feet.rigid_tips else scene.feet.tip_radius_um, scene.contact
+    return {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
 
 
 def speed_by_step(simulated: Simulated) -> str:

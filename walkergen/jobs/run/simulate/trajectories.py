@@ -22,7 +22,6 @@ from walkergen.jobs.run.simulate import netcdf
 from walkergen.points import walkers
 from walkergen.simulation import trajectory
 from walkergen.simulation.experiments import Results, Walker
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker.design import Design
 
@@ -52,25 +51,13 @@ def of(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
     if not kept:
         trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
         (point,) = walkers.each([experiment], ["samples"], progress)
-    columns = prepare(experiment.scene, experiment.design, experiment.mass).model.columns
-    return with_film(trajectory.tracks(columns, point.results), experiment.sample_interval)
+    return with_film(trajectory.tracks(point.results), experiment.sample_interval)
 
 
 def with_film(trajectory: Trajectory, interval: float) -> Trajectory:
-    """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart.
-
-    A walker of a planar model runs along x: seen from above its y and theta are 0.
-    """
+    """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
     own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
-    none = np.zeros(len(trajectory.rows))
-    in_space = "theta_rad" in own  # in a plane y_mm is the height
-    film = (
-        np.rint(own["t_s"] / interval),
-        own["particle"],
-        own["x_mm"],
-        own["y_mm"] if in_space else none,
-        own["theta_rad"] if in_space else none,
-    )
+    film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
     ours = {name: values for name, values in own.items() if name != "particle"}
     return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
 
@@ -90,11 +77,10 @@ def to_xyz(written: Written) -> bytes:
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     size = written.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
-    height = own["height_mm"] if "height_mm" in own else own["y_mm"]
-    places = np.column_stack([own["x"], own["y"], height])
-    turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height))
+    places = np.column_stack([own["x"], own["y"], own["height_mm"]])
+    turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own["roll_rad"])
     box = _box(places, float(np.linalg.norm(half)))
-    none = np.zeros(len(height), np.int64)
+    none = np.zeros(len(places), np.int64)
     bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
     return extended_xyz.text(bodies, box).encode()
 

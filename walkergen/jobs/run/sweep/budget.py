@@ -62,7 +62,7 @@ def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | Non
 def check(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
     if request.model == PREDICTION:
-        raise InputError("--budget: predictions have no runs to add: --model compliant, or space")
+        raise InputError("--budget: predictions have no runs to add: --model space")
     if not request.kind.MEETS_ERRORS:
         raise InputError("--budget: is for speeds of one walker: set scene.run.runs of crowds")
     if request.space.points > MOST_POINTS:

@@ -19,7 +19,7 @@ from walkergen.jobs.trust.accuracy.step_law import Law
 from walkergen.numerics.tails import student
 from walkergen.points.tolerance import Tolerance
 from walkergen.simulation import resolution
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 
 STEPS = (1.25, 1.0, 0.5, 0.25, 0.1)
 """Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
@@ -101,7 +101,7 @@ class Advice(NamedTuple):
 
 
 def place(plan: Plan) -> Place:
-    """What the shipped data say of a plan of a walker in space."""
+    """What the shipped data say of a plan."""
     scene, design = plan.scene, plan.case.design
     every, measured = cells.read(), _measured(plan)
     tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
@@ -109,7 +109,7 @@ def place(plan: Plan) -> Place:
     cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
     cell = cell if any(row.share == REFERENCE for row in cell) else ()
     rows = [row for row in every if row.scene == (measured if cell else LANE)]
-    measured_us = _between(rows, lambda of: of[1.0].step_us or math.nan, tilt, restitution)
+    measured_us = _between(rows, lambda of: of[1.0].step_us, tilt, restitution)
     harder = measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
     if cell:
         harder = 1.0
@@ -151,7 +151,7 @@ def _measured(plan: Plan) -> str:
     from walkergen.walker.design import Design
 
     paper = templates.load(WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
-    if plan.case.design != paper or plan.resolved.model != "space":
+    if plan.case.design != paper:
         return ""
     for name in dict.fromkeys(row.scene for row in cells.read()):
         scene = templates.load(name, "scenes", Scene)
@@ -169,7 +169,7 @@ def _between(
     logarithmic: bool = False,
 ) -> float:
     """Number of a cell, linear in the tilt and the logarithm of the restitution between cells, constant beyond them."""
-    by_cell = {cell[0][1:3]: {row.share or 0.0: row for row in cell} for cell in step_law.in_space(rows)}
+    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.known_rows(rows)}
     tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 
     def number(own_tilt: float, own_restitution: float) -> float:
@@ -192,53 +192,20 @@ def advise(at: Place, wanted: Tolerance) -> Advice | str:
     """Cheapest setting that meets an error; the reason in a line where none does."""
     size = step_law.unit(at.speed, at.peak)
     allowed = wanted.value * size if wanted.relative else wanted.value
-    found = [*_planar(at, allowed), *_in_space(at, allowed)]
+    found = list(_offers(at, allowed))
     if not found:
         least = words.number(100.0 * at.law.bound(STEPS[-1]) / BIAS_PART, 2)
         return f"below {least} % the shipped cells know no step: simulate --error {wanted} finds its own"
     return min(found, key=lambda one: one.work)
 
 
-def _in_space(at: Place, allowed: float) -> Iterator[Advice]:
-    """Offers of the model in space."""
+def _offers(at: Place, allowed: float) -> Iterator[Advice]:
+    """Offers of all steps whose bias is within an error."""
     for step in STEPS:
         bias = at.law.bound(step) * step_law.unit(at.speed, at.peak)
         if bias <= BIAS_PART * allowed:
             us = None if step == 1.0 else float(f"{step * at.own_us:.3g}")
-            yield _offer(at, Setting("space", us), allowed, bias, at.variance_time, at.work(step))
-
-
-def _planar(at: Place, allowed: float) -> Iterator[Advice]:
-    """Offers of the models in a plane: only where they were measured beside the reference, here and in cells beside."""
-    for row in at.cell:
-        bound = None if row.model == "space" else _planar_bound(row, at)
-        if bound is not None and bound <= BIAS_PART * allowed:
-            yield _offer(at, Setting(row.model, None), allowed, bound, row.variance_time, row.work)
-
-
-def _planar_bound(row: Row, at: Place) -> float | None:
-    """Largest bias (95 %) of a planar model in this cell and those beside it, mm/s; None without a speed there.
-
-    In one cell errors of opposite signs may happen to cancel.
-    """
-    rows = [one for one in cells.read() if one.model == row.model]
-    tilts, restitutions = sorted({one.tilt_deg for one in rows}), sorted({one.restitution for one in rows})
-    shares = [
-        _bias(other, at.peak)
-        for other in rows
-        if abs(tilts.index(other.tilt_deg) - tilts.index(row.tilt_deg)) <= 1
-        and abs(restitutions.index(other.restitution) - restitutions.index(row.restitution)) <= 1
-    ]
-    return None if None in shares else max(filter(None, shares)) * step_law.unit(at.speed, at.peak)
-
-
-def _bias(row: Row, peak: float) -> float | None:
-    """Largest bias (95 %) of a row against its cell's reference, as a share; None without a speed."""
-    (true,) = (one for one in cells.read() if one.cell == row.cell and one.share == cells.REFERENCE)
-    if row.speed_mm_s is None or true.speed_mm_s is None or true.se_mm_s is None:
-        return None
-    error = math.hypot(row.se_mm_s or 0.0, true.se_mm_s)
-    return (abs(row.speed_mm_s - true.speed_mm_s) + 2.0 * error) / step_law.unit(true.speed_mm_s, peak)
+            yield _offer(at, Setting(us), allowed, bias, at.variance_time, at.work(step))
 
 
 def _offer(at: Place, setting: Setting, allowed: float, bias: float, variance_time: float, work: float) -> Advice:

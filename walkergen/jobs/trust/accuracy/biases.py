@@ -5,7 +5,7 @@ from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, order_in_words
 from walkergen.jobs.trust.accuracy.setting import Measured
 from walkergen.jobs.trust.accuracy.survey import NAMES, Survey
 from walkergen.numerics.quantity import Quantity
-from walkergen.simulation import observables, resolution
+from walkergen.simulation import observables
 
 RARE = 0.01
 """Share of a type of impact below which it is not studied."""
@@ -18,7 +18,7 @@ WITHIN = 0.05
 
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
-    """Measure the bias of every observable at every step of the complete model."""
+    """Measure the bias of every observable at every step."""
     finest, *coarser = survey.measure(survey.steps, progress)
     survey.reference(progress)
     rungs: list[Rung] = []
@@ -28,9 +28,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         if _told(true):
             own = [_rung(measured, true) for measured in coarser]
             rungs += own
-            notes.append(_note(survey, name, own))
-    if survey.complete != "space":
-        notes.append(f"Counts: {resolution.ENDLESS}.")
+            notes.append(_note(name, own))
     return Ladder(
         "observables",
         "Bias of everything that is printed against the step",
@@ -74,22 +72,17 @@ def _rung(measured: Measured, true: Quantity) -> Rung:
     )
 
 
-def _note(survey: Survey, name: str, rungs: list[Rung]) -> str:
+def _note(name: str, rungs: list[Rung]) -> str:
     """Order of an observable's bias, and the longest step that resolves it to WITHIN."""
-    longest = 1e6 * resolution.longest_step(survey.plan(survey.own))
     points = [
         (float(rung.details["step_us"] or 0.0), rung.error, rung.error_sd or 0.0) for rung in rungs
     ]  # finest first
-    # no order beyond the legs' swing
-    certain = [(step, error) for step, error, sd in points if step < longest and error is not None and error > 2.0 * sd]
+    certain = [(step, error) for step, error, sd in points if error is not None and error > 2.0 * sd]
     sentence = "no bias told from zero"
     if len(certain) >= 3:
         sentence = f"{order_in_words(*zip(*certain, strict=True))} of the {len(certain)} biases told from zero"
     elif certain:
         sentence = f"biases told from zero at {len(certain)} steps, too few for an order"
-    counted = name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}.")
-    if counted and survey.complete != "space":
-        return f"{name}: {sentence}; without limit, see below"
     resolving = 0.0
     for step, error, sd in points:
         if error is None or error + 2.0 * sd > WITHIN:

@@ -1,4 +1,4 @@
-"""Cells: what each model and step gave for the paper's walker on its plate, as measured and shipped.
+"""Cells: what each step gave for the paper's walker on its plate, as measured and shipped.
 
 cells.csv has a row for each setting of each cell: a scene, a tilt and a restitution of the feet.
 `python -m evidence.accuracy.measure` makes it again.
@@ -9,8 +9,6 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
-
-from walkergen.simulation.effects.effect import ModelName
 
 FILE = Path(__file__).with_suffix(".csv")
 
@@ -25,10 +23,9 @@ class Row(NamedTuple):
     tilt_deg: float
     restitution: float
     """Restitution of the feet."""
-    model: ModelName
-    share: float | None
-    """Step over that which resolves the feet; None for planar models, which have their own."""
-    step_us: float | None
+    share: float
+    """Step over that which resolves the feet."""
+    step_us: float
     speed_mm_s: float | None
     """Mean speed; None where runs did not end well."""
     se_mm_s: float | None
@@ -76,9 +73,8 @@ def _row(cells: dict[str, str]) -> Row:
         cells["scene"],
         float(cells["tilt_deg"]),
         float(cells["restitution"]),
-        cells["model"],  # type: ignore[arg-type]  # a name of a model
-        number("share"),
-        number("step_us"),
+        float(cells["share"]),
+        float(cells["step_us"]),
         number("speed_mm_s"),
         number("se_mm_s"),
         int(cells["runs"]),

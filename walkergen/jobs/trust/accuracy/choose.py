@@ -43,10 +43,8 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice | st
     """Choose the setting that meets the error in the least CPU time; the reason where none does.
 
     The 95 % bound of the bias and twice the standard error together stay within the error. A step
-    counts only if one twice as long (or the longest that is measured in space, where longer steps
+    counts only if one twice as long (or the longest that is measured, beyond which steps
     are refused) has a bias within the error as well: beyond the next step there may be a cliff.
-    Only the complete model is chosen of: where a simpler one has the same mean speed, errors of
-    opposite signs happen to cancel.
     """
     measurements = survey.measure(survey.steps, progress)
     reference = survey.reference(progress)
@@ -54,7 +52,7 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice | st
     offers = (
         _offer(survey, candidate, reference, error)
         for candidate in measurements
-        if _within(survey, _margin(survey, candidate, measurements), reference, error)
+        if _within(survey, _margin(candidate, measurements), reference, error)
     )
     choices = [offer for offer in offers if offer is not None]
     return (
@@ -69,7 +67,7 @@ def _too_fine(error: float, survey: Survey, reference: Measured, measurements: S
     """
     assert reference.speed.se is not None
     certainty = 2.0 * reference.speed.se
-    pairs = [(one, _margin(survey, one, measurements)) for one in measurements]
+    pairs = [(one, _margin(one, measurements)) for one in measurements]
     errors = [
         max(bias.se for bias in biases if bias is not None)
         for one, margin in pairs
@@ -87,7 +85,7 @@ def _too_fine(error: float, survey: Survey, reference: Measured, measurements: S
     return f"{problem}measure longer: walkergen accuracy ... --only steps --budget {budget}"
 
 
-def _margin(survey: Survey, candidate: Measured, measurements: Sequence[Measured]) -> Measured | None:
+def _margin(candidate: Measured, measurements: Sequence[Measured]) -> Measured | None:
     """Measurement that must be within the error for `candidate` to count: of a step twice as long.
 
     None where there is none. Steps on a ladder are rounded: 1.9 times as long is twice.
@@ -96,8 +94,7 @@ def _margin(survey: Survey, candidate: Measured, measurements: Sequence[Measured
     steps = {other.setting.step_us or 0.0: other for other in measurements}
     longer = sorted(other for other in steps if other > step)
     twice = [other for other in longer if other >= MARGIN * step]
-    if survey.complete == "space":
-        twice = twice or longer[-1:]
+    twice = twice or longer[-1:]
     return steps[twice[0]] if twice else None
 
 

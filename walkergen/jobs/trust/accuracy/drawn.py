@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 from walkergen.files import words
-from walkergen.jobs.trust.accuracy import advice, cells, pace, step_law
+from walkergen.jobs.trust.accuracy import advice, pace, step_law
 from walkergen.jobs.trust.accuracy.advice import STEPS, Advice, Place
 from walkergen.jobs.trust.accuracy.figures import Curve, Mark, Point, Shown
 from walkergen.jobs.trust.accuracy.ladder import Rung
@@ -20,7 +20,7 @@ BARS = "%"
 
 
 def of_place(place: Place, advised: Advised, title: str) -> Shown:
-    """What is shipped: curves of steps, biases of models measured in this cell, answers on this machine."""
+    """What is shipped: curves of steps, answers on this machine."""
     size, loop_s = step_law.unit(place.speed, place.peak), pace.pace()
     runs = advice.RUNS[0]
     curves = [
@@ -34,14 +34,7 @@ def of_place(place: Place, advised: Advised, title: str) -> Shown:
         for step in STEPS
     ]
     points = list(_points(place, advised, loop_s))
-    return Shown(
-        f"{title} ({place.known})",
-        BARS,
-        curves,
-        list(_marks(place, runs * (advice.SHORTEST_S + place.discard_s) * loop_s)),
-        points,
-        place.law.floor,
-    )
+    return Shown(f"{title} ({place.known})", BARS, curves, [], points, place.law.floor)
 
 
 def _points(place: Place, advised: Advised, loop_s: float) -> Iterator[Point]:
@@ -58,17 +51,6 @@ def _points(place: Place, advised: Advised, loop_s: float) -> Iterator[Point]:
         yield Point(found.error / size, found.work * loop_s, told)
 
 
-def _marks(place: Place, each_s: float) -> Iterator[Mark]:
-    """Biases of the planar models in a cell, at the cost of the shortest runs."""
-    true = [row for row in place.cell if row.share == cells.REFERENCE]
-    for row in place.cell:
-        if row.model != "space" and row.speed_mm_s is not None and true and true[0].speed_mm_s is not None:
-            size = step_law.unit(true[0].speed_mm_s, place.peak)
-            bias = abs(row.speed_mm_s - true[0].speed_mm_s) / size
-            se = ((row.se_mm_s or 0.0) ** 2 + (true[0].se_mm_s or 0.0) ** 2) ** 0.5 / size
-            yield Mark(row.model, each_s * row.work, bias, se)
-
-
 def of_survey(
     survey: Survey,
     measurements: Sequence[Measured],
@@ -77,17 +59,16 @@ def of_survey(
     formulas: Iterable[Rung],
     title: str,
 ) -> Shown:
-    """What a survey has measured: curves of the complete model, biases of all others, answers by this budget."""
+    """What a survey has measured: curves of all steps, their biases, answers by this budget."""
     unit = survey.unit(reference)
     curves, marks = [], []
     for measured in measurements:
         bias, bound = survey.bias(measured, reference), survey.bound(measured, reference)
         if bias is None or bound is None:
             continue
-        if measured.setting.model == survey.complete:
-            starts = measured.runs * measured.discard_seconds
-            variance = measured.variance_time() / unit.size**2
-            curves.append(Curve(measured.setting.label, bound / unit.size, variance, measured.cpu_per_s, starts))
+        starts = measured.runs * measured.discard_seconds
+        variance = measured.variance_time() / unit.size**2
+        curves.append(Curve(measured.setting.label, bound / unit.size, variance, measured.cpu_per_s, starts))
         if measured.setting != reference.setting:
             sizes = abs(bias.size) / unit.size, bias.se / unit.size
             marks.append(Mark(measured.setting.label, measured.cpu_s, *sizes))

@@ -86,9 +86,8 @@ def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], Non
         target.claim()
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
-                if measure is not models.frames or survey.complete == "space":
-                    ladders.append(_measured(measure, survey, part(progress, place, len(job.only))))
-                    made = written()
+                ladders.append(_measured(measure, survey, part(progress, place, len(job.only))))
+                made = written()
         if {*job.only} & ANSWERING:
             from walkergen.files import figures
 
@@ -121,12 +120,11 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     """
     answering = bool({*only} & ANSWERING)
     settings = [*survey.steps, survey.own] if answering else []
-    settings += survey.simpler if "models" in only else []
     others: list[str] = []
     if "statistics" in only:
         settings += [survey.steps[0], survey.own]
         others += ["statistics"]
-    if "steps" in only and survey.complete == "space":
+    if "steps" in only:
         others += ["steps-short", "frames"]
     survey.others = {name: OTHERS[name][0] for name in others}
     survey.scheduled = list(dict.fromkeys(settings))
@@ -147,7 +145,7 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
 def at_once(design: Design, scene: Scene, folder: Path) -> Report:
     """Answer from what is shipped and the pace of this machine; nothing but that is simulated.
 
-    Raises InputError where the model in space does not know the walker in the scene.
+    Raises InputError where the scene contradicts itself or the walker.
     """
     title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
     answers = shipped.answers(shipped.place_of(design, scene), title)
@@ -172,7 +170,6 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
     before = [shipped.answer(place, error) for error in errors]
     rows, unmet = report.marked([_answer(survey, old, progress) for old in before], survey.scene.run.accepted_error)
     rungs = list(models.formulas(survey, reference))
-    simpler = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
     refined = [str(row.error) for row in rows if row.known == NOW]
     lines = [
         f"truth: {models.certificate(survey, progress)}",
@@ -185,7 +182,7 @@ def _answers(survey: Survey, title: str, progress: Progress) -> Answers:
         from walkergen.jobs.trust.accuracy import drawn
         from walkergen.jobs.trust.accuracy.figures import choice_figure
 
-        return choice_figure(drawn.of_survey(survey, [*measurements, *simpler], reference, rows, rungs, title))
+        return choice_figure(drawn.of_survey(survey, measurements, reference, rows, rungs, title))
 
     return Answers(rows, lines, draw)
 

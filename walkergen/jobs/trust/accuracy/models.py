@@ -1,4 +1,4 @@
-"""Ladders of settings: what each model leaves out, what each step costs and errs, by the mean speed."""
+"""Ladders of settings: what formulas leave out, what each step costs and errs, by the mean speed."""
 
 from collections.abc import Iterator
 
@@ -16,12 +16,6 @@ from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import stationary
 
-TITLES = (
-    "What each model of the walker leaves out, and what it costs",
-    "What the plane and the law of impact cost in truth, and what space costs in time",
-)
-"""Titles of the ladder of models: in a plane, in space."""
-
 FRAMES = (4, 12, 24, 48)
 """Steps for which pose and contact directions are frozen."""
 
@@ -33,18 +27,18 @@ FRAMES_WEIGHT = 0.3
 
 
 def models(survey: Survey, progress: Progress) -> Ladder:
-    """Measure the bias of every model against the complete model, and its cost.
+    """Measure the bias of formulas and of the own step against the finest, and their cost.
 
     The bias of formulas depends on the scene's impact_speed_factor, which they cannot predict.
     """
     reference = survey.reference(progress)
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
-    rungs += [_rung(survey, one, reference) for one in survey.measure([*survey.simpler, survey.own], progress)]
-    left_out = [reason for reason in (*survey.refusals.values(), _unknown_to_theory(survey)) if reason]
+    rungs += [_rung(survey, one, reference) for one in survey.measure([survey.own], progress)]
+    unknown = _unknown_to_theory(survey)
     return Ladder(
         "models",
-        TITLES[survey.complete == "space"],
+        "What formulas cost in truth, and what the simulation costs in time",
         f"bias of the mean speed, {unit.name}",
         f"CPU time for a mean speed known to {unit.fine:.2g} mm/s (one standard error), s",
         certificate(survey, progress),
@@ -52,7 +46,7 @@ def models(survey: Survey, progress: Progress) -> Ladder:
         (
             "A formula takes microseconds because it is given the impact speed w, here "
             f"{survey.scene.impact_speed:.3g} mm/s, which a simulation finds out.",
-            *(f"Left out: {reason}" for reason in left_out),
+            *([f"Left out: {unknown}"] if unknown else []),
         ),
     )
 
@@ -85,7 +79,7 @@ def steps(survey: Survey, progress: Progress) -> Ladder:
 
 
 def frames(survey: Survey, progress: Progress) -> Ladder:
-    """Measure the bias of the mean speed in space against the length of frozen frames, at the own step."""
+    """Measure the bias of the mean speed against the length of frozen frames, at the own step."""
     reference = survey.reference(progress)
     unit, true = survey.unit(reference), reference.speed
     assert true.value is not None
@@ -158,11 +152,11 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     unit, true = survey.unit(reference), reference.speed
     assert true.value is not None
     assert true.se is not None
-    own: Mode = "paper" if contact.law == "poisson" and design.alike else "coulomb"
+    own: Mode = "paper" if design.alike else "coulomb"
     for mode in dict.fromkeys((own, "coulomb")):
 
         def factor(mode: Mode = mode) -> float:
-            formula = stationary(design, survey.mass, contact.restitution, contact.friction, mode, contact.law)
+            formula = stationary(design, survey.mass, contact.restitution, contact.friction, mode)
             return float(formula.factor)
 
         speed = factor() * w
@@ -176,7 +170,7 @@ def _unknown_to_theory(survey: Survey) -> str:
     """Reason for which the formula has no speed of this walker; "" where it has."""
     contact = survey.scene.contact
     try:
-        stationary(survey.design, survey.mass, contact.restitution, contact.friction, law=contact.law)
+        stationary(survey.design, survey.mass, contact.restitution, contact.friction)
     except TheoryError as refused:
         return f"formula: {refused}"
     return ""
@@ -192,7 +186,7 @@ def _rung(survey: Survey, measured: Measured, reference: Measured, own: Details 
         "outcomes": measured.outcomes,
     }
     return Rung(
-        measured.setting.series,
+        "simulation",
         measured.setting.label,
         None if bias is None else abs(bias.size) / unit.size,
         None if bias is None else bias.se / unit.size,

@@ -16,7 +16,7 @@ from walkergen.files import output, templates
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
 from walkergen.simulation.experiments import Walker
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import compile_kernels, simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design

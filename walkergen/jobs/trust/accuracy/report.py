@@ -20,7 +20,7 @@ MOST_ROWS = 60
 """Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
 
 
-ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by the model's own step or a finer"
+ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by its own step or a finer"
 
 
 class Answer(NamedTuple):

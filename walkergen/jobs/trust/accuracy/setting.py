@@ -4,37 +4,24 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from walkergen.numerics.quantity import Quantity
-from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.observables import SPEED
 
 
 class Setting(NamedTuple):
     """Choice of how to simulate."""
 
-    model: ModelName
     step_us: float | None
-    """Time step, us; None for the model's own, or where it has none."""
+    """Time step, us; None for the one that resolves the feet."""
 
     @property
     def label(self) -> str:
         """Name of the setting in tables and figures."""
-        step = "" if self.step_us is None else f" {self.step_us:g} us"
-        return f"{self.series}{step}"
-
-    @property
-    def series(self) -> str:
-        """Name of all settings that differ in the step alone."""
-        return f"{self.model}, {METHODS[self.model]}"
+        return "own step" if self.step_us is None else f"step {self.step_us:g} us"
 
     @property
     def flags(self) -> str:
         """Options of the command line that select the setting."""
-        step = "" if self.step_us is None else f" --step {self.step_us:g}"
-        return f"--model {self.model}{step}"
-
-
-PLANAR = Setting("rigid", None), Setting("relaxed", None), Setting("compliant", None)
-"""Settings of the models in a plane, with a law of impact; braced walkers have the first."""
+        return "own step" if self.step_us is None else f"--step {self.step_us:g}"
 
 
 class Measured(NamedTuple):

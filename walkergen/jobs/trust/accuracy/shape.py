@@ -132,8 +132,7 @@ def errors_of(weighed: MassProperties, true: MassProperties, design: Design, sce
     """
     contact = scene.contact
     predicted, true_prediction = (
-        stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
-        for mass in (weighed, true)
+        stationary(design, mass, contact.restitution, contact.friction, "coulomb") for mass in (weighed, true)
     )
     size = max(*(abs(float(foot)) for foot in true_prediction.feet), 1e-300)
 

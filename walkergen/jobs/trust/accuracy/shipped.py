@@ -11,8 +11,7 @@ from walkergen.jobs.trust.accuracy.report import Answer, Answers
 from walkergen.points import expected, tolerance
 from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import ENDED_WELL, compile_kernels, simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -33,13 +32,12 @@ LAW = "law"
 
 
 def place_of(design: Design, scene: Scene) -> Place:
-    """What is shipped of a walker in a scene, by the model in space; of what is scaled a second is simulated.
+    """What is shipped of a walker in a scene; of what is scaled a second is simulated.
 
-    Raises InputError where that model does not know the walker.
+    Raises InputError where the scene contradicts itself or the walker.
     """
-    legs, run = (scene.legs.model_copy(update={"model": "space"}), scene.run.model_copy(update={"step_us": None}))
-    in_space = scene.model_copy(update={"legs": legs, "run": run})
-    plan = prepare(in_space, design, solids.mass_of(design))
+    run = scene.run.model_copy(update={"step_us": None})
+    plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
     place = advice.place(plan)
     return place if place.cell else _with_a_second(place, plan)
 

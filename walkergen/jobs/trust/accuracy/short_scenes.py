@@ -10,25 +10,18 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.trust.accuracy.ladder import Details, Ladder, Rung, cpu_time, order_in_words
-from walkergen.jobs.trust.accuracy.setting import Setting
-from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.jobs.trust.accuracy.survey import OWN, Survey
 from walkergen.simulation import record
-from walkergen.simulation.compliant import steps
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import ENDS, FIRST_TURN
-from walkergen.simulation.space import state as space
-from walkergen.simulation.world import OK, PITCH, State, X, Y
+from walkergen.simulation.space.state import HEIGHT, PITCH, SHOWN_X
+from walkergen.simulation.world import OK, State
 
 Array = npt.NDArray[np.float64]
 
-PARTS: Sequence[float] = (500, 1000, 2000, 5000, 10_000, 20_000)
-EXACT_PARTS = 200_000
-"""Numbers of steps per period of the drive in a plane, and that of the reference."""
-
 SHARES: Sequence[float] = (1.5, 1.2, 1.0, 0.7, 0.5, 0.35, 0.25)
 EXACT_SHARE = 1.0 / 32.0
-"""Steps in space over that which resolves the feet, and that of the reference."""
+"""Steps over that which resolves the feet, and that of the reference."""
 
 DROPS, FEWEST_DROPS = 32, 8
 """Landings over which the mean error is taken, where the budget allows, and those that still
@@ -44,7 +37,7 @@ STEEP_DEG = 10.0
 """Slope of the sliding scene beyond the angle of friction, deg."""
 
 WEIGHT = 0.05
-"""Weight of the ladder in the survey's budget in space, where all settings together have 1."""
+"""Weight of the ladder in the survey's budget, where all settings together have 1."""
 
 
 class Short(NamedTuple):
@@ -56,7 +49,7 @@ class Short(NamedTuple):
     claimed: str
     """Claimed order of the error of the mean in the step."""
     stepped: Callable[[float], Plan]
-    """Plan by its fineness: one of PARTS in a plane, of SHARES in space."""
+    """Plan by its step, one of SHARES."""
     amplitude: float
     """Amplitude of its plate, mm: the unit of its errors."""
 
@@ -67,38 +60,31 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     Errors are those of the mean over a scene's starts, so that the instants at which landings lie
     inside a step average out as they do in long runs.
     """
-    if survey.complete == "space":
-        drops = min(max(int(survey.take("steps-short") / _landing_s(survey)), FEWEST_DROPS), DROPS)
-        scenes, series = [_sliding(survey), _landings(survey, drops)], ""
-        finenesses, exact = SHARES, EXACT_SHARE
-        reference = f"steps {1.0 / EXACT_SHARE:g} times finer than what resolves the feet"
-    else:
-        scenes, series = [_dropped(survey, *of) for of in DROPPED], f": {survey.own.series}"
-        finenesses, exact = PARTS, EXACT_PARTS
-        reference = f"{EXACT_PARTS} steps a period, {EXACT_PARTS // PARTS[-1]} times the finest here"
+    drops = min(max(int(survey.take("steps-short") / _landing_s(survey)), FEWEST_DROPS), DROPS)
+    scenes = [_sliding(survey), _landings(survey, drops)]
     rungs: list[Rung] = []
     notes = []
     for number, scene in enumerate(scenes):
         progress(scene.name, number, len(scenes))
-        true = _ends(survey, scene, scene.stepped(exact))
-        own = [_rung(survey, scene, scene.stepped(fineness), true, scene.name + series) for fineness in finenesses]
+        true = _ends(survey, scene, scene.stepped(EXACT_SHARE))
+        own = [_rung(survey, scene, scene.stepped(share), true) for share in SHARES]
         steps_us = [float(rung.details["step_us"] or 0.0) for rung in own]
         measured = order_in_words(steps_us, [rung.error or np.nan for rung in own])
-        notes.append(f"{scene.name}{series}: {measured}, claimed {scene.claimed}")
+        notes.append(f"{scene.name}: {measured}, claimed {scene.claimed}")
         rungs += own
     return Ladder(
         "steps-short",
         "Error of the mean over short scenes against the step",
         "error of the mean place, share of the drive's amplitude",
         "CPU time of the scene, s",
-        reference,
+        f"steps {1.0 / EXACT_SHARE:g} times finer than what resolves the feet",
         rungs,
         notes,
     )
 
 
 def least(survey: Survey) -> float:
-    """Wall time of the short scenes in space with the fewest drops, s."""
+    """Wall time of the short scenes with the fewest drops, s."""
     return FEWEST_DROPS * _landing_s(survey)
 
 
@@ -107,39 +93,23 @@ def _landing_s(survey: Survey) -> float:
     return PASSES * 0.5 / survey.scene.drive.frequency * survey.rate(survey.own)
 
 
-DROPPED = (("first landing", 0.5), ("two periods", 2.0))
-"""Scenes in a plane, and the periods of the drive that they last."""
-
-
-def _dropped(survey: Survey, name: str, periods: float) -> Short:
-    """Drop the walker in a plane at a phase of 4 rad."""
-    plan = survey.plan(survey.own)
-    drive = plan.world.drive
-    starts = [plan.start(drive.amplitude, FIRST_TURN, 4.0)]
-
-    def stepped(parts: float) -> Plan:
-        return plan._replace(world=plan.world._replace(options=steps.Options(drive.period / parts)))
-
-    return Short(name, starts, periods * drive.period, "2 in the step", stepped, drive.amplitude)
-
-
 def _sliding(survey: Survey) -> Short:
     """Slide down a slope from rest, on a plate too calm to throw the walker."""
-    scene = survey.scene_of(Setting("space", None))
+    scene = survey.scene_of(OWN)
     drive = {"frequency_hz": scene.drive.frequency, "gamma": 0.3}
     slope = min(float(np.degrees(np.arctan(scene.contact.friction))) + STEEP_DEG, 59.0)
     tables = scene.model_dump(exclude_none=True) | {"drive": drive, "plate": {"slope_deg": slope}}
     plan = prepare(type(scene).model_validate(tables), survey.design, survey.mass)
-    fine = _in_space(survey, plan)(0.25)
+    fine = _stepped(survey, plan)(0.25)
     state = plan.start(0.0, 0.0, 1.0)
     fine.advance(state, SETTLED_S, record.new(len(state)))
     claimed = "2: nothing begins or ends in a step"
-    return Short("sliding", [state], SLIDE_S, claimed, _in_space(survey, plan), plan.world.drive.amplitude)
+    return Short("sliding", [state], SLIDE_S, claimed, _stepped(survey, plan), plan.world.drive.amplitude)
 
 
 def _landings(survey: Survey, drops: int) -> Short:
     """Drop the walker over half a period, from many heights, pitches, rolls and phases."""
-    plan = survey.plan(Setting("space", None))
+    plan = survey.plan(OWN)
     drive, rng = plan.world.drive, np.random.default_rng(1)
     starts = [
         plan.start(
@@ -151,11 +121,11 @@ def _landings(survey: Survey, drops: int) -> Short:
         for _ in range(drops)
     ]
     claimed = "1: contacts close inside a step"
-    return Short("landings", starts, 0.5 * drive.period, claimed, _in_space(survey, plan), drive.amplitude)
+    return Short("landings", starts, 0.5 * drive.period, claimed, _stepped(survey, plan), drive.amplitude)
 
 
-def _in_space(survey: Survey, plan: Plan) -> Callable[[float], Plan]:
-    """Function that gives the plan in space with a share of the step that resolves the feet."""
+def _stepped(survey: Survey, plan: Plan) -> Callable[[float], Plan]:
+    """Function that gives the plan with a share of the step that resolves the feet."""
 
     def stepped(share: float) -> Plan:
         run = plan.scene.run.model_copy(update={"step_us": max(share * survey.resolving_us, 0.01)})
@@ -166,19 +136,18 @@ def _in_space(survey: Survey, plan: Plan) -> Callable[[float], Plan]:
 
 def _ends(survey: Survey, scene: Short, plan: Plan) -> Array:
     """Place, height and pitch (mm at the feet) at the ends of a scene, shape (starts, 3)."""
-    at = [space.SHOWN_X, space.HEIGHT, space.PITCH] if survey.complete == "space" else [X, Y, PITCH]
     ends, started = [], time.perf_counter()
     for start in scene.starts:
         state = start.copy()
         status = plan.advance(state, scene.seconds, record.new(len(state)))
         if status != OK:
             raise InputError(f"the short scene {scene.name!r} ends as {ENDS[status].value}: try a weaker drive")
-        ends.append(state[at])
+        ends.append(state[[SHOWN_X, HEIGHT, PITCH]])
     survey.budget.pay(time.perf_counter() - started)
     return np.asarray(np.array(ends) * (1.0, 1.0, 0.5 * survey.design.foot_span))
 
 
-def _rung(survey: Survey, scene: Short, plan: Plan, true: Array, series: str) -> Rung:
+def _rung(survey: Survey, scene: Short, plan: Plan, true: Array) -> Rung:
     step_us = 1e6 * plan.world.options.step
     off = (_ends(survey, scene, plan) - true) / scene.amplitude
     sizes = np.abs(off.mean(axis=0))
@@ -186,4 +155,4 @@ def _rung(survey: Survey, scene: Short, plan: Plan, true: Array, series: str) ->
     se = float(off[:, worst].std(ddof=1) / np.sqrt(len(off))) if len(off) > 1 else None
     seconds = cpu_time(lambda: _ends(survey, scene, plan), repeats=3)
     details: Details = {"step_us": step_us, "each": float(np.sqrt((off**2).mean(axis=0)).max())}
-    return Rung(series, f"step {step_us:.3g} us", float(sizes[worst]), se, seconds, details)
+    return Rung(scene.name, f"step {step_us:.3g} us", float(sizes[worst]), se, seconds, details)

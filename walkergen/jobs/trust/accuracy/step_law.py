@@ -1,4 +1,4 @@
-"""Law of the step's bias: what the cells say together of how far a step in space leaves the speed off.
+"""Law of the step's bias: what the cells say together of how far a step leaves the speed off.
 
 Chaos scatters a cell's speeds by more than most steps shift them, so cells are taken together: within each the
 speeds by all steps are a straight line in a power of the step, whose slope over the speed is the cell's answer.
@@ -63,16 +63,16 @@ def unit(speed: float, peak: float) -> float:
     return max(abs(speed), FEWEST_AT_ALL * peak)
 
 
-def in_space(rows: Iterable[Row]) -> list[list[Row]]:
-    """Rows of the model in space with a speed and its error, cell by cell, finest step first."""
-    known = [row for row in rows if row.model == "space" and row.speed_mm_s is not None and row.se_mm_s]
+def known_rows(rows: Iterable[Row]) -> list[list[Row]]:
+    """Rows with a speed and its error, cell by cell, finest step first."""
+    known = [row for row in rows if row.speed_mm_s is not None and row.se_mm_s]
     return [list(cell) for _, cell in groupby(known, key=lambda row: row.cell)]
 
 
 @cache
 def laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
     """Law of slow walkers (True) and of the others, from cells whose plate has a peak speed, mm/s."""
-    every = [cell for cell in in_space(cells.read() if rows is None else rows) if cell[0].share == REFERENCE]
+    every = [cell for cell in known_rows(cells.read() if rows is None else rows) if cell[0].share == REFERENCE]
     slow: dict[bool, list[list[Row]]] = {True: [], False: []}
     for cell in every:
         slow[is_slow(cell[0].speed_mm_s or 0.0, peak)].append(cell)
@@ -106,7 +106,7 @@ def _slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
 
 def _line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
     """Slope of a cell's speeds over the step to a power, as a share, its error, chi-square and freedom."""
-    steps = np.array([row.share or REFERENCE for row in cell]) ** power
+    steps = np.array([row.share for row in cell]) ** power
     speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
     design = np.column_stack([np.ones_like(steps), steps]) / errors[:, None]
     covariance = np.linalg.inv(design.T @ design)

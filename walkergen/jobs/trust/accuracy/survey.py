@@ -1,4 +1,4 @@
-"""Survey of a walker in a scene: speeds and all else by every model and step, measured once each."""
+"""Survey of a walker in a scene: speeds and all else by every step, measured once each."""
 
 import math
 import os
@@ -11,27 +11,24 @@ from walkergen.analysis.tracks import of_places
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.trust.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
-from walkergen.jobs.trust.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
+from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
-from walkergen.scene import Arena, Scene
+from walkergen.scene import Scene
 from walkergen.simulation import ensemble, experiments, observables, resolution
-from walkergen.simulation.effects.effect import ModelName
-from walkergen.simulation.effects.resolve import resolve, without_space
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Results
-from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
-"""Numbers of steps per period of the drive at which the compliant model is measured."""
+OWN = Setting(None)
+"""Setting by the step that resolves the feet."""
 
-STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.25, 1.6)
-"""Steps over that which resolves the feet, at which the model in space is measured."""
+STEPS = (0.25, 0.5, 1.0, 1.25, 1.6)
+"""Steps over that which resolves the feet, which are measured."""
 
 FINEST_SHARE, CERTIFYING_SHARE = 0.3, 0.15
 """Shares of the CPU budget for the finest step and for that next to it, which certifies it."""
@@ -61,8 +58,7 @@ class Survey:
         """Weights of what else is to be simulated within the budget; all settings together: 1."""
         self.measured: dict[Setting, Measured] = {}
         self._rates: dict[Setting, float] = {}
-        self.complete = complete(scene)
-        self.scheduled = [*self.steps, *self.simpler]
+        self.scheduled = self.steps
         """Settings that are to be measured within the budget."""
 
     @property
@@ -72,46 +68,21 @@ class Survey:
 
     @property
     def steps(self) -> list[Setting]:
-        """Settings of the complete model, finest step first, which is the reference."""
-        if self.complete == "space":
-            steps_us = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
-        else:
-            period = 1e6 / self.scene.drive.frequency
-            steps_us = [_round(period / part) for part in STEPS_PER_PERIOD]
+        """Settings of all steps, the finest first, which is the reference."""
+        steps_us = [_round(share * self.resolving_us) for share in STEPS]
         inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us)
-        return [Setting(self.complete, step) for step in inside]
+        return [Setting(step) for step in inside]
 
     @cached_property
     def resolving_us(self) -> float:
-        """Step that resolves elastic feet, us: the default of the model in space."""
-        run = self.scene.run.model_copy(update={"step_us": None})
-        scene = self.scene.model_copy(update={"run": run})
-        plan = prepare(_as(scene, Setting("space", None)), self.design, self.mass)
-        return float(1e6 * plan.world.options.step)
+        """Step that resolves elastic feet, us."""
+        return float(1e6 * self.plan(OWN).world.options.step)
 
     @property
     def own(self) -> Setting:
-        """Setting of the complete model with the scene's own step."""
+        """Setting of the scene's own step."""
         step = self.scene.run.step_us
-        if step is None and self.complete == "space":
-            step = _round(self.resolving_us)
-        return Setting(self.complete, step)
-
-    @property
-    def simpler(self) -> list[Setting]:
-        """Settings of the models that leave something out, and know this walker."""
-        return [setting for setting in self._planar if not self.refusals.get(setting.model)]
-
-    @property
-    def _planar(self) -> list[Setting]:
-        planar = PLANAR[:1] if self.design.rigid else PLANAR
-        return [setting for setting in planar if setting.model != self.complete]
-
-    @cached_property
-    def refusals(self) -> dict[str, str]:
-        """Reasons for which planar models do not know this walker, by model; "" where one does."""
-        models = [setting.model for setting in self._planar]
-        return {model: refusal(self.scene, self.design, self.mass, model) for model in models}
+        return Setting(_round(self.resolving_us) if step is None else step)
 
     def plan(self, setting: Setting) -> Plan:
         """The plan of a setting."""
@@ -175,7 +146,7 @@ class Survey:
         return self.budget.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
 
     def reference(self, progress: Progress) -> Measured:
-        """Measure the setting that counts as true: the finest step of the complete model.
+        """Measure the setting that counts as true: the finest step.
 
         Raises InputError when it gives no speed with an error bar.
         """
@@ -221,8 +192,7 @@ class Survey:
         biases = [
             self.bias(finer, reference)
             for finer in self.measured.values()
-            if finer.setting.model == measured.setting.model
-            and (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
+            if (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
         ]
         sizes = (math.inf if bias is None else bias.certain for bias in biases)
         return max(sizes, default=0.0)
@@ -230,12 +200,13 @@ class Survey:
     def share(self, setting: Setting) -> float:
         """Weight of a setting in the budget; of all settings together: 1."""
         shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
-        others = {*self.steps, *self.simpler} - shares.keys()
+        others = {*self.steps} - shares.keys()
         return shares.get(setting, (1.0 - sum(shares.values())) / len(others))
 
     def scene_of(self, setting: Setting, **run: float) -> Scene:
         """Scene with a setting, and with other values of its [run]."""
-        return _as(self.scene, setting, **run)
+        changed = self.scene.run.model_copy(update={"step_us": setting.step_us, **run})
+        return self.scene.model_copy(update={"run": changed})
 
     def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
         scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
@@ -277,36 +248,6 @@ def _observed(point: Results, lane: bool) -> dict[str, tuple[float | None, float
         named = ((name, estimates[key]) for name, key in MOTION.items())
         quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
     return quantities
-
-
-def complete(scene: Scene) -> ModelName:
-    """Model that counts as the truth: the compliant one where a scene names it, else in space."""
-    return "compliant" if scene.legs.model == "compliant" else "space"
-
-
-def refusal(scene: Scene, design: Design, mass: MassProperties, model: ModelName) -> str:
-    """Reason for which a planar model does not know a walker; "" where it does."""
-    try:
-        resolve(_as(scene, Setting(model, None)), design, mass)
-    except InputError as refused:
-        return str(refused)
-    return ""
-
-
-def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
-    """Scene with a setting, and with other values of its [run].
-
-    Planar models run in a lane, without what only the model in space knows.
-    """
-    step: dict[str, float | None] = {"step_us": setting.step_us} if setting.step_us else {}
-    if setting.step_us is None and setting.model != scene.legs.model:
-        step = {"step_us": None}
-    changed = scene.run.model_copy(update={**step, **run})
-    legs = scene.legs.model_copy(update={"model": setting.model})
-    if setting.model == "space":
-        return scene.model_copy(update={"run": changed, "legs": legs})
-    lane = Arena(length_mm=scene.arena.length_mm)
-    return without_space(scene).model_copy(update={"run": changed, "legs": legs, "arena": lane})
 
 
 def _round(value: float) -> float:

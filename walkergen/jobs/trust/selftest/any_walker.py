@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import Array, advance, scene_of, shaken
+from walkergen.jobs.trust.selftest.scenes import Array, advance, shaken
 from walkergen.jobs.trust.selftest.space_scenes import apart, quarter_turned, survives, thrown, unslowed
 from walkergen.printing.export import stl_bytes
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.scene import Scene
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.space.model import mirrored
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -49,11 +49,11 @@ def _design(legs: Any, **tables: Any) -> Design:
 
 def _plan(design: Design, mass: MassProperties | None = None, arena: str = "plane") -> Plan:
     """Plan of a design in space, shaken at 1.8 g."""
-    scene = scene_of("space", arena={"kind": arena}, drive=shaken(1.8))
+    scene = Scene.model_validate({"arena": {"kind": arena}, "drive": shaken(1.8)})
     return prepare(scene, design, solids.mass_of(design) if mass is None else mass)
 
 
-def _images(model: str) -> Iterator[Check]:
+def _images() -> Iterator[Check]:
     """Check that the mirror image of a walker on three unlike legs runs exactly the other way."""
     design = _design(list(THREE))
     turned = [leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE[::-1]]
@@ -83,7 +83,7 @@ def _mirrored_mass(mass: MassProperties) -> MassProperties:
     return mass._replace(legs=legs, spatial=whole)
 
 
-def _listed(model: str) -> Iterator[Check]:
+def _listed() -> Iterator[Check]:
     """Check that two equal legs run to the last bit alike, listed one by one or not."""
     ends: list[Array] = []
     for legs in ({"tilt_deg": 10.0}, [{"tilt_deg": 10.0, "along_mm": x} for x in (-6.5, 6.5)]):
@@ -95,12 +95,12 @@ def _listed(model: str) -> Iterator[Check]:
     yield exactly("[legs] against [[legs]]: the same bits", same)
 
 
-def _smooth(model: str) -> Iterator[Check]:
+def _smooth() -> Iterator[Check]:
     """Check that own frictions of 0 leave the scene's without effect."""
     yield unslowed(_plan(_design([leg | {"friction": 0.0} for leg in THREE])), RUN)
 
 
-def _survivors(model: str) -> Iterator[Check]:
+def _survivors() -> Iterator[Check]:
     """Check runs of walkers of every kind: a physical end, every energy accounted for."""
     for about, design, arena in (
         ("three unlike legs", _design(list(THREE)), "plane"),
@@ -115,7 +115,7 @@ def _on_disc() -> list[dict[str, Any]]:
     return [{"along_mm": x, "width_mm": 6.0} for x in (-5.0, 5.0)]
 
 
-def _disc(model: str) -> Iterator[Check]:
+def _disc() -> Iterator[Check]:
     """Check that a disc has no corners: on an endless plane it runs alike in every direction."""
     plan = _plan(_design(_on_disc(), body=DISC))
     reach = float(np.abs(plan.world.walker.corners[:, [0, 2]]).max())
@@ -132,7 +132,7 @@ def _disc(model: str) -> Iterator[Check]:
     yield Check("quarter turn, mm", apart(quarter_turned(state), turned), 1e-9, GROWN)
 
 
-def _forty(model: str) -> Iterator[Check]:
+def _forty() -> Iterator[Check]:
     """Check a walker on forty legs, which stands on all of them at once."""
     legs = [
         {"along_mm": -12.0 + 1.25 * k, "across_mm": z, "width_mm": 2.0, "length_mm": 3.0}
@@ -146,7 +146,7 @@ def _forty(model: str) -> Iterator[Check]:
     yield from survives(plan, thrown(plan), 4e-3, "forty legs", BALANCE)
 
 
-def _mesh(model: str) -> Iterator[Check]:
+def _mesh() -> Iterator[Check]:
     """Check that a box read from a file runs as the same box given by its lengths."""
     box = solids.build(Design()).body
     with tempfile.TemporaryDirectory() as folder:

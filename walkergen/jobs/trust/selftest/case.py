@@ -1,15 +1,11 @@
-"""Hard cases: something to run, the models to run it on, what must hold, and the one way to run them."""
+"""Hard cases: something to run, what must hold, and the one way to run them."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from walkergen.simulation.effects import effect
-
-SPACE, IMPACT_LAW, GEOMETRY = ("space",), ("impact law",), ("geometry",)
-
-METHODS: Mapping[str, str] = {**effect.METHODS, "impact law": "closed form", "geometry": "solids"}
-"""Methods of what cases run on: of models, and of parts of them."""
+SPACE, IMPACT_LAW, GEOMETRY = "space", "impact law", "geometry"
+"""What cases run on: the model in space, and parts of it."""
 
 
 class Check(NamedTuple):
@@ -28,27 +24,26 @@ class Check(NamedTuple):
 
 
 class Case(NamedTuple):
-    """Hard case, for every model to which it applies."""
+    """Hard case."""
 
     name: str
     section: str
     """Section of docs/physics.md ("6.4"), or "geometry"."""
     source: str
     """Where the right value comes from, outside this code: a law, a closed form, a publication."""
-    runs_on: tuple[str, ...]
-    """Models on which the case runs, or parts of them."""
-    check: Callable[[str], Iterator[Check]]
-    """Function of the model that yields the checks."""
+    on: str
+    """What it runs on: SPACE, IMPACT_LAW or GEOMETRY."""
+    check: Callable[[], Iterator[Check]]
+    """Function that yields the checks."""
 
 
 class Result(NamedTuple):
-    """Result of a case on one model."""
+    """Result of a case."""
 
     section: str
     case: str
     source: str
-    model: str
-    method: str
+    on: str
     checks: tuple[Check, ...]
     """Checks that were made before an error, or all of them."""
     error: str
@@ -66,21 +61,21 @@ class Result(NamedTuple):
         return not (self.error or self.failing)
 
 
-def result_of(case: Case, model: str, checks: Sequence[Check], error: str, seconds: float) -> Result:
+def result_of(case: Case, checks: Sequence[Check], error: str, seconds: float) -> Result:
     """Return the result of a case from its checks."""
-    return Result(case.section, case.name, case.source, model, METHODS[model], tuple(checks), error, seconds)
+    return Result(case.section, case.name, case.source, case.on, tuple(checks), error, seconds)
 
 
-def run_case(case: Case, model: str) -> Result:
-    """Run a case on a model; an error that it raises is reported as its failure."""
+def run_case(case: Case) -> Result:
+    """Run a case; an error that it raises is reported as its failure."""
     started, checks, error = time.perf_counter(), list[Check](), ""
     try:
-        checks.extend(case.check(model))
+        checks.extend(case.check())
     except Exception as raised:  # any error at all: the table must name it
         error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
     if not (checks or error):
         error = "it checked nothing"
-    return result_of(case, model, checks, error, time.perf_counter() - started)
+    return result_of(case, checks, error, time.perf_counter() - started)
 
 
 def exactly(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:

@@ -1,18 +1,6 @@
-"""Catalogue of the hard cases of `walkergen selftest`: closed forms, space and geometry, and one of 1e5 s.
+"""Catalogue of the hard cases of `walkergen selftest`: closed forms, space and geometry."""
 
-The others of planar models test the code, not a machine: tests/hard.
-"""
-
-from walkergen.jobs.trust.selftest import (
-    any_walker,
-    bounces,
-    geometry,
-    impacts,
-    meshes,
-    space,
-    space_contact,
-    space_rest,
-)
+from walkergen.jobs.trust.selftest import any_walker, geometry, impacts, meshes, space, space_contact, space_rest
 from walkergen.jobs.trust.selftest.case import Case
 
 
@@ -22,7 +10,7 @@ def _place(case: Case) -> tuple[int, ...]:
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
 
-_MODULES = impacts, bounces, space, space_contact, space_rest, any_walker, geometry, meshes
+_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry, meshes
 
 CASES: tuple[Case, ...] = tuple(sorted((case for module in _MODULES for case in module.CASES), key=_place))
 """Every case, sorted by the section of docs/physics.md that it answers."""

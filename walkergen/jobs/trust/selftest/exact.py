@@ -1,25 +1,21 @@
 """Impact law in exact rational arithmetic: the rival of the compiled law.
 
 Velocities are followed along the normal impulse from event to event (stop of the slip, end of
-compression, end of the impact), as docs/physics.md section 3 says, without a rounding. Stronge's
-law needs a square root and has no place here.
+compression, end of the impact), as docs/physics.md section 3 says, without a rounding.
 """
 
 from fractions import Fraction
-
-from walkergen.theory.impact import Law
 
 Tensor = tuple[float, float, float]
 
 
 def follow(
-    H: Tensor, velocity: tuple[float, float], restitution: float, friction: float, law: Law
+    H: Tensor, velocity: tuple[float, float], restitution: float, friction: float
 ) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """Impulse (F_x, F_y), and velocity (v_x, v_y) after, by Poisson's or Newton's law."""
+    """Impulse (F_x, F_y), and velocity (v_x, v_y) after, by Poisson's law."""
     xx, xy, yy = (Fraction(entry) for entry in H)
     v_x, v_y = (Fraction(component) for component in velocity)
     e, mu = Fraction(restitution), Fraction(friction)
-    rebound = -e * v_y
     p = F_x = Fraction(0)
     p_end: Fraction | None = None
     while True:
@@ -31,12 +27,13 @@ def follow(
         if v_y < 0 and s_y > 0:
             steps.append((-v_y / s_y, "compressed"))
         if v_y >= 0:
-            steps.append(((rebound - v_y) / s_y if law == Law.NEWTON or p_end is None else p_end - p, "end"))
+            assert p_end is not None
+            steps.append((p_end - p, "end"))
         dp, event = min(steps)
         p, F_x, v_y = p + dp, F_x + ratio * dp, v_y + s_y * dp
         v_x = Fraction(0) if event == "stop" else v_x + s_x * dp
         if event == "compressed":
-            p_end = (1 + e) * p if law == Law.POISSON else None
+            p_end = (1 + e) * p
         if event == "end":
             return F_x, p, v_x, v_y
 

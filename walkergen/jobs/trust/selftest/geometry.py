@@ -108,14 +108,14 @@ def _refused(what: str, word: str, body: dict[str, Any] | None = None, **legs: A
     return Check(f"{what}: refused as '{word}'", 1, 0, EXACT)
 
 
-def _thin_legs(model: str) -> Iterator[Check]:
+def _thin_legs() -> Iterator[Check]:
     thin: dict[str, Any] = {f"{part}_thickness_mm": 0.05 for part in ("flexible", "braced")}
     thin["brace_thickness_mm"] = 0.03
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -45.0))
     return _all_sound(_design(kind=k, foot=f, tilt_deg=t, **thin) for k, f, t in combinations)
 
 
-def _thick_legs(model: str) -> Iterator[Check]:
+def _thick_legs() -> Iterator[Check]:
     thick = {"flexible_thickness_mm": 5.0, "braced_thickness_mm": 5.0}
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -30.0), (3.0, 0.05))
     return _all_sound(
@@ -123,7 +123,7 @@ def _thick_legs(model: str) -> Iterator[Check]:
     )
 
 
-def _coplanar_brace(model: str) -> Iterator[Check]:
+def _coplanar_brace() -> Iterator[Check]:
     """Check an upright brace: it lies in the leg, and if as thick has the leg's sides."""
     tilts = (0.0, -0.0, 1e-12, -1e-12, 1e-7)
     for foot, tilt, brace in itertools.product(FEET, tilts, (0.5, 1.0 - 1e-12)):
@@ -139,7 +139,7 @@ def _coplanar_brace(model: str) -> Iterator[Check]:
     yield _relative("upright braced walker: J", float(frozen.J), density * second, 1e-12, ROUNDING)
 
 
-def _opening_window(model: str) -> Iterator[Check]:
+def _opening_window() -> Iterator[Check]:
     """Check the tilt at which leg and brace first part: an edge of no width at the top."""
     for foot, tilt in itertools.product(FEET, (10.0, -40.0)):
         start = _design(kind="braced", foot=foot, tilt_deg=tilt)
@@ -149,7 +149,7 @@ def _opening_window(model: str) -> Iterator[Check]:
             yield from _sound(_design(kind="braced", foot=foot, tilt_deg=tilt, length_mm=length * (1.0 + part)))
 
 
-def _flush(model: str) -> Iterator[Check]:
+def _flush() -> Iterator[Check]:
     """Check a leg's side in the body's end face: built at the limit, refused an ulp beyond."""
     for kind, foot in itertools.product(KINDS, FEET):
         design = _design(kind=kind, foot=foot, tilt_deg=0.0)
@@ -160,7 +160,7 @@ def _flush(model: str) -> Iterator[Check]:
         yield _refused(f"{_name(design)}: an ulp beyond", "leaves the body", short, **legs)
 
 
-def _anchor_at_edge(model: str) -> Iterator[Check]:
+def _anchor_at_edge() -> Iterator[Check]:
     """Check the tilt at which an anchor's leg reaches the body's edge: built there, not beyond."""
     for kind, foot, tilt in itertools.product(KINDS, FEET, (10.0, 45.0, -30.0)):
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": tilt}
@@ -175,7 +175,7 @@ def _anchor_at_edge(model: str) -> Iterator[Check]:
         yield _refused(what, "leaves the body", {"length_mm": edge}, **legs)
 
 
-def _refusals(model: str) -> Iterator[Check]:
+def _refusals() -> Iterator[Check]:
     """Check refusals of parts that touch or vanish, also exactly at the limit, without volume."""
     yield _refused("feet as far apart as they are wide", "run into each other", tilt_deg=0.0, contact_spacing_mm=0.4)
     yield _refused("round feet on a leg of no side", "no side left", foot="round", tilt_deg=0.0, length_mm=0.2)
@@ -204,7 +204,7 @@ def _scaled(design: Design, scale: float) -> Design:
     return Design.model_validate(data)
 
 
-def _any_size(model: str) -> Iterator[Check]:
+def _any_size() -> Iterator[Check]:
     for kind, foot, scale in itertools.product(KINDS, FEET, (1e-3, 1e3)):
         design = _design(kind=kind, foot=foot)
         scaled = _scaled(design, scale)
@@ -215,7 +215,7 @@ def _any_size(model: str) -> Iterator[Check]:
             yield _relative(f"{_name(design)} x {scale:g}: {what}", value, reference * scale**power, 1e-12, ROUNDING)
 
 
-def _far_away(model: str) -> Iterator[Check]:
+def _far_away() -> Iterator[Check]:
     """Check weighing a kilometre away: without a local origin inertias lose all their digits."""
     reason = "1e6 mm away a coordinate is rounded to 1e-10 mm, 3e-10 of a leg's thickness"
     for scale in (1e-3, 1.0, 1e3):
@@ -232,7 +232,7 @@ def _far_away(model: str) -> Iterator[Check]:
             yield Check(f"{what}: centre, mm / {scale:g}", off, 1e-9, reason)
 
 
-def _round_feet(model: str) -> Iterator[Check]:
+def _round_feet() -> Iterator[Check]:
     """Check arcs from two edges to four thousand: never larger than the circle's."""
     for tilt in (0.0, 20.0, -45.0):
         design = _design(foot="round", tilt_deg=tilt)
@@ -249,7 +249,7 @@ def _round_feet(model: str) -> Iterator[Check]:
         yield Check(f"{_name(design)}: not of second order", abs(ratio - 16.0), 0.5, reason)
 
 
-def _mirrored(model: str) -> Iterator[Check]:
+def _mirrored() -> Iterator[Check]:
     for kind, foot, tilt in itertools.product(KINDS, FEET, (1e-12, 17.0, 60.0)):
         pair = [_design(kind=kind, foot=foot, tilt_deg=sign * tilt) for sign in (1.0, -1.0)]
         left, right = (mass.weigh(solids.build(design).walker, 1.0) for design in pair)

@@ -15,14 +15,11 @@ from walkergen.jobs.trust.selftest import catalogue
 from walkergen.jobs.trust.selftest.case import Case, Result, result_of, run_case
 from walkergen.points import worker_pool
 
-Job = tuple[Case, str]
-"""Case, and the model to run it on."""
 
+def choose(only: str | None) -> list[Case]:
+    """Select the cases whose section is `only` or lies below it, or whose name contains it.
 
-def choose(only: str | None) -> list[Job]:
-    """Select the jobs whose section is `only` or lies below it, or whose case's name contains it.
-
-    All jobs for None. Raises InputError when there is none.
+    All cases for None. Raises InputError when there is none.
     """
     cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
     if not cases:
@@ -31,7 +28,7 @@ def choose(only: str | None) -> list[Job]:
         near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
         hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
         raise InputError(f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}")
-    return [(case, model) for case in cases for model in case.runs_on]
+    return cases
 
 
 def _named(case: Case, only: str) -> bool:
@@ -40,38 +37,35 @@ def _named(case: Case, only: str) -> bool:
     return bool(word) and (below or word in case.name.lower())
 
 
-def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
-    """Run jobs; results in their order, and whether all were run: Ctrl-C keeps those finished."""
+def run(cases: Sequence[Case], progress: Progress) -> tuple[list[Result], bool]:
+    """Run cases; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     results: dict[int, Result] = {}
-    progress("kernels", 0, len(jobs))
-    workers = min(worker_pool.cores(), len(jobs))
-    alone = ((index, run_case(*job)) for index, job in enumerate(jobs))
+    progress("kernels", 0, len(cases))
+    workers = min(worker_pool.cores(), len(cases))
+    alone = ((index, run_case(case)) for index, case in enumerate(cases))
     try:
-        for index, result in alone if workers == 1 else _run_in_processes(jobs, workers):
+        for index, result in alone if workers == 1 else _run_in_processes(cases, workers):
             results[index] = result
-            progress(f"{result.case}, {result.model}", len(results), len(jobs))
+            progress(result.case, len(results), len(cases))
     except KeyboardInterrupt:
         pass  # reported by the second value
-    return [results[index] for index in sorted(results)], len(results) == len(jobs)
+    return [results[index] for index in sorted(results)], len(results) == len(cases)
 
 
-def _run_in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Result]]:
-    """Yield results as they come. The first jobs of each model go first, so that no two compile the same."""
-    first = {model: index for index, (_, model) in reversed(list(enumerate(jobs)))}
-    order = sorted(range(len(jobs)), key=lambda index: first[jobs[index][1]] != index)
+def _run_in_processes(cases: Sequence[Case], workers: int) -> Iterator[tuple[int, Result]]:
+    """Yield results as they come. The first cases of each kind go first, so that no two compile the same."""
+    first = {case.on: index for index, case in reversed(list(enumerate(cases)))}
+    order = sorted(range(len(cases)), key=lambda index: first[cases[index].on] != index)
     with worker_pool.local(workers) as pool:
-        futures = {
-            pool.executor.submit(_run_named, case.name, model): index
-            for index, (case, model) in ((index, jobs[index]) for index in order)
-        }
+        futures = {pool.executor.submit(_run_named, cases[index].name): index for index in order}
         for future in as_completed(futures):
             index = futures[future]
             try:
                 yield index, future.result()
             except BrokenProcessPool:
-                yield index, result_of(*jobs[index], (), "its process, or one beside it, died", 0.0)
+                yield index, result_of(cases[index], (), "its process, or one beside it, died", 0.0)
 
 
-def _run_named(name: str, model: str) -> Result:
+def _run_named(name: str) -> Result:
     (case,) = [case for case in catalogue.CASES if case.name == name]
-    return run_case(case, model)
+    return run_case(case)

@@ -30,7 +30,7 @@ def _cylinder(sections: int, radius: float, height: float) -> Mesh:
     return Mesh(np.vstack([rim, rim + up, np.zeros(3), up]), np.concatenate([np.column_stack(side) for side in sides]))
 
 
-def _slivers(model: str) -> Iterator[Check]:
+def _slivers() -> Iterator[Check]:
     radius, height = 11.0, 2.0
     turn = 2.0 * math.pi / SECTIONS
     area = 0.5 * SECTIONS * radius**2 * math.sin(turn)
@@ -58,7 +58,7 @@ def _extents(mesh: Mesh) -> list[Fraction]:
     return [Fraction(float(b)) - Fraction(float(a)) for a, b in zip(low, high, strict=True)]
 
 
-def _thin_walls(model: str) -> Iterator[Check]:
+def _thin_walls() -> Iterator[Check]:
     """Check a box with a cavity that leaves walls of 1e-9 mm: its difference of two boxes' moments."""
     for wall in (1e-3, 1e-6, 1e-9):
         outer = _box((20.0, 6.0, 8.0))
@@ -77,7 +77,7 @@ def _thin_walls(model: str) -> Iterator[Check]:
         yield Check(f"walls of {wall:g} mm: inertia, relative", turned, limit, reason)
 
 
-def _coincident(model: str) -> Iterator[Check]:
+def _coincident() -> Iterator[Check]:
     """Check unions whose faces lie in one plane: whole, in part, one inside the other, and but for an ulp."""
     size = (20.0, 6.0, 8.0)
     for name, place, volume in (

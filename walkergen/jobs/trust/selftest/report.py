@@ -17,23 +17,19 @@ def of(results: Sequence[Result], whole: bool) -> Report:
     rows = [row for result in results for row in _rows(result)]
     held = sum(result.holds for result in results)
     failed = len(results) - held
-    cases, checks = ({result.case for result in results}, sum(len(result.checks) for result in results))
+    checks = sum(len(result.checks) for result in results)
     return Report(
         name="selftest",
         title="Hard cases",
         tables=[Table("selftest", rows, KEYS, report.every(KEYS, WORDS))],
         facts={"rows": [_facts(result) for result in results], "held": held, "failed": failed, "partial": not whole},
-        lines=[
-            "sections: docs/physics.md",
-            f"{len(cases)} hard cases in {len(results)} runs of a model, {checks} checks: "
-            f"{held} runs hold, {failed} fail",
-        ],
+        lines=["sections: docs/physics.md", f"{len(results)} hard cases, {checks} checks: {held} hold, {failed} fail"],
     )
 
 
 def _rows(result: Result) -> Iterator[tuple[str, ...]]:
     """Rows of what fails; of the tightest check where nothing does."""
-    start = (result.section, result.case, result.model, result.source, str(len(result.checks)))
+    start = (result.section, result.case, result.on, result.source, str(len(result.checks)))
     if result.error:
         yield (*start, result.error, "", "", "FAILED")
         return

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, masses, plan_of, scaled, scene_of, shaken
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, masses, plan_of, scaled, shaken
 from walkergen.jobs.trust.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
+from walkergen.scene import Scene
 from walkergen.simulation import record
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import Outcome, simulate
 from walkergen.simulation.space.state import (
     C_X,
@@ -56,7 +56,7 @@ TALL = 1e8
 """Height (mm) from which it falls in the meantime."""
 
 
-def _images(model: str) -> Iterator[Check]:
+def _images() -> Iterator[Check]:
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
@@ -68,7 +68,7 @@ def _images(model: str) -> Iterator[Check]:
             yield Check(f"{title}: {name}, mm", apart(image_of(state), image), 1e-9, GROWN)
 
 
-def _held(model: str) -> Iterator[Check]:
+def _held() -> Iterator[Check]:
     """Check that roll and yaw come from rounding alone, and not at all when they are off."""
     for contact in CONTACTS:
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
@@ -86,7 +86,7 @@ def _held(model: str) -> Iterator[Check]:
             )
 
 
-def _tiny_roll(model: str) -> Iterator[Check]:
+def _tiny_roll() -> Iterator[Check]:
     """Check that no rule for ties decides: the first landings answer in proportion to the roll."""
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
@@ -111,10 +111,10 @@ def _tiny_roll(model: str) -> Iterator[Check]:
         )
 
 
-def _top(model: str) -> Iterator[Check]:
+def _top() -> Iterator[Check]:
     """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
-    scene = scene_of("space", drive=STILL, arena={"kind": "plane"}, run={"step_us": SHORT_US})
+    scene = Scene.model_validate({"drive": STILL, "arena": {"kind": "plane"}, "run": {"step_us": SHORT_US}})
     plan = prepare(scene, design, masses(design))
     state = plan.start(TALL, 0.0, 0.0)
     state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
@@ -148,7 +148,7 @@ def _momentum(plan: Plan, state: Array) -> Array:
     return np.asarray(body + q * twice + np.cross(v, twice))
 
 
-def _turned(model: str) -> Iterator[Check]:
+def _turned() -> Iterator[Check]:
     """Check a million turns of the heading, in what is shown and in the rotation itself."""
     turns = 2.0 * math.pi * 1_000_000
     for contact in CONTACTS:
@@ -173,7 +173,7 @@ def _turned(model: str) -> Iterator[Check]:
         yield Check(f"{title}: turned itself, mm", apart(rotated, state), 1e-6, f"4e-10 rad of start; {GROWN}")
 
 
-def _far(model: str) -> Iterator[Check]:
+def _far() -> Iterator[Check]:
     """Check a start 2^30 mm along the plate: only where it is may know of it."""
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
@@ -188,7 +188,7 @@ def _far(model: str) -> Iterator[Check]:
         yield exactly(f"{title}: all else to the bit", bool(np.array_equal(far, state)))
 
 
-def _powers_of_two(model: str) -> Iterator[Check]:
+def _powers_of_two() -> Iterator[Check]:
     """Check lengths x 4^n and times x 2^n: the scaled problem has the scaled result to the last bit.
 
     Every length of the code, of steps and tolerances too, must then be in units of walker and plate.
@@ -197,7 +197,7 @@ def _powers_of_two(model: str) -> Iterator[Check]:
     for power in (0, -5, -4, -1, 1, 4, 5):
         length, seconds = 4.0**power, 2.0**power
         # A given step: its own follows from powers of 0.4 and 2/3, which scale to rounding only
-        plan = scaled(model, length, {"step_us": 16.0 * seconds}, arena={"kind": "plane"})
+        plan = scaled(length, {"step_us": 16.0 * seconds}, arena={"kind": "plane"})
         state = plan.start(0.0625 * length, 4e-3, 1.0, 1e-3)
         state[[V_X, V_Z]] = 12.0 * seconds, 3.0 * seconds
         state[W_Y] = 0.25 / seconds
@@ -215,9 +215,9 @@ def _powers_of_two(model: str) -> Iterator[Check]:
             yield Check(f"lengths x 4^{power}: state after 0.25 s x 2^{power}", off, 0.0, "exact: powers of two")
 
 
-def _upright(model: str) -> Iterator[Check]:
+def _upright() -> Iterator[Check]:
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
-    plan = plan_of(model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
+    plan = plan_of(0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25}, run=runs)
     results = [simulate(plan, number) for number in range(8)]
     yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
     speeds = np.array([result.speed for result in results])

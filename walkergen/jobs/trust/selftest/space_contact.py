@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.trust.selftest.scenes import STILL, advance, design_of, masses, scene_of, shaken
+from walkergen.jobs.trust.selftest.scenes import STILL, advance, design_of, masses, shaken
 from walkergen.jobs.trust.selftest.space_scenes import (
     apart,
     deepest_of,
@@ -17,7 +17,7 @@ from walkergen.jobs.trust.selftest.space_scenes import (
     thrown,
     unslowed,
 )
-from walkergen.scene import GRAVITY, PAPER_CONTACT
+from walkergen.scene import GRAVITY, PAPER_CONTACT, Scene
 from walkergen.simulation import record
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
@@ -38,12 +38,12 @@ BALANCE = 1e-2, "second order in the steps, of landings inside a step; up to 2e-
 CUT = 0.1, "where no modes of the contacts agree in a step, forces are cut to the cone: some percent in one step"
 
 
-def _smooth(model: str) -> Iterator[Check]:
+def _smooth() -> Iterator[Check]:
     plan = in_space(drive=shaken(1.8), contact={"friction": 0.0, "restitution": 0.5})
     yield unslowed(plan, RUN)
 
 
-def _rough(model: str) -> Iterator[Check]:
+def _rough() -> Iterator[Check]:
     for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
         for label in (0.02, 0.5, 1.0):
             plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
@@ -51,7 +51,7 @@ def _rough(model: str) -> Iterator[Check]:
             yield from survives(plan, thrown(plan), RUN, title, CUT if friction > 1.0 else BALANCE)
 
 
-def _without_slip(model: str) -> Iterator[Check]:
+def _without_slip() -> Iterator[Check]:
     """Check a landing at a tangential velocity of exactly zero: the limit of slow slips."""
     for friction in (0.1, 0.25, 2.0):
         plan = in_space(drive=STILL, contact={"friction": friction, "restitution": 0.5})
@@ -71,7 +71,7 @@ def _without_slip(model: str) -> Iterator[Check]:
         )
 
 
-def _lossless(model: str) -> Iterator[Check]:
+def _lossless() -> Iterator[Check]:
     """Check that free bounces of undamped smooth feet gain no energy, and lose little of it by the step."""
     for tilt in (5.0, 10.0, 20.0, 35.0):
         own = 1e6 * in_space(tilt, drive=shaken(1.8)).world.options.step
@@ -118,7 +118,7 @@ def _changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
     return changes
 
 
-def _stiffness(model: str) -> Iterator[Check]:
+def _stiffness() -> Iterator[Check]:
     tips: dict[str, dict[str, Any]] = {
         "tips a hundred times softer": {"plate": {"youngs_modulus_gpa": 0.0167}},
         "tips a hundred times stiffer": {"feet": {"tip_radius_um": 5e4}},
@@ -129,18 +129,19 @@ def _stiffness(model: str) -> Iterator[Check]:
         yield from survives(plan, thrown(plan), RUN, title, BALANCE)
 
 
-def _frozen(model: str) -> Iterator[Check]:
+def _frozen() -> Iterator[Check]:
     """Check joints without give: inverse mass and motion of the same walker without joints, on a soft plate."""
     tilt, modulus = 20.0, 9000.0
-    design = design_of("space", tilt)
+    design = design_of(tilt)
     stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
-    scene = scene_of(
-        "space",
-        drive=STILL,
-        arena={"kind": "plane"},
-        contact={"restitution": 0.5},
-        plate={"youngs_modulus_gpa": 0.1},
-        run={"step_us": 1.0},
+    scene = Scene.model_validate(
+        {
+            "drive": STILL,
+            "arena": {"kind": "plane"},
+            "contact": {"restitution": 0.5},
+            "plate": {"youngs_modulus_gpa": 0.1},
+            "run": {"step_us": 1.0},
+        }
     )
     loose = prepare(scene, stiff, masses(stiff))
     case = loose.case._replace(mass=as_rigid(masses(stiff)))
@@ -169,7 +170,7 @@ def _frozen(model: str) -> Iterator[Check]:
     )
 
 
-def _corner_of_lane(model: str) -> Iterator[Check]:
+def _corner_of_lane() -> Iterator[Check]:
     """Check edges that touch a wall in the step in which feet touch the plate."""
     for label in (0.02, 0.5, 1.0):
         plan = in_space(

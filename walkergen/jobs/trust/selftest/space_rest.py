@@ -11,7 +11,7 @@ from walkergen.jobs.trust.selftest.scenes import HALF, STILL, Array, advance, sh
 from walkergen.jobs.trust.selftest.space_scenes import CALM, apart, in_space, settled, wound_up
 from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation import record
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.space.state import (
     C_Y,
@@ -46,7 +46,7 @@ FIRST_RATE, FRICTION = 20.0, 0.25
 """Rate (rad/s) of the spin, and the friction that stops it."""
 
 
-def _spin(model: str) -> Iterator[Check]:
+def _spin() -> Iterator[Check]:
     """Check a spin on four corners against Coulomb friction on the circle through them."""
     for tilt in (0.0, 10.0, 20.0):
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
@@ -99,7 +99,7 @@ def _awake(plan: Plan, state: Array, seconds: float) -> None:
         advance(plan, state, AWAKE)
 
 
-def _stands(model: str) -> Iterator[Check]:
+def _stands() -> Iterator[Check]:
     for tilt in (0.0, 10.0, 20.0, 35.0):
         for height in (0.0, RAISED):
             plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
@@ -117,7 +117,7 @@ def _stands(model: str) -> Iterator[Check]:
             )
 
 
-def _long_rest(model: str) -> Iterator[Check]:
+def _long_rest() -> Iterator[Check]:
     """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
     for gamma in (AT_REST, 0.5):
         plan = in_space(
@@ -140,7 +140,7 @@ def _long_rest(model: str) -> Iterator[Check]:
         yield Check(f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding")
 
 
-def _rights_itself(model: str) -> Iterator[Check]:
+def _rights_itself() -> Iterator[Check]:
     for tilt in (0.0, 10.0):
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet

@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.jobs.trust.selftest.case import Check
 from walkergen.jobs.trust.selftest.scenes import Array, Limit, advance, endures, plan_of
 from walkergen.scene import GRAVITY
-from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import Plan
 from walkergen.simulation.space.state import (
     C_X,
     C_Z,
@@ -38,7 +38,7 @@ CALM = 1.0
 
 def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
     """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
-    return plan_of("space", tilt_deg, **({"arena": {"kind": "plane"}} | tables))
+    return plan_of(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
 def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:

@@ -1,1 +1,0 @@
-"""Model B: body and legs as a hinged chain on springs, by time steps."""

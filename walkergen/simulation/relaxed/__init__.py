@@ -1,1 +1,0 @@
-"""Model A: rigid motion on relaxed legs, from event to event; the braced walker as well."""
