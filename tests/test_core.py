@@ -35,7 +35,6 @@ LATER = {
         "walkergen.walker.marks",
         "walkergen.walker.placing",
         "walkergen.walker.stance",
-        "walkergen.walker.view",
         "walkergen.walker.whole_mesh",
     },
     "walkergen.walker.solids": {

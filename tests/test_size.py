@@ -14,7 +14,7 @@ SLACK = 200
 
 LIMITS = {
     "walkergen/analysis": 5410,
-    "walkergen/api": 250,
+    "walkergen/api": 310,
     "walkergen/app": 2620,
     "walkergen/cli": 890,
     "walkergen/crowd": 7780,
@@ -28,7 +28,7 @@ LIMITS = {
     "walkergen/simulation": 5970,
     "walkergen/theory": 2570,
     "walkergen/track": 3680,
-    "walkergen/walker": 4880,
+    "walkergen/walker": 4820,
     "benchmarks": 2740,
     "docs": 630,
     "evidence": 7080,

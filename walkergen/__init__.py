@@ -15,7 +15,7 @@ _FUNCTIONS = (
 """Commands that are functions here, made of the same requests; wg.templates is a table."""
 
 _HOMES = {
-    "Design": "walker.design",
+    "Design": "api",
     "Printer": "printing.printers",
     "Scene": "scene",
     "WalkergenError": "errors",

@@ -488,12 +488,6 @@ class Design(Section):
             )
         return variants
 
-    def _repr_html_(self) -> str:
-        """Walker on its feet in 3D, with a table below it, for a notebook."""
-        from walkergen.walker import view
-
-        return view.html(self)
-
     @property
     def mark(self) -> str:
         """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""

@@ -40,9 +40,12 @@ class FamilyReport(Report):
 
 def view_parts(walkers: Sequence[Member]) -> "list[Part]":
     """Return the walkers for a 3D view, each with its speed in words."""
-    from walkergen.walker import view
+    from walkergen.files import viewer
 
-    return [view.part_of(walker.design, walker.mesh)._replace(words=prediction.brief(walker.row)) for walker in walkers]
+    return [
+        viewer.Part(names.part(walker.design), walker.design.kind, *walker.mesh, prediction.brief(walker.row))
+        for walker in walkers
+    ]
 
 
 def of(

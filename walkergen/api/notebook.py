@@ -1,27 +1,23 @@
 """A walker as a notebook shows it: on its feet in 3D, and what it is in a table."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from walkergen.errors import WalkergenError
 from walkergen.files import viewer
 from walkergen.files.tables import as_html
-from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids
-
-if TYPE_CHECKING:
-    from walkergen.walker.design import Design
+from walkergen.walker.design import Design
 
 
-def html(design: "Design") -> str:
-    """Frame with the walker, and a table of its sizes and masses below it.
+def html(design: Design) -> str:
+    """Return a frame with the walker, and a table of its sizes and masses below it.
 
     A walker that cannot be built, or cannot stand, says why instead.
     """
     rows, shown = list(_rows(design)), ""
     try:
         built = solids.build(design)
-        shown = viewer.frame([part_of(design, built.seen)], design.name)
+        shown = viewer.frame([viewer.Part(names.part(design), design.kind, *built.seen)], design.name)
         mass = solids.weigh(design, built)
         rows.append(("mass (g)", f"{float(mass.total):.4g}"))
     except WalkergenError as error:
@@ -29,12 +25,7 @@ def html(design: "Design") -> str:
     return shown + as_html(rows)
 
 
-def part_of(design: "Design", mesh: Mesh) -> viewer.Part:
-    """Part of the viewer: a walker's mesh as it stands."""
-    return viewer.Part(names.part(design), design.kind, mesh.vertices, mesh.triangles)
-
-
-def _rows(design: "Design") -> Iterator[tuple[str, str]]:
+def _rows(design: Design) -> Iterator[tuple[str, str]]:
     size, legs = design.size, len(design.limbs)
     yield "walker", design.name
     if design.description:
