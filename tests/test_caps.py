@@ -102,8 +102,8 @@ def test_a_cap_counts_in_mass_centre_and_inertia_as_a_part_of_the_body(kind):
         1e-3 * design.material.density_g_cm3,
     )
     plain = mass.weigh(built.body, 1.0)
-    own = mass.assemble(design, plain, built.legs, built.cap)
-    body = mass.assemble(design.variant(kind="flexible"), plain, built.legs, built.cap)
+    own = solids.assemble(design, plain, built.legs, built.cap)
+    body = solids.assemble(design.variant(kind="flexible"), plain, built.legs, built.cap)
     assert body.M == pytest.approx(whole.mass, rel=1e-12)
     assert body.J == pytest.approx(whole.inertia, rel=1e-12)
     assert body.spatial.body == pytest.approx(whole.tensor, rel=1e-9, abs=1e-9)

@@ -37,12 +37,7 @@ LATER = {
         "walkergen.walker.stance",
         "walkergen.walker.whole_mesh",
     },
-    "walkergen.walker.solids": {
-        "walkergen.shapes.lettering",
-        "walkergen.walker.caps",
-        "walkergen.walker.marks",
-        "walkergen.walker.stance",
-    },
+    "walkergen.walker.solids": {"walkergen.walker.caps", "walkergen.walker.engraving"},
 }
 """Imports from the core of what it does without: drawings, meshes, letters, legs that place themselves.
 The table may only shrink."""

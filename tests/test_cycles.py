@@ -2,7 +2,7 @@
 
 import grimp
 
-WALKER = "body buildable design forming landing mass own_mesh placing pockets stance whole_mesh"
+WALKER = "body forming landing own_mesh"
 LATER = (WALKER.split(),)
 """The circle that is left, of modules of walkergen.walker. The table may only shrink."""
 

@@ -174,7 +174,7 @@ def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tens
     centre, tensor = mass.joined(parts.spatial, parts.legs, masses, centres)
     # A leg's flat sides lie in the union's; sums of 2600 triangles round to 1e-12
     assert masses.sum() == pytest.approx(whole.mass, rel=1e-10)
-    middle = whole.centre - (*(-mass.from_centre(design, parts, np.zeros(2))), 0.5 * design.size.depth)
+    middle = whole.centre - (*(-mass.from_centre(design.limbs, parts, np.zeros(2))), 0.5 * design.size.depth)
     np.testing.assert_allclose(centre, middle, atol=1e-8)
     np.testing.assert_allclose(tensor, whole.tensor, rtol=1e-8, atol=1e-7)
 

@@ -28,7 +28,7 @@ LIMITS = {
     "walkergen/simulation": 5970,
     "walkergen/theory": 2570,
     "walkergen/track": 3680,
-    "walkergen/walker": 4820,
+    "walkergen/walker": 4840,
     "benchmarks": 2740,
     "docs": 630,
     "evidence": 7080,

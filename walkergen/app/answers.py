@@ -205,7 +205,7 @@ def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
 
 def _centre(design: Design, mass: MassProperties) -> list[float]:
     """Centre of mass of the whole walker in the frame of its mesh, mm."""
-    along, up = mass.centre - from_centre(design, mass, np.zeros(2))
+    along, up = mass.centre - from_centre(design.limbs, mass, np.zeros(2))
     z = mass.spatial.z if mass.spatial is not None else 0.0
     across = (mass.M * z + sum(leg.m * leg.across for leg in mass.legs)) / mass.total
     return [float(along), float(up), float(0.5 * design.size.depth + across)]

@@ -15,10 +15,9 @@ from walkergen.printing.findings import NOISE_MM, About, Finding, Level, Setting
 from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
 from walkergen.printing.walls import Wall
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Array
 
 ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
 """Ranges of thickness, in printed lines, that come out as one or two lines on all known slicers."""

@@ -12,10 +12,9 @@ import numpy as np
 from walkergen.printing import walls
 from walkergen.printing.findings import NOISE_MM, About, Finding, Setting, new
 from walkergen.printing.printers import Printer
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker import pockets, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Array
 
 STEEPEST_DEG = 45.0
 """Largest angle from the vertical at which walls print without supports, the usual rule."""

@@ -107,7 +107,7 @@ def walker_world(scene: Scene, design: Design, mass: MassProperties) -> World:
     """Return the world of a walker on two feet in its plane, with its legs' own tensors."""
     flat, size = in_plane(design, mass), design.size
     ends = np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]) * (size.length, size.thickness)
-    corners = tuple((float(x), float(y)) for x, y in from_centre(design, mass, ends))
+    corners = tuple((float(x), float(y)) for x, y in from_centre(design.limbs, mass, ends))
     back, front = ((float(x), float(y)) for x, y in (leg.foot for leg in flat.mass.legs))
     return body_world(float(mass.M), float(mass.J), (back, front), scene, tensors_of(flat.mass), corners)
 

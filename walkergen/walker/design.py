@@ -26,7 +26,7 @@ from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section, validate
 from walkergen.walker import buildable
 from walkergen.walker.body import DRAWN, SOURCES, Body, Size, located
-from walkergen.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets
+from walkergen.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets, place_problems
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.material import Material, Weighed
 
@@ -194,10 +194,8 @@ class Design(Section):
         if not self.marks.blank:
             faults += self._unmarkable()
         if not faults and self.parts:
-            from walkergen.walker import pockets
-
             foot = min(limb.foot_height for limb in self.limbs)
-            faults = pockets.problems(self.parts, self.fit, self.size, foot)
+            faults = place_problems(self.parts, self.fit, self.size, foot)
         if self.pockets is not None and not self.parts:
             faults.append(
                 "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out"

@@ -6,15 +6,26 @@ and across from the middle of the body, up from its middle height. Sizes are tho
 itself; its pocket is larger by a clearance.
 """
 
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
 from walkergen.files.config import Section
+from walkergen.walker.body import Size
 from walkergen.walker.limbs import Place
 
 MOST_SERIAL = 99_999
 """Largest serial number."""
+
+PLACES = ("along_mm", "up_mm", "across_mm")
+"""Keys of a place, in the order of the design's axes x, y and z."""
+
+FLOOR_MM = 0.4
+"""Thinnest floor or wall of a pocket against the body's box, mm: two layers, or a printed line."""
+
+ABOVE_PLATE_MM = 0.5
+"""Least distance of a part under the body from the plate, mm: what legs give way, assumed."""
 
 
 class Marks(Section):
@@ -244,3 +255,62 @@ class Pockets(Section):
     """Mass of the wires, spread evenly from the middle of the motor to that of the battery."""
     glue_g: Annotated[float, Field(ge=0, le=100)] = 0.1
     """Mass of the glue, shared by motor and battery and spread as they are."""
+
+
+def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot: float) -> list[str]:
+    """Problems of parts, by the names of their tables, that do not go into a body's box.
+
+    `foot` is the height of the feet from the middle of the body, mm. Whether a body of another
+    shape has plastic where a pocket needs it, only its solid says (`pockets.cut`).
+    """
+    return [
+        f"{name}.{problem}"
+        for name, part in parts.items()
+        for problem in _problems_of(name, part, pockets.clearance_mm, size, foot)
+    ]
+
+
+def _problems_of(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
+    """Problems of one part, each from its key on."""
+    cylinder = part.cylinder
+    for i, key in enumerate(PLACES):
+        value, half = cylinder.centre[i], cylinder.half[i] + clearance
+        low, high = _limits(part.opens, i, half, size[i])
+        if low > high:
+            wide = "height_mm" if i == cylinder.axis else "diameter_mm"
+            needed = 2.0 * (half + FLOOR_MM)
+            yield (
+                f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
+                f"{needed:.4g} mm {key.removesuffix('_mm')}, this one has {size[i]:.4g} mm: make "
+                "the body larger, or turn the part (axis)"
+            )
+        elif not low <= value <= high:
+            deep = value > high if part.opens == "down" else value < low
+            sunk = i == 1 or (i == 2 and part.opens == "side")
+            what = f"the {name} leaves the body"
+            if deep and sunk:
+                what = "its pocket is deeper than the body"
+            yield (
+                f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
+                f"leaves floor and walls of {FLOOR_MM:g} mm: move it, or make the body larger"
+            )
+    gap = cylinder.centre[1] - cylinder.half[1] - foot
+    low, _ = _limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
+    if gap < ABOVE_PLATE_MM and cylinder.centre[1] >= low:
+        yield (
+            f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
+            f"be at least {ABOVE_PLATE_MM:g} mm: move it up, or make the legs longer"
+        )
+
+
+def _limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
+    """Least and greatest place along axis i of a pocket that reaches `half` to either side, mm."""
+    room = 0.5 * size - FLOOR_MM - half
+    low, high = -room, room
+    if i == 1 and opens == "down":
+        low = FLOOR_MM - 0.5 * size - half
+    elif i == 1:
+        high = 0.5 * size + half - FLOOR_MM
+    elif i == 2 and opens == "side":
+        high = 0.5 * size - half
+    return low, high

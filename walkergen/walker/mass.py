@@ -5,20 +5,20 @@ so that a part far from the coordinates' origin loses no digits to it. Frame: x 
 y up, z along the extrusion; O is the centre of mass of the body.
 """
 
+import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from walkergen.shapes.mesh import Mesh
+from walkergen.errors import GeometryError
+from walkergen.shapes.mesh import Array, Mesh
+from walkergen.walker.limbs import Limb
 
-if TYPE_CHECKING:
-    from walkergen.walker.design import Design
-    from walkergen.walker.fittings import Cylinder
-
-Array = npt.NDArray[np.float64]
 Values = float | Array
+
+SUPPORT_ROUNDING = 1e-6
+"""Largest error, rad, of the directions to a walker's feet."""
 
 
 class SolidMass(NamedTuple):
@@ -138,78 +138,6 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: "Design", body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
-    """Mass properties of a walker from its body, weighed at 1 g/mm^3, and the meshes of its legs outside the body.
-
-    The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
-    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
-    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
-    the density is not.
-    """
-    density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
-    whole = body.times(density)
-    if cap is not None and design.cap is not None:
-        of_cap = weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
-        whole = together([whole, of_cap])
-    top = _rescaled(whole, design.weighed.body_mass_g)
-    if design.parts:
-        top = together([top, *carried(design)])
-    O = top.centre[:2]  # noqa: E741  (the paper's name)
-    distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
-    weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
-    placed, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
-    mean = sum(part.mass for part in meshed) / len(meshed)
-    prisms = design.body.plain or design.body.flat
-    for limb, part in zip(limbs, meshed, strict=True):
-        weighed = design.weighed.leg_mass_g
-        own = _rescaled(part, None if weighed is None else weighed * (part.mass / mean))
-        c_A = own.centre[:2]
-        # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
-        aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
-        placed.append(
-            LegMass(
-                own.mass,
-                own.inertia,
-                np.array(limb.anchor) - O,
-                c_A,
-                np.array(limb.anchor_to_foot) - c_A,
-                limb.across + aside,
-                own.tensor,
-            )
-        )
-    across = float(top.centre[2]) - 0.5 * design.size.depth
-    loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
-    return frozen(loose, [limb.rigid for limb in limbs])
-
-
-def carried(design: "Design") -> list[SolidMass]:
-    """Mass properties of what a body carries: its parts, each with its share of the glue, and the
-    wires, a thin rod from the middle of the one to that of the other.
-
-    With one part alone the wires are within it. The centres are in the design's frame.
-    """
-    cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
-    extra = design.fit.glue_g / len(cylinders)
-    if len(cylinders) == 1:
-        extra += design.fit.wires_g
-    parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
-    if len(parts) > 1 and design.fit.wires_g > 0.0:
-        first, second = (part.centre for part in parts)
-        way, wires = second - first, design.fit.wires_g
-        tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
-        parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
-    return parts
-
-
-def _of_cylinder(cylinder: "Cylinder", mass: float, depth: float) -> SolidMass:
-    """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
-    aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
-    tensor = aside * np.eye(3)
-    tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
-    volume = np.pi * cylinder.radius**2 * cylinder.height
-    return SolidMass(mass, np.array(cylinder.middle(depth)), tensor, volume)
-
-
 def together(solids: Sequence[SolidMass]) -> SolidMass:
     """Mass properties of several solids as one rigid body, by Steiner's theorem."""
     masses = np.array([solid.mass for solid in solids])
@@ -281,13 +209,45 @@ def joined(body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array
     return middle, tensor
 
 
-def from_centre(design: "Design", mass: MassProperties, points: Array) -> Array:
-    """Points of the design's frame, shape (n, 2), seen from O, mm."""
-    O = np.array(design.limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
+def from_centre(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> Array:
+    """Points of the design's frame, shape (n, 2), seen from O, mm; `limbs` are the walker's legs in that frame."""
+    O = np.array(limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O
 
 
-def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:
+def rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:
+    """Mass properties of the same shape with the mass of a balance, g; None: as they are."""
     if weighed_mass is None:
         return part
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)
+
+
+def refuse_falling(limbs: Sequence[Limb], mass: MassProperties) -> None:
+    """Raise GeometryError unless the centre of mass is above the feet."""
+    centre = _centre_above(mass)
+    corners = np.array(
+        [
+            (leg.foot[0], limb.across + side * 0.5 * limb.width)
+            for limb, leg in zip(limbs, mass.legs, strict=True)
+            for side in (-1.0, 1.0)
+        ]
+    )
+    around = np.sort(np.arctan2(*(corners - centre).T[::-1]))
+    gaps = np.diff(np.append(around, around[0] + 2.0 * math.pi))
+    if gaps.max() < math.pi - SUPPORT_ROUNDING:
+        return
+    x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
+    places = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
+    raise GeometryError(
+        f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over: its centre of mass lies at "
+        f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {places} mm "
+        "along): move legs to either side of it",
+        "legs[1].along_mm",
+    )
+
+
+def _centre_above(mass: MassProperties) -> Array:
+    """Centre of mass of the whole, (along, across), from O and from half the depth, mm."""
+    z = mass.spatial.z if mass.spatial is not None else 0.0
+    across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)
+    return np.array([mass.centre[0], across / mass.total])

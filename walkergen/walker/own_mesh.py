@@ -12,10 +12,9 @@ import numpy as np
 from walkergen.errors import InputError, Remedy
 from walkergen.files import words
 from walkergen.shapes import faults, meshes, modeller, repairs, units
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker import base
 from walkergen.walker.body import Axis
-from walkergen.walker.mass import Array
 
 
 class Wishes(NamedTuple):

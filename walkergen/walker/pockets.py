@@ -5,21 +5,17 @@ to which the pocket opens. Its floor, opposite, must be solid all over, whatever
 """
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.shapes import modeller
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker.body import Size
-from walkergen.walker.fittings import Cylinder, Opening, Part, Pockets
-from walkergen.walker.mass import Array
-
-if TYPE_CHECKING:
-    from walkergen.walker.design import Design
+from walkergen.shapes.mesh import Array, Mesh
+from walkergen.walker.design import Design
+from walkergen.walker.fittings import FLOOR_MM, Cylinder, Part
+from walkergen.walker.mass import SolidMass
 
 SEGMENTS = 128
 """Edges of a round pocket: on a coin cell they lie within 3 um of the circle."""
@@ -27,79 +23,11 @@ SEGMENTS = 128
 ROUNDING = 1e-6
 """Share of a volume that counts as rounding."""
 
-PLACES = ("along_mm", "up_mm", "across_mm")
-"""Keys of a place, in the order of the design's axes x, y and z."""
-
-FLOOR_MM = 0.4
-"""Thinnest floor or wall of a pocket against the body's box, mm: two layers, or a printed line."""
-
-ABOVE_PLATE_MM = 0.5
-"""Least distance of a part under the body from the plate, mm: what legs give way, assumed."""
-
 OUT = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (0.0, 0.0, 1.0)}
 """Directions in which pockets open, in the design's frame."""
 
 
-def problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot: float) -> list[str]:
-    """Problems of parts, by the names of their tables, that do not go into a body's box.
-
-    `foot` is the height of the feet from the middle of the body, mm. Whether a body of another
-    shape has plastic where a pocket needs it, only its solid says (`cut`).
-    """
-    return [
-        f"{name}.{problem}"
-        for name, part in parts.items()
-        for problem in _problems(name, part, pockets.clearance_mm, size, foot)
-    ]
-
-
-def _problems(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
-    """Problems of one part, each from its key on."""
-    cylinder = part.cylinder
-    for i, key in enumerate(PLACES):
-        value, half = cylinder.centre[i], cylinder.half[i] + clearance
-        low, high = _limits(part.opens, i, half, size[i])
-        if low > high:
-            wide = "height_mm" if i == cylinder.axis else "diameter_mm"
-            needed = 2.0 * (half + FLOOR_MM)
-            yield (
-                f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
-                f"{needed:.4g} mm {key.removesuffix('_mm')}, this one has {size[i]:.4g} mm: make "
-                "the body larger, or turn the part (axis)"
-            )
-        elif not low <= value <= high:
-            deep = value > high if part.opens == "down" else value < low
-            sunk = i == 1 or (i == 2 and part.opens == "side")
-            what = f"the {name} leaves the body"
-            if deep and sunk:
-                what = "its pocket is deeper than the body"
-            yield (
-                f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
-                f"leaves floor and walls of {FLOOR_MM:g} mm: move it, or make the body larger"
-            )
-    gap = cylinder.centre[1] - cylinder.half[1] - foot
-    low, _ = _limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
-    if gap < ABOVE_PLATE_MM and cylinder.centre[1] >= low:
-        yield (
-            f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
-            f"be at least {ABOVE_PLATE_MM:g} mm: move it up, or make the legs longer"
-        )
-
-
-def _limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
-    """Least and greatest place along axis i of a pocket that reaches `half` to either side, mm."""
-    room = 0.5 * size - FLOOR_MM - half
-    low, high = -room, room
-    if i == 1 and opens == "down":
-        low = FLOOR_MM - 0.5 * size - half
-    elif i == 1:
-        high = 0.5 * size + half - FLOOR_MM
-    elif i == 2 and opens == "side":
-        high = 0.5 * size - half
-    return low, high
-
-
-def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
+def cut(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
     """Walker and body with the pockets of a design's parts cut into them.
 
     `roots` are the legs with what of them reaches into the body. Raises GeometryError, beginning
@@ -125,7 +53,7 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
     return modeller.mesh_of(rest[0]), modeller.mesh_of(rest[1])
 
 
-def refuse_marks(design: "Design", marked: Mesh, plain: Mesh) -> None:
+def refuse_marks(design: Design, marked: Mesh, plain: Mesh) -> None:
     """Raise GeometryError where the pockets of a body take its marks away.
 
     `marked` is the body without pockets, `plain` without marks too.
@@ -141,18 +69,46 @@ def refuse_marks(design: "Design", marked: Mesh, plain: Mesh) -> None:
         )
 
 
-def without(design: "Design") -> "Design":
+def without(design: Design) -> Design:
     """Design of the same walker without pockets, for it carries nothing."""
     empty = {"motor": None, "battery": None, "pockets": None}
     return design.model_copy(update=empty)
 
 
-def solids_of(design: "Design") -> dict[str, Mesh]:
+def solids_of(design: Design) -> dict[str, Mesh]:
     """Meshes of a design's parts themselves, without clearance, in the design's frame."""
     return {name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0))) for name, part in design.parts.items()}
 
 
-def wall_between(design: "Design", most: float) -> float:
+def carried(design: Design) -> list[SolidMass]:
+    """Mass properties of what a body carries: its parts, each with its share of the glue, and the
+    wires, a thin rod from the middle of the one to that of the other.
+
+    With one part alone the wires are within it. The centres are in the design's frame.
+    """
+    cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
+    extra = design.fit.glue_g / len(cylinders)
+    if len(cylinders) == 1:
+        extra += design.fit.wires_g
+    parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
+    if len(parts) > 1 and design.fit.wires_g > 0.0:
+        first, second = (part.centre for part in parts)
+        way, wires = second - first, design.fit.wires_g
+        tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
+        parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
+    return parts
+
+
+def _of_cylinder(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
+    """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
+    aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
+    tensor = aside * np.eye(3)
+    tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
+    volume = np.pi * cylinder.radius**2 * cylinder.height
+    return SolidMass(mass, np.array(cylinder.middle(depth)), tensor, volume)
+
+
+def wall_between(design: Design, most: float) -> float:
     """Thinnest wall between the pockets of motor and battery within the body's box, mm.
 
     0 where the one opens into the other; `most` where it is thicker, or where there is one pocket.
@@ -169,7 +125,7 @@ def wall_between(design: "Design", most: float) -> float:
     return float(rooms[0].min_gap(rooms[1], most))
 
 
-def _tools(design: "Design") -> dict[str, manifold3d.Manifold]:
+def _tools(design: Design) -> dict[str, manifold3d.Manifold]:
     """Rooms of pockets and channel, by the names of their tables and "channel"."""
     tools = {name: _swept(part, design) for name, part in design.parts.items()}
     if len(tools) > 1 and design.fit.channel_mm > 0.0:
@@ -177,7 +133,7 @@ def _tools(design: "Design") -> dict[str, manifold3d.Manifold]:
     return tools
 
 
-def _cavity(design: "Design") -> manifold3d.Manifold:
+def _cavity(design: Design) -> manifold3d.Manifold:
     return _union(list(_tools(design).values()))
 
 
@@ -189,7 +145,7 @@ def _hull(points: Array) -> manifold3d.Manifold:
     return modeller.evaluated(manifold3d.Manifold.hull_points(points))
 
 
-def _points(cylinder: Cylinder, design: "Design", clearance: float) -> Array:
+def _points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
     """Corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
     angles = 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
@@ -202,18 +158,18 @@ def _points(cylinder: Cylinder, design: "Design", clearance: float) -> Array:
     return np.concatenate([middle + ring - end, middle + ring + end])
 
 
-def _swept(part: Part, design: "Design") -> manifold3d.Manifold:
+def _swept(part: Part, design: Design) -> manifold3d.Manifold:
     """Room that a part takes and passes on its way in."""
     points = _points(part.cylinder, design, design.fit.clearance_mm)
     return _hull(np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])]))
 
 
-def _far(points: Array, design: "Design") -> float:
+def _far(points: Array, design: Design) -> float:
     """Length of a way that leads out of the body from any of the points, mm."""
     return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
 
 
-def _channel(design: "Design") -> manifold3d.Manifold:
+def _channel(design: Design) -> manifold3d.Manifold:
     """Channel from the floor of the one pocket to that of the other; open to their common side."""
     parts = list(design.parts.values())
     half = 0.5 * design.fit.channel_mm
@@ -225,7 +181,7 @@ def _channel(design: "Design") -> manifold3d.Manifold:
     return _hull(points)
 
 
-def _end(part: Part, design: "Design") -> Array:
+def _end(part: Part, design: Design) -> Array:
     """Middle of the end of the channel in a part's pocket: on its floor, within the body."""
     half, out = 0.5 * design.fit.channel_mm, np.array(OUT[part.opens])
     cylinder = part.cylinder
@@ -236,7 +192,7 @@ def _end(part: Part, design: "Design") -> Array:
     return place
 
 
-def _refuse_shared(design: "Design") -> None:
+def _refuse_shared(design: Design) -> None:
     """Raise GeometryError where motor and battery take the same place."""
     motor, battery = (_hull(_points(part.cylinder, design, 0.0)) for part in design.parts.values())
     shared = modeller.evaluated(motor ^ battery).volume()
@@ -248,7 +204,7 @@ def _refuse_shared(design: "Design") -> None:
         )
 
 
-def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: "Design") -> None:
+def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
     """Raise GeometryError where a pocket cuts a leg, or its root in the body."""
     for number, leg in enumerate(legs, start=1):
         lost = modeller.evaluated(leg ^ tool).volume()
@@ -263,7 +219,7 @@ def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.
             )
 
 
-def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Design") -> None:
+def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
     """Raise GeometryError unless a layer of the body lies below a part, or above one that is put
     in from below.
     """
@@ -282,7 +238,7 @@ def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Des
         )
 
 
-def _place(name: str, design: "Design") -> str:
+def _place(name: str, design: Design) -> str:
     """Key of the place of a part, or of the channel's width, with its value."""
     value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
     return f"{_key(name)} = {value:g}"

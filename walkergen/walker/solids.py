@@ -17,11 +17,11 @@ from walkergen.errors import GeometryError
 from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker import mass
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb, Polygon
-from walkergen.walker.mass import Array, MassProperties, SolidMass
+from walkergen.walker.mass import LegMass, MassProperties, SolidMass, Spatial
 from walkergen.walker.sections import section_of
 
 if TYPE_CHECKING:
@@ -149,7 +149,9 @@ def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
     weighed = None if design.letters else landing.weighed(design.body.key)
     if design.letters:
-        ground = joining.ready(_lettered(ground.mesh, design))
+        from walkergen.walker import engraving
+
+        ground = joining.ready(engraving.lettered(ground.mesh, design))
     sections = _sections(limbs, foot_segments)
     bars = _bars(limbs, sections, depth)
     legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
@@ -171,52 +173,6 @@ def _flush_legs(limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Bo
             raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
         legs.append(_shifted(outside, -_corner(limb, depth)))
     return tuple(legs)
-
-
-def _lettered(ground: Mesh, design: Design) -> Mesh:
-    """Body in plan view with its text cut into the upper side. Raises GeometryError."""
-    from walkergen.walker import landing
-
-    text = _lettering(design, design.size.length, design.size.depth)
-    marks, size = design.marks, design.size
-    tool = landing.lying(extruded(text, 2.0 * marks.depth_mm, pieces=True), size)
-    raised = tool.vertices + np.array([0.0, size.thickness - marks.depth_mm, 0.0])
-    solid, drawn = modeller.solid(ground), modeller.solid(Mesh(raised, tool.triangles))
-    cut = modeller.evaluated(solid - drawn)
-    # Half of the tool stands above the body, the other half makes the pockets
-    lost = 2.0 * (solid.volume() - cut.volume())
-    if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
-        raise GeometryError(
-            f"{_key(design)}: the letters leave the outline: make text_height_mm smaller", _mark_key(design)
-        )
-    return modeller.mesh_of(cut)
-
-
-def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
-    """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
-    from walkergen.shapes.lettering import letters
-
-    marks, source = design.marks, _mark_key(design)
-    polygons = letters(design.letters, marks.text_height_mm or 0.5 * height, False, source)
-    low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
-    high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
-    wide, tall = high - low
-    if wide > length - 2.0 * marks.line_mm or tall > height - 2.0 * marks.line_mm:
-        raise GeometryError(
-            f"{_key(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
-            f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller",
-            _mark_key(design),
-        )
-    return polygons
-
-
-def _key(design: Design) -> str:
-    """Key whose letters are engraved, with all that is."""
-    return f"{_mark_key(design)} = {design.letters!r}"
-
-
-def _mark_key(design: Design) -> str:
-    return "marks.text" if design.marks.kind == "text" else "marks.serial"
 
 
 class _Section(NamedTuple):
@@ -336,12 +292,56 @@ def mass_of(design: Design) -> MassProperties:
 
 
 def _weighed(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
-    whole = mass.assemble(design, body, legs, cap)
+    whole = assemble(design, body, legs, cap)
     if not design.pair:
-        from walkergen.walker import stance
-
-        stance.check(design.limbs, whole)
+        mass.refuse_falling(design.limbs, whole)
     return whole
+
+
+def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
+    """Mass properties of a walker from its body, weighed at 1 g/mm^3, and the meshes of its legs outside the body.
+
+    The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
+    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
+    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
+    the density is not.
+    """
+    density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
+    whole = body.times(density)
+    if cap is not None and design.cap is not None:
+        of_cap = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
+        whole = mass.together([whole, of_cap])
+    top = mass.rescaled(whole, design.weighed.body_mass_g)
+    if design.parts:
+        from walkergen.walker import pockets
+
+        top = mass.together([top, *pockets.carried(design)])
+    O = top.centre[:2]  # noqa: E741  (the paper's name)
+    distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
+    weighed_once = {key: mass.weigh(mesh, density) for key, mesh in distinct.items()}
+    placed, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
+    mean = sum(part.mass for part in meshed) / len(meshed)
+    prisms = design.body.plain or design.body.flat
+    for limb, part in zip(limbs, meshed, strict=True):
+        weighed = design.weighed.leg_mass_g
+        own = mass.rescaled(part, None if weighed is None else weighed * (part.mass / mean))
+        c_A = own.centre[:2]
+        # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
+        aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
+        placed.append(
+            LegMass(
+                own.mass,
+                own.inertia,
+                np.array(limb.anchor) - O,
+                c_A,
+                np.array(limb.anchor_to_foot) - c_A,
+                limb.across + aside,
+                own.tensor,
+            )
+        )
+    across = float(top.centre[2]) - 0.5 * design.size.depth
+    loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
+    return mass.frozen(loose, [limb.rigid for limb in limbs])
 
 
 def has_window(limb: Limb) -> bool:
@@ -404,28 +404,19 @@ def _body_profile(design: Design) -> Polygon:
         side = design.body.shape.side
         assert side is not None
         return side
-    length, thickness = design.size.length, design.size.thickness
-    x, y = 0.5 * length, 0.5 * thickness
+    x, y = 0.5 * design.size.length, 0.5 * design.size.thickness
     corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     if design.marks.blank:
         return corners
-    from walkergen.walker import marks
+    from walkergen.walker import engraving
 
-    edge = [
-        corner
-        for notch in marks.notches(design.marks, design.family.tilt_deg, design.tilt_deg, length, thickness)
-        for corner in ((notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom), (notch.left, y))
-    ]
-    return np.array([*corners[:3], *edge, corners[3]])
+    return engraving.notched(design, corners)
 
 
 def _engraved(design: Design) -> list[Polygon]:
     """Pockets in the side of a body, about its middle: its digits or its text."""
-    if design.letters:
-        return _lettering(design, design.size.length, design.size.thickness)
     if design.marks.blank:
         return []
-    from walkergen.walker import marks
+    from walkergen.walker import engraving
 
-    strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
-    return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]
+    return engraving.profiles(design)

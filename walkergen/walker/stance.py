@@ -1,4 +1,4 @@
-"""Stance: walkers turned until they stand on their feet, and whether they stand at all.
+"""Stance: walkers turned until they stand on their feet.
 
 A walker stands level unless its design says `stance = "as built"`: then its legs may end at
 different heights of the body's own frame, and the whole is turned in its plane until two feet are
@@ -7,22 +7,19 @@ tilt against the plate's normal.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.files.config import Section
+from walkergen.shapes.mesh import Array
 from walkergen.walker.body import Body
 from walkergen.walker.limbs import Leg, Limb, limb_of
-from walkergen.walker.mass import Array, MassProperties
 
 STEEPEST = math.radians(60.0)
 """Largest lean of a body, rad."""
-
-ROUNDING_MM = 1e-6
-"""Largest error, mm, of a support that people draw."""
 
 
 class _Parts(Section):
@@ -113,34 +110,3 @@ def _standing(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bo
         "along_mm": float(foot[0]),
         "length_mm": (bottom - end) / math.cos(tilt),
     }
-
-
-def check(limbs: Sequence[Limb], mass: MassProperties) -> None:
-    """Raise GeometryError unless the centre of mass is above the feet."""
-    centre = _centre(mass)
-    corners = np.array(
-        [
-            (leg.foot[0], limb.across + side * 0.5 * limb.width)
-            for limb, leg in zip(limbs, mass.legs, strict=True)
-            for side in (-1.0, 1.0)
-        ]
-    )
-    around = np.sort(np.arctan2(*(corners - centre).T[::-1]))
-    gaps = np.diff(np.append(around, around[0] + 2.0 * math.pi))
-    if gaps.max() < math.pi - ROUNDING_MM:
-        return
-    x, z = centre - (mass.legs[0].foot[0] - limbs[0].along, 0.0)
-    places = ", ".join(f"{limb.along:g}" for limb in limbs[:6])
-    raise GeometryError(
-        f"legs[1].along_mm = {limbs[0].along:g}: the walker falls over: its centre of mass lies at "
-        f"{x:.3f} mm along and {z:.3f} mm across the body, not above its feet (at {places} mm "
-        "along): move legs to either side of it",
-        "legs[1].along_mm",
-    )
-
-
-def _centre(mass: MassProperties) -> Array:
-    """Centre of mass of the whole, (along, across), from O and from half the depth, mm."""
-    z = mass.spatial.z if mass.spatial is not None else 0.0
-    across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)
-    return np.array([mass.centre[0], across / mass.total])

@@ -13,9 +13,8 @@ import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.shapes import modeller
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker.limbs import Kind, Legs, Limb
-from walkergen.walker.mass import Array
 
 FOOT_TOLERANCE = 1e-3
 """Height above a leg's lowest point up to which points touch the plate, mm: a micrometre."""

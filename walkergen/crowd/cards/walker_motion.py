@@ -21,13 +21,14 @@ from walkergen.numerics import statistics
 from walkergen.numerics.quantity import Quantity
 from walkergen.points import walkers
 from walkergen.scene import GRAVITY, Scene
+from walkergen.shapes.mesh import Array
 from walkergen.simulation import ensemble, trajectory
 from walkergen.simulation.effects import swaying_plate
 from walkergen.simulation.experiments import Walker
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import mass as masses
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Array, MassProperties
+from walkergen.walker.mass import MassProperties
 
 PLANE = "plane-90hz"
 """Scene of a card by default: a walker alone has to have room to turn."""

@@ -92,7 +92,7 @@ def _least_inertia(case: Case) -> float:
 def place(case: Case) -> Vector:
     """Middle of the motor from O at half depth, body axes, mm."""
     motor = case.design.driving_motor()
-    x, y = from_centre(case.design, case.mass, np.array([motor.along_mm, motor.up_mm]))
+    x, y = from_centre(case.design.limbs, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 

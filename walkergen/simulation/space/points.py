@@ -61,12 +61,12 @@ def points_of(case: Case, free: Sequence[int], centre: Array, walled: bool, lidd
 
         place = 0.5 * walls.gap(case)
         for edge in _edges(design):
-            root = np.array([*from_centre(design, mass, edge[:2]), edge[2]]) - centre
+            root = np.array([*from_centre(design.limbs, mass, edge[:2]), edge[2]]) - centre
             rows.append((-1, root, NONE, 0.0, NONE, place, -1))
     if lidded:
         assert case.scene.arena.lid_mm is not None
         for top in _tops(design):
-            root = np.array([*from_centre(design, mass, top[:2]), top[2]]) - centre
+            root = np.array([*from_centre(design.limbs, mass, top[:2]), top[2]]) - centre
             rows.append((-1, root, NONE, 0.0, NONE, -case.scene.arena.lid_mm, -1))
     keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
     return {key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)}
@@ -87,7 +87,7 @@ def _from_back(points: Array) -> Any:
 def corners_of(design: Design, mass: MassProperties, centre: Array) -> Array:
     """Points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
     corners = _box(design) if design.body.plain else _hull(design)
-    corners[:, :2] = from_centre(design, mass, corners[:, :2])
+    corners[:, :2] = from_centre(design.limbs, mass, corners[:, :2])
     return np.asarray(corners - centre)
 
 

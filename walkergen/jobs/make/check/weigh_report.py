@@ -10,7 +10,7 @@ import numpy as np
 from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.make.check.weighing import Weighed, Weighing
-from walkergen.walker.mass import Array
+from walkergen.shapes.mesh import Array
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -7,9 +7,9 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.shapes import faults, meshes, units
-from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.mesh import Array, Mesh
 from walkergen.walker import mass
-from walkergen.walker.mass import Array, SolidMass
+from walkergen.walker.mass import SolidMass
 
 DENSITY = 1.24
 """Density of PLA, g/cm3."""

@@ -104,7 +104,7 @@ def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
 def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
     """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
-    middle = np.array([*from_centre(design, mass, np.zeros(2)), -half]) + O
+    middle = np.array([*from_centre(design.limbs, mass, np.zeros(2)), -half]) + O
     yield "body", _turned(built._replace(walker=built.body).seen, middle)
     for name, limb, leg, mesh in zip(names.legs(design), design.limbs, mass.legs, built.legs, strict=True):
         anchor = np.array([*leg.anchor, limb.across]) + O

@@ -29,7 +29,7 @@ def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
         raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
-    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = -from_centre(design.limbs, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return _packed(motion, O) | {"words": _words(motion, scene, names.part(design))}
 

@@ -74,7 +74,7 @@ class Shot(NamedTuple):
 def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """What a run in space shows, in the terms of the picture."""
     mesh = solids.build(design).seen
-    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = -from_centre(design.limbs, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return Shot(
         title=title,

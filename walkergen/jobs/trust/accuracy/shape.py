@@ -18,7 +18,7 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, assemble, weigh
+from walkergen.walker.mass import MassProperties, weigh
 
 SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 EXACT_SEGMENTS = 4096
@@ -97,7 +97,7 @@ def _far(design: Design, scene: Scene) -> Iterator[Rung]:
 def _weighed_far(design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]) -> MassProperties:
     shift = distance * np.array([0.6, 0.8, 0.0])
     body, *legs = (form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs))
-    weighed = assemble(design, weigh(body, 1.0), legs)
+    weighed = solids.assemble(design, weigh(body, 1.0), legs)
     # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]
     return weighed._replace(
