@@ -202,7 +202,7 @@ def test_repairs_of_a_mesh_are_told(tmp_path):
     (warning,) = [one for one in told(design) if "not taken as it is" in one.what]
     assert warning.level == "warning"
     facts = sheet.body_facts(design)
-    assert facts["changes"] == list(design.body.shape.changes) != []
+    assert facts["changes"] == list(design.shape.changes) != []
     assert len(facts["sha256"]) == 64
 
 

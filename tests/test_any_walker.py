@@ -99,7 +99,7 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
         )
         from walkergen.walker import forming
 
-        forming.shape.cache_clear()
+        forming.shape_by_key.cache_clear()
         design = design_of(TWO, body={"outline": str(path), "thickness_mm": 2.0})
         keys.append(experiments.facts(Scene(), design))
     assert keys[0] != keys[1]

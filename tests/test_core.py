@@ -30,14 +30,14 @@ CORE = (
 
 LATER = {
     "walkergen.printing.plates": {"walkergen.printing.plate_map"},
-    "walkergen.walker.body": {"walkergen.walker.forming"},
-    "walkergen.walker.design": {
+    "walkergen.walker.design": {"walkergen.walker.marks", "walkergen.walker.stance"},
+    "walkergen.walker.resolve": {
+        "walkergen.walker.forming",
+        "walkergen.walker.landing",
         "walkergen.walker.marks",
         "walkergen.walker.placing",
-        "walkergen.walker.stance",
-        "walkergen.walker.whole_mesh",
     },
-    "walkergen.walker.solids": {"walkergen.walker.caps", "walkergen.walker.engraving"},
+    "walkergen.walker.solids": {"walkergen.walker.caps", "walkergen.walker.engraving", "walkergen.walker.landing"},
 }
 """Imports from the core of what it does without: drawings, meshes, letters, legs that place themselves.
 The table may only shrink."""

@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from soundness import to_trimesh
 
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
@@ -111,7 +112,7 @@ def test_trimesh_agrees():
         design = Design().variant(kind=kind)
         mesh = solids.build(design).walker
         found = mass.weigh(mesh, DENSITY)
-        other = solids.to_trimesh(mesh)
+        other = to_trimesh(mesh)
         other.density = DENSITY
         assert found.mass == pytest.approx(other.mass, rel=1e-12)
         np.testing.assert_allclose(found.centre, other.center_mass, atol=1e-12)

@@ -15,8 +15,9 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.shapes import faults
 from walkergen.walker import solids
-from walkergen.walker.design import Design, named
+from walkergen.walker.design import Design
 from walkergen.walker.placing import UnplacedError
+from walkergen.walker.spec import named
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 
@@ -68,7 +69,7 @@ def test_a_picture_is_traced(tmp_path, name, background, ink):
     design = of(picture(tmp_path / name, background, ink))
     assert design.size.length == pytest.approx(28.0)
     assert design.size.depth == pytest.approx(28.0 * 220 / 300, rel=0.01)
-    _, hole = design.body.shape.plan
+    _, hole = design.shape.plan
     assert np.ptp(hole, axis=0) == pytest.approx([5.6, 5.6], rel=0.03)
     told = design.notes[0]
     assert f"traced {name}" in told
@@ -114,7 +115,7 @@ def test_pieces_stand_on_a_plate_or_the_largest_is_taken(tmp_path):
 def test_mirrored_shapes_point_the_other_way(tmp_path):
     path = svg(tmp_path, DRAWN["arrow"])
     plain, turned = of(path), of(path, **{"body.mirror": True})
-    np.testing.assert_allclose(np.sort(plain.body.shape.plan[0][:, 0]), np.sort(-turned.body.shape.plan[0][:, 0]))
+    np.testing.assert_allclose(np.sort(plain.shape.plan[0][:, 0]), np.sort(-turned.shape.plan[0][:, 0]))
 
 
 def test_a_drawing_without_a_size_is_as_long_as_the_papers_walker(tmp_path):
@@ -217,7 +218,7 @@ def test_another_shape_takes_what_followed_from_the_former_with_it(tmp_path):
 @pytest.mark.parametrize("shape", ["heart", "bell"])
 def test_numbers_take_the_place_of_what_was_found(tmp_path, shape):
     found = of(svg(tmp_path, DRAWN[shape]))
-    numbers = found.numbered()
+    numbers = found.with_numbered_legs()
     assert not numbers.placed
     for mine, theirs in zip(numbers.limbs, found.limbs, strict=True):
         assert (mine.along, mine.across, mine.width) == pytest.approx((theirs.along, theirs.across, theirs.width))

@@ -10,6 +10,7 @@ import manifold3d
 import numpy as np
 import pytest
 import trimesh
+from soundness import to_trimesh
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.shapes import crossings, faults, joining, modeller, repairs, stl
@@ -35,7 +36,7 @@ def refused(path, **keys):
 def test_every_format_gives_the_same_body(tmp_path, kind):
     """Text formats keep eight digits, binary ones 24 bits: 1e-6 of the volume is ten times that."""
     path = tmp_path / f"duck.{kind.removesuffix('_ascii')}"
-    path.write_bytes(_exported(solids.to_trimesh(DUCK), kind))
+    path.write_bytes(_exported(to_trimesh(DUCK), kind))
     found = own_mesh.read(path)
     assert found.changes == ()
     assert len(found.mesh.triangles) == len(DUCK.triangles)

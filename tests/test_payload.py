@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import trimesh
+from soundness import to_trimesh
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
@@ -457,7 +458,7 @@ def test_a_body_of_ones_own_bears_pockets(tmp_path):
 
 def test_a_finished_walker_bears_pockets(tmp_path):
     plain = design_of(body=WIDE, legs={"contact_spacing_mm": 30.0})
-    mesh = solids.to_trimesh(solids.build(plain).walker)
+    mesh = to_trimesh(solids.build(plain).walker)
     mesh.export(tmp_path / "whole.stl")
     motor = {"axis": "up", "up_mm": 1.5}
     whole = {"mesh": str(tmp_path / "whole.stl"), "up": "y", "legs_below_mm": 7.0}

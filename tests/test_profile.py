@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from soundness import to_trimesh
 
 from walkergen.errors import OutputError
 from walkergen.printing.profile import profile_of, write_dxf, write_svg
@@ -17,7 +18,7 @@ WRITERS = {"dxf": write_dxf, "svg": write_svg}
 def test_a_profile_times_the_depth_is_the_solid(kind, tilt):
     design = Design().variant(kind=kind, tilt_deg=tilt)
     profile = profile_of(design)
-    volume = solids.to_trimesh(solids.build(design).walker).volume
+    volume = to_trimesh(solids.build(design).walker).volume
     # Two unions of the same polygons: they differ by roundings, and slivers that are no windows.
     assert design.body.depth_mm * sum(map(area, profile)) == pytest.approx(volume, rel=1e-8)
     assert [area(part) > 0 for part in profile] == [True] + [False] * (len(profile) - 1)

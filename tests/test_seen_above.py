@@ -33,11 +33,7 @@ def polygon_of(outline):
 
 def test_an_outline_lies_where_the_simulation_has_the_body_and_its_mirror_image_does_not():
     scene = Scene.model_validate(
-        {
-            "arena": {"kind": "plane"},
-            "contact": {"restitution": 0.2},
-            "run": {"seconds": 0.3, "discard_seconds": 0.0},
-        }
+        {"arena": {"kind": "plane"}, "contact": {"restitution": 0.2}, "run": {"seconds": 0.3, "discard_seconds": 0.0}}
     )
     mass = solids.mass_of(TURNER)
     found = poses.sample(prepare(scene, TURNER, mass), 0.05)

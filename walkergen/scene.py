@@ -408,7 +408,7 @@ class Scene(Section):
     run: Run = Run()
     effects: Effects = Effects()
 
-    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this scene with values set anew, of which some of the drive exclude others."""
         keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
         if keys and isinstance(data.get("drive"), dict):

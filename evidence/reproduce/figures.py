@@ -193,7 +193,7 @@ def mechanisms(findings: Findings) -> Figure:
 def _profile(axes: Axes, mechanism: Mechanism) -> None:
     """Draw a walker of a body in side view, running to the right, its feet with their friction."""
     design = mechanism.design
-    side, ground = design.body.shape.side, min(limb.foot_height for limb in design.limbs)
+    side, ground = design.shape.side, min(limb.foot_height for limb in design.limbs)
     assert side is not None  # the mechanisms' bodies are rectangles
     legs = [piece + np.array(limb.anchor) for limb in design.limbs for piece in section_of(limb).profile(limb, 16)]
     axes.add_collection(PolyCollection([side], facecolors=GREY))

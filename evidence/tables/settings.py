@@ -16,7 +16,7 @@ from walkergen.scene import Arena, Contact, Drive, Feet, LegModel, Plate, Run, S
 from walkergen.walker.body import Body
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind, Legs
-from walkergen.walker.material import Material
+from walkergen.walker.spec import Material
 
 Row = dict[str, float | None]
 """Numbers of a row by the names of `KEYS`; None where a lane's walls, or a key of its own, are not there."""

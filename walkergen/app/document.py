@@ -23,8 +23,9 @@ from walkergen.files.key_names import KINDS, TILTS
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
-from walkergen.walker.design import MESHES, OUTLINES, Design
+from walkergen.walker.design import Design
 from walkergen.walker.marks import digits_of
+from walkergen.walker.spec import MESHES, OUTLINES
 
 MOST_KEYS = 500
 """Most keys that a page sets."""

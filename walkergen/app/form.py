@@ -16,8 +16,8 @@ from walkergen.app.document import Document, tilt_key
 from walkergen.files.config import Section
 from walkergen.files.key_names import TILTS
 from walkergen.walker.body import Body
-from walkergen.walker.design import Family
 from walkergen.walker.limbs import Leg, Legs
+from walkergen.walker.spec import Family
 
 UNITS = {
     "deg": "°",
@@ -230,11 +230,12 @@ def _round(value: float) -> float:
 
 @cache
 def _notes(table: type[Section]) -> Mapping[str, str]:
-    """What the text of a table says below its keys, a sentence or two each."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(table)))
-    (body,) = (node.body for node in tree.body if isinstance(node, ast.ClassDef))
+    """What the text of a table, and of those that it extends, says below its keys, a sentence or two each."""
+    tables = [each for each in table.__mro__ if issubclass(each, Section) and each is not Section]
+    trees = [ast.parse(textwrap.dedent(inspect.getsource(each))) for each in tables]
+    bodies = [node.body for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]
     notes = {}
-    for key, note in pairwise(body):
+    for key, note in (pair for body in bodies for pair in pairwise(body)):
         if (
             isinstance(key, ast.AnnAssign)
             and isinstance(key.target, ast.Name)

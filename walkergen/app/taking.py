@@ -98,7 +98,7 @@ def _archive(folder: Path, paths: list[Path]) -> bytes:
 
 def _write_settings(document: Document, folder: Path) -> None:
     """Write walker, scene and printer as TOML files, the file of a body beside them."""
-    design = document.design().numbered()
+    design = document.design().with_numbered_legs()
     alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
     alone |= {"legs": [design.kind]} if design.pair else {}
     family = design.family.model_copy(update=alone)

@@ -80,4 +80,5 @@ def _of_shape(path: Path, target: Path) -> str:
 
     if Design.of_file(path) is None:
         raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")
-    return templates.dump(read(path, Design).numbered().moved(target.parent), f"Walker of {path.name}", every=False)
+    design = read(path, Design).with_numbered_legs().with_paths_relative_to(target.parent)
+    return templates.dump(design, f"Walker of {path.name}", every=False)

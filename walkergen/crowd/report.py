@@ -185,7 +185,7 @@ def inputs_of(job: Job) -> dict[str, Any]:
         "model": job.model,
         "scene": job.scene.model_dump(mode="json"),
         "designs": [design.model_dump(mode="json") for design in designs],
-        "bodies_sha256": [design.body.shape.sha256 for design in designs],
+        "bodies_sha256": [design.shape.sha256 for design in designs],
         "cards": [kind.card.model_dump(mode="json") for kind in job.kinds if kind.card],
         "counts": [kind.walkers for kind in job.kinds],
         "rate_hz": job.rate_hz,

@@ -121,7 +121,7 @@ def assigned(section: Model, data: dict[str, Any], values: Mapping[str, Any], so
             _put(data, key.split("."), _plain(value))
         except InputError as error:
             raise InputError(f"{source}: {prefix}{key}: {error}", prefix + key) from None
-    return validate(section.settled(data, values), type(section), source, prefix=prefix)
+    return validate(section.without_stale_keys(data, values), type(section), source, prefix=prefix)
 
 
 def _check_form(key: str, before: str) -> None:

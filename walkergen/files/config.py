@@ -75,11 +75,11 @@ class Section(BaseModel):
         return None
 
     @classmethod
-    def located(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         """Data of a file in `folder`, in which tables that name other files say where they are."""
         return data
 
-    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this table in which `values`, by dotted keys, have been set anew: tables whose
         keys depend on one another drop or add others.
         """
@@ -106,7 +106,7 @@ def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
         raise InputError(f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME")
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
-    return dict(model.located(data, path.parent)), text
+    return dict(model.with_paths_below(data, path.parent)), text
 
 
 def load(path: Path) -> tuple[dict[str, Any], str]:

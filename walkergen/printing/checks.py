@@ -262,7 +262,7 @@ def _mesh(mesh: Mesh) -> Iterator[Finding]:
 
 
 def _repairs(design: Design) -> Iterator[Finding]:
-    if changes := design.body.shape.changes:
+    if changes := design.shape.changes:
         what = f"the body's file was not taken as it is ({'; '.join(changes)})"
         yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at its picture before the print")
 

@@ -12,7 +12,7 @@ from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass
-from walkergen.walker.material import Material
+from walkergen.walker.spec import Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -92,7 +92,7 @@ def thinnest_wall(part: Part, design: Design) -> float:
         hole = shapely.box(x - wide, -z - deep, x + wide, -z + deep)
     ground = shapely.box(*(0.5 * np.array([-size.length, -size.depth, size.length, size.depth])))
     if design.body.flat:
-        outer, *holes = design.body.shape.plan
+        outer, *holes = design.shape.plan
         ground = shapely.Polygon(outer, holes)
     return float(hole.distance(ground.boundary)) if ground.contains(hole) else 0.0
 

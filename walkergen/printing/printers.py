@@ -84,7 +84,7 @@ class Printer(Section):
             )
         return self
 
-    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data in which lines keep their width over that of a nozzle set anew."""
         nozzle = data.get("nozzle_mm")
         if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):

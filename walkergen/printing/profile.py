@@ -30,10 +30,10 @@ def drawing_of(design: Design) -> list[Polygon]:
     depth, why = design.size.depth, "its legs are narrower than its body"
     if design.parts:
         why = f"its body has pockets ({', '.join(design.parts)})"
-    elif design.body.flat and design.body.shape.mesh is not None:
+    elif design.body.flat and design.shape.mesh is not None:
         why = "it stands on a base plate"
     elif design.body.flat:
-        return list(design.body.shape.plan)
+        return list(design.shape.plan)
     elif solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
         return profile_of(design)
     elif design.body.mesh:

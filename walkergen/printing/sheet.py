@@ -140,7 +140,7 @@ def _put_in(batch: Batch) -> str:
 
 def body_facts(design: Design) -> dict[str, Any]:
     """Facts of a design's body for the manifest: hash of its file, if any, and repairs to it."""
-    shape = design.body.shape
+    shape = design.shape
     return {"sha256": shape.sha256, "changes": list(shape.changes)}
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from walkergen.printing import walls
 from walkergen.printing.printers import Printer
-from walkergen.walker.material import Material
+from walkergen.walker.spec import Material
 
 FILAMENT_MM = 1.75
 

@@ -111,7 +111,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 
     Of bodies from files, and of letters, also what the files hold.
     """
-    shape = design.body.shape
+    shape = design.shape
     drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
     return [
         *([] if design.body.plain else drawn),

@@ -7,7 +7,7 @@ A tip of effective radius R has the force K depth^1.5, K = 4/3 E* sqrt(R), 1/E* 
 import math
 
 from walkergen.scene import Scene
-from walkergen.walker.material import Material
+from walkergen.walker.spec import Material
 
 
 def contact_modulus(scene: Scene, material: Material) -> float:

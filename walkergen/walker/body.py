@@ -8,7 +8,6 @@ Frame: the middle of the body's box at the origin of x and y, z from 0 to its de
 from collections.abc import Mapping
 from functools import lru_cache
 from operator import not_
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -29,6 +28,9 @@ Points = Annotated[
 
 DRAWN = ("disc", "ellipse", "polygon")
 """Outlines that need no file."""
+
+FILES = ("outline", "mesh", "font")
+"""Keys that may name a file."""
 
 SOURCES = ("profile_mm", "outline", "text", "mesh")
 """Keys that give a body another shape than a rectangle; one of them at most."""
@@ -185,15 +187,6 @@ class Body(Section):
         return self.outline is not None or self.text is not None
 
     @property
-    def shape(self) -> "Shape":
-        """Shape of the body. Raises GeometryError, and InputError for files."""
-        if self.plain:
-            return _rectangle(self.length_mm, self.thickness_mm, self.depth_mm)
-        from walkergen.walker import forming
-
-        return forming.shape(self.key)
-
-    @property
     def key(self) -> str:
         """JSON of what was written, by which a shape is kept."""
         return self.model_dump_json(exclude_unset=True)
@@ -225,21 +218,26 @@ class Shape(NamedTuple):
     whole: "CutWalker | None" = None
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
+    def solid(self) -> Mesh:
+        """Return the closed mesh of the body, in the design's frame. Raises SolidError."""
+        if self.mesh is not None:
+            return self.mesh
+        from walkergen.shapes.extrusion import extruded  # heavy: the modeller
 
-def located(table: Any, folder: Path) -> Any:
-    """Table [body] as in a file, its drawing or mesh found from the folder of that file."""
-    if not isinstance(table, Mapping):
-        return table
-    own = dict(table)
-    for key in ("outline", "mesh", "font"):
-        name = own.get(key)
-        if isinstance(name, str) and name and name not in DRAWN:
-            own[key] = str(folder / name)
-    return own
+        if self.side is not None:
+            return extruded([self.side], self.size.depth)
+        return lay_down(extruded(self.plan, self.size.thickness), self.size)
+
+
+def lay_down(plan: Mesh, size: Size) -> Mesh:
+    """Lay an extrusion of what is seen from above into the design's frame: the page's up is -z, its viewer at +y."""
+    x, v, w = plan.vertices.T
+    return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
 
 
 @lru_cache(maxsize=64)
-def _rectangle(length: float, thickness: float, depth: float) -> Shape:
+def rectangle(length: float, thickness: float, depth: float) -> Shape:
+    """Return the shape of a rectangle in side view."""
     x, y = 0.5 * length, 0.5 * thickness
     side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     side.flags.writeable = False  # all designs of that size share it

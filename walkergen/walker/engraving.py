@@ -7,13 +7,14 @@ from walkergen.shapes import modeller
 from walkergen.shapes.extrusion import extruded
 from walkergen.shapes.lettering import letters
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import landing, marks
+from walkergen.walker import marks
+from walkergen.walker.body import lay_down
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Polygon
 
 
-def notched(design: Design, corners: Polygon) -> Polygon:
-    """Profile of a rectangular body, of its corners from the lower left, with the notches in its upper edge."""
+def add_notches(design: Design, corners: Polygon) -> Polygon:
+    """Return the profile of a rectangular body, by its corners from the lower left, with notches in its upper edge."""
     length, thickness = design.size.length, design.size.thickness
     y = 0.5 * thickness
     edge = [
@@ -24,19 +25,19 @@ def notched(design: Design, corners: Polygon) -> Polygon:
     return np.array([*corners[:3], *edge, corners[3]])
 
 
-def profiles(design: Design) -> list[Polygon]:
-    """Pockets in the side of a body, about its middle: its digits or its text."""
+def engraved_profiles(design: Design) -> list[Polygon]:
+    """Return the pockets in the side of a body, about its middle: its digits or its text."""
     if design.letters:
         return _lettering(design, design.size.length, design.size.thickness)
     strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)]) for s in strokes]
 
 
-def lettered(ground: Mesh, design: Design) -> Mesh:
-    """Body in plan view with its text cut into the upper side. Raises GeometryError."""
+def cut_letters(ground: Mesh, design: Design) -> Mesh:
+    """Return a body in plan view with its text cut into the upper side. Raises GeometryError."""
     text = _lettering(design, design.size.length, design.size.depth)
     depth, size = design.marks.depth_mm, design.size
-    tool = landing.lying(extruded(text, 2.0 * depth, pieces=True), size)
+    tool = lay_down(extruded(text, 2.0 * depth, pieces=True), size)
     raised = tool.vertices + np.array([0.0, size.thickness - depth, 0.0])
     solid, drawn = modeller.solid(ground), modeller.solid(Mesh(raised, tool.triangles))
     cut = modeller.evaluated(solid - drawn)

@@ -12,8 +12,10 @@ from walkergen.errors import GeometryError
 from walkergen.files import reading, words
 from walkergen.shapes import outlines, overlaps, units
 from walkergen.shapes.contours import Array, NoUnitError
+from walkergen.shapes.lettering import letters
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker.body import DRAWN, Body, Shape, Size
+from walkergen.walker import base, own_mesh, whole_mesh
+from walkergen.walker.body import DRAWN, Body, Shape, Size, lay_down, rectangle
 
 SPECK = 0.005
 """Area of a piece of a drawing, over the largest, below which it is dirt."""
@@ -28,9 +30,16 @@ class Plan(NamedTuple):
     """Number of pieces, apart from each other."""
 
 
+def shape_of(body: Body) -> Shape:
+    """Return the shape of a body. Raises GeometryError, and InputError for files."""
+    if body.plain:
+        return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
+    return shape_by_key(body.key)
+
+
 @lru_cache(maxsize=64)
-def shape(keys: str) -> Shape:
-    """Shape of a body that is no rectangle; `keys` is its JSON. Raises GeometryError, and InputError for files."""
+def shape_by_key(keys: str) -> Shape:
+    """Return the shape of a body that is no rectangle; `keys` is its JSON. Raises as `shape_of` does."""
     body = Body.model_validate_json(keys)
     if body.mesh is not None:
         return _of_mesh(body)
@@ -44,12 +53,10 @@ def shape(keys: str) -> Shape:
     contours, mesh, notes = plan.contours, None, plan.notes
     loose = plan.pieces > 1 or (body.text is not None and body.rails_mm is None)
     if body.base or (body.base is None and loose):
-        from walkergen.walker import base, landing
-
         contours, raised = base.under_outline(contours, body.thickness_mm)
         if plan.pieces > 1:
             notes += (f"joined {plan.pieces} pieces by a base plate",)
-        mesh = landing.lying(raised, _size(contours, body.thickness_mm))
+        mesh = lay_down(raised, _size(contours, body.thickness_mm))
     size = _size(contours, body.thickness_mm)
     named = body.outline if body.text is None else body.font
     sha256 = "" if named is None or named in DRAWN else _hash(Path(named))
@@ -67,14 +74,10 @@ def _hash(path: Path) -> str:
 
 def _of_mesh(body: Body) -> Shape:
     """Shape of a mesh from a file."""
-    from walkergen.walker import own_mesh
-
     assert body.mesh is not None
     wishes = own_mesh.Wishes(body.scale_mm, body.wished_mm, body.up, body.forward, body.repair, body.base, body.mirror)
     own = own_mesh.read(Path(body.mesh), wishes)
     if body.legs_below_mm is not None:
-        from walkergen.walker import whole_mesh
-
         cut = whole_mesh.centred(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))
         return Shape(_extent(cut.body), None, (), cut.body, own.sha256, own.changes, cut)
     return Shape(_extent(own.mesh), None, (), own.mesh, own.sha256, own.changes)
@@ -101,8 +104,6 @@ def _plan(body: Body) -> Plan:
 
 def _text(body: Body) -> Plan:
     """Letters. Where they may not stand on a plate they must be one piece."""
-    from walkergen.shapes.lettering import letters
-
     assert body.text is not None
     font = None if body.font is None else Path(body.font)
     height = body.depth_mm

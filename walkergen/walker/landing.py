@@ -12,9 +12,8 @@ import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.shapes import joining
-from walkergen.shapes.extrusion import extruded
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker.body import Body, Shape, Size
+from walkergen.walker.body import Body
+from walkergen.walker.forming import shape_of
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import SolidMass, weigh
 from walkergen.walker.sections import section_of
@@ -27,16 +26,16 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 @lru_cache(maxsize=1024)
-def landed(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
-    """Legs made to meet a body, given by its JSON. Raises GeometryError for those that miss it."""
+def meet_body(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
+    """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
     ground = ready(body)
-    return tuple(_landed(ground, limb, number) for number, limb in enumerate(limbs, start=1))
+    return tuple(_meet(ground, limb, number) for number, limb in enumerate(limbs, start=1))
 
 
 @lru_cache(maxsize=16)
 def ready(body: str) -> joining.Body:
     """Body of its JSON, made ready for the modeller."""
-    return joining.ready(solid_of(Body.model_validate_json(body).shape))
+    return joining.ready(shape_of(Body.model_validate_json(body)).solid())
 
 
 atexit.register(ready.cache_clear)  # else the modeller tells of leaks at the end of the program
@@ -48,24 +47,8 @@ def weighed(body: str) -> SolidMass:
     return weigh(ready(body).mesh, 1.0)
 
 
-def solid_of(shape: Shape) -> Mesh:
-    """Mesh of a body, in the design's frame."""
-    if shape.mesh is not None:
-        return shape.mesh
-    if shape.side is not None:
-        return extruded([shape.side], shape.size.depth)
-    return lying(extruded(shape.plan, shape.size.thickness), shape.size)
-
-
-def lying(plan: Mesh, size: Size) -> Mesh:
-    """Extrusion of what is seen from above, laid down: the page's up is -z, its viewer at +y."""
-    x, v, w = plan.vertices.T
-    placed = np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v])
-    return Mesh(placed, plan.triangles)
-
-
-def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
-    """Leg that goes on to the underside of a body."""
+def _meet(ground: joining.Body, limb: Limb, number: int) -> Limb:
+    """Return a leg that goes on to the underside of a body."""
     depth = float(np.ptp(ground.mesh.vertices[:, 2]))
     sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
     anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])

@@ -215,8 +215,8 @@ def from_centre(limbs: Sequence[Limb], mass: MassProperties, points: Array) -> A
     return np.asarray(points) - O
 
 
-def rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:
-    """Mass properties of the same shape with the mass of a balance, g; None: as they are."""
+def rescale(part: SolidMass, weighed_mass: float | None) -> SolidMass:
+    """Return the mass properties of the same shape with the mass of a balance, g; None: as they are."""
     if weighed_mass is None:
         return part
     return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)

@@ -17,7 +17,9 @@ import numpy.typing as npt
 
 from walkergen.errors import GeometryError, InputError, Remedy, SolidError
 from walkergen.shapes import joining, units
+from walkergen.walker import landing
 from walkergen.walker.body import Body
+from walkergen.walker.forming import shape_of
 from walkergen.walker.limbs import Legs, Limb, pair_of
 from walkergen.walker.sections import section_of
 
@@ -152,7 +154,7 @@ class Placement(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def placed(body_key: str, legs_key: str) -> Placement:
+def find_placement(body_key: str, legs_key: str) -> Placement:
     """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
 
     Raises UnplacedError where none stand, with what would help.
@@ -170,9 +172,7 @@ def _placed(body: Body, legs: Legs) -> Placement:
     """Legs for a body. Raises GeometryError."""
     import shapely
 
-    from walkergen.walker import landing
-
-    size = body.shape.size
+    size = shape_of(body).size
     leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
     ground, (along, up, across) = _ground(body.key)
     centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
@@ -184,7 +184,7 @@ def _placed(body: Body, legs: Legs) -> Placement:
             break
         found = _placement(leg, rows(drawn_in, centre, height, reach), centre, height)
         try:
-            return found._replace(limbs=landing.landed(body.key, found.limbs))
+            return found._replace(limbs=landing.meet_body(body.key, found.limbs))
         except GeometryError:  # a leg misses the mesh: farther in there is more of it
             continue
     raise GeometryError("its underside is too narrow or too steep for legs")
@@ -194,7 +194,7 @@ def room(body: Body, legs: Legs) -> Room:
     """Room for legs under a body. Raises GeometryError for a body that has no shape."""
     import shapely
 
-    size = body.shape.size
+    size = shape_of(body).size
     leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
     ground, (along, up, across) = _ground(body.key)
     reach = _reach(leg)
@@ -215,7 +215,7 @@ def room(body: Body, legs: Legs) -> Room:
 def _remedies(body_key: str, legs_key: str) -> list[Remedy]:
     """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
-    length = body.shape.size.length
+    length = shape_of(body).size.length
     sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
     wishes: list[list[tuple[str, dict[str, Any]]]] = [
         [("read it in inches", {"scale_mm": INCH_MM})] if _tiny(body) else [],
@@ -256,7 +256,7 @@ def _other_sides(body: Body) -> list[dict[str, Any]]:
 def _tiny(body: Body) -> bool:
     """True for a mesh in a unit that it does not state, too small for one in mm."""
     unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
-    return unsaid and body.legs_below_mm is None and max(body.shape.size) < SMALL_MM
+    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < SMALL_MM
 
 
 def _stands(body: Body, legs: Legs) -> bool:
@@ -274,9 +274,7 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
     """What a body of its JSON covers, (along, across), and its centre of mass: along, up, across from its middle."""
     import shapely
 
-    from walkergen.walker import landing
-
-    shape = Body.model_validate_json(body_key).shape
+    shape = shape_of(Body.model_validate_json(body_key))
     if shape.plan:
         outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
         ground = shapely.Polygon(outer, holes)

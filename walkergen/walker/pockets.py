@@ -80,7 +80,7 @@ def solids_of(design: Design) -> dict[str, Mesh]:
     return {name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0))) for name, part in design.parts.items()}
 
 
-def carried(design: Design) -> list[SolidMass]:
+def weigh_carried(design: Design) -> list[SolidMass]:
     """Mass properties of what a body carries: its parts, each with its share of the glue, and the
     wires, a thin rod from the middle of the one to that of the other.
 

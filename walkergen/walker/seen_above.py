@@ -26,7 +26,7 @@ def contours(design: Design) -> tuple[Array, ...]:
 
     Of a body in side view its rectangle, of a mesh its projection.
     """
-    shape, half = design.body.shape, 0.5 * np.array([design.size.length, design.size.depth])
+    shape, half = design.shape, 0.5 * np.array([design.size.length, design.size.depth])
     if shape.side is not None:
         return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
     if shape.mesh is None:

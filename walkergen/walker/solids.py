@@ -25,8 +25,6 @@ from walkergen.walker.mass import LegMass, MassProperties, SolidMass, Spatial
 from walkergen.walker.sections import section_of
 
 if TYPE_CHECKING:
-    import trimesh
-
     from walkergen.shapes import joining
     from walkergen.walker.whole_mesh import CutWalker
 
@@ -112,8 +110,8 @@ def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 def _solid(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker without pockets and cap."""
-    if design.body.shape.whole is not None:
-        return _cut(design.body.shape.whole, design)
+    if design.shape.whole is not None:
+        return _cut(design.shape.whole, design)
     if not design.body.plain:
         return _on_any_body(design, foot_segments, united)
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
@@ -151,7 +149,7 @@ def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     if design.letters:
         from walkergen.walker import engraving
 
-        ground = joining.ready(engraving.lettered(ground.mesh, design))
+        ground = joining.ready(engraving.cut_letters(ground.mesh, design))
     sections = _sections(limbs, foot_segments)
     bars = _bars(limbs, sections, depth)
     legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
@@ -311,11 +309,11 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     if cap is not None and design.cap is not None:
         of_cap = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
         whole = mass.together([whole, of_cap])
-    top = mass.rescaled(whole, design.weighed.body_mass_g)
+    top = mass.rescale(whole, design.weighed.body_mass_g)
     if design.parts:
         from walkergen.walker import pockets
 
-        top = mass.together([top, *pockets.carried(design)])
+        top = mass.together([top, *pockets.weigh_carried(design)])
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
     weighed_once = {key: mass.weigh(mesh, density) for key, mesh in distinct.items()}
@@ -324,7 +322,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
     prisms = design.body.plain or design.body.flat
     for limb, part in zip(limbs, meshed, strict=True):
         weighed = design.weighed.leg_mass_g
-        own = mass.rescaled(part, None if weighed is None else weighed * (part.mass / mean))
+        own = mass.rescale(part, None if weighed is None else weighed * (part.mass / mean))
         c_A = own.centre[:2]
         # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
         aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
@@ -391,17 +389,10 @@ def bodies(mesh: Mesh) -> int:
     return len(modeller.bodies(solid))
 
 
-def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
-    """Convert a mesh to trimesh's object; vertices and their order stay as they are."""
-    import trimesh
-
-    return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-
-
 def _body_profile(design: Design) -> Polygon:
     """Profile of the body with the notches in its upper edge, counter-clockwise."""
     if design.body.profile_mm is not None:
-        side = design.body.shape.side
+        side = design.shape.side
         assert side is not None
         return side
     x, y = 0.5 * design.size.length, 0.5 * design.size.thickness
@@ -410,7 +401,7 @@ def _body_profile(design: Design) -> Polygon:
         return corners
     from walkergen.walker import engraving
 
-    return engraving.notched(design, corners)
+    return engraving.add_notches(design, corners)
 
 
 def _engraved(design: Design) -> list[Polygon]:
@@ -419,4 +410,4 @@ def _engraved(design: Design) -> list[Polygon]:
         return []
     from walkergen.walker import engraving
 
-    return engraving.profiles(design)
+    return engraving.engraved_profiles(design)

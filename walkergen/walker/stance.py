@@ -16,6 +16,7 @@ from walkergen.errors import GeometryError
 from walkergen.files.config import Section
 from walkergen.shapes.mesh import Array
 from walkergen.walker.body import Body
+from walkergen.walker.forming import shape_of
 from walkergen.walker.limbs import Leg, Limb, limb_of
 
 STEEPEST = math.radians(60.0)
@@ -39,7 +40,7 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
         if data.get(name) is not None:
             raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
     parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _listed(data)})
-    legs, shape = parts.legs, parts.body.shape
+    legs, shape = parts.legs, shape_of(parts.body)
     if shape.side is None:
         raise GeometryError(
             "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the feet level"

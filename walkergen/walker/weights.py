@@ -23,8 +23,8 @@ from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.material import Weighed
 from walkergen.walker.solids import Solids
+from walkergen.walker.spec import Weighed
 
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")

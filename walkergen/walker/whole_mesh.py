@@ -58,6 +58,10 @@ class CutWalker(NamedTuple):
     whole: Mesh
     """Walker before the cut."""
 
+    def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
+        """Return its legs with all their numbers. Raises GeometryError for flexible ones with a brace."""
+        return tuple(_limb_of(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
+
 
 def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> CutWalker:
     """Cut a sound walker (y up) at a height above its lowest point into body and legs.
@@ -108,8 +112,8 @@ def _shifted(mesh: Mesh, shift: Array) -> Mesh:
     return mesh._replace(vertices=mesh.vertices + shift)
 
 
-def limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
-    """Leg of a finished walker as the rest of the program knows legs; its foot counts as flat.
+def _limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
+    """Return a leg of a finished walker with all its numbers; its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is said to be flexible.
     """

@@ -15,8 +15,8 @@ from walkergen.scene import GRAVITY, LEAST_RESTITUTION, Scene
 from walkergen.simulation.effects.effect import Case, Effect, Rule
 from walkergen.theory.hertz import landing_depth, tip_stiffness
 from walkergen.walker.limbs import Limb
-from walkergen.walker.material import Material
 from walkergen.walker.sections import section_of
+from walkergen.walker.spec import Material
 
 NAME, KEY = "compliant tips", "feet.rigid_tips"
 

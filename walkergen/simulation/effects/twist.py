@@ -8,8 +8,8 @@ Limits: without twist the foot is rigid along its edge; at infinite stiffness th
 from walkergen.simulation.effects.compliance import natural_frequency
 from walkergen.simulation.effects.effect import Case, Effect, Rule, absent, forced
 from walkergen.walker.limbs import Limb
-from walkergen.walker.material import Material
 from walkergen.walker.sections import section_of
+from walkergen.walker.spec import Material
 
 NAME, SWITCH = "leg twist", "leg_twist"
 

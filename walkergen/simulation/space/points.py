@@ -14,7 +14,6 @@ import numpy as np
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.space.state import Array, Walker
 from walkergen.walker.design import Design
-from walkergen.walker.landing import solid_of
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, from_centre
 
@@ -105,7 +104,7 @@ def _hull(design: Design) -> Array:
     """
     from scipy.spatial import ConvexHull
 
-    vertices = solid_of(design.body.shape).vertices - (0.0, 0.0, 0.5 * design.size.depth)
+    vertices = design.shape.solid().vertices - (0.0, 0.0, 0.5 * design.size.depth)
     hull = vertices[np.unique(ConvexHull(vertices).vertices)]
     if len(hull) <= MOST:
         return np.array(hull)
@@ -122,11 +121,11 @@ def _edges(design: Design) -> Array:
     Of bodies in side view their upright edges, at the middle of their height; of others the
     outermost points of the outline.
     """
-    size, shape = design.size, design.body.shape
+    size, shape = design.size, design.shape
     if shape.side is not None:
         half = 0.5 * size.length, 0.5 * size.depth
         return np.array([(x, 0.0, z) for x in (-half[0], half[0]) for z in (-half[1], half[1])])
-    hull = solid_of(shape).vertices - (0.0, 0.0, 0.5 * size.depth)
+    hull = shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
     if shape.mesh is None:
         hull = hull * (1.0, 0.0, 1.0)
     corners = np.unique(hull[np.argmax(_directions(0.0) @ hull.T, axis=1)].round(9), axis=0)
@@ -136,7 +135,7 @@ def _edges(design: Design) -> Array:
 def _tops(design: Design) -> Array:
     """Corners of the body that a lid may touch as it tilts, shape (n, 3), from its middle: from back to front."""
     body, size = design.body, design.size
-    hull = _box(design) if body.plain else solid_of(body.shape).vertices - (0.0, 0.0, 0.5 * size.depth)
+    hull = _box(design) if body.plain else design.shape.solid().vertices - (0.0, 0.0, 0.5 * size.depth)
     reach = _directions(*SLOPES) @ hull.T
     outermost = (reach > reach.max(axis=1, keepdims=True) - SAME).any(axis=0)  # of equal ones all, as in the mirror
     corners = np.unique(hull[outermost].round(9), axis=0)

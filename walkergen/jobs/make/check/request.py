@@ -55,7 +55,7 @@ class CheckRequest(request.Request):
     def _weigh(self, path: Path) -> "WeighReport":
         """Weigh a mesh file. Raises InputError."""
         from walkergen.jobs.make.check import weigh_report, weighing
-        from walkergen.walker.design import MESHES
+        from walkergen.walker.spec import MESHES
 
         if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESHES:
             raise InputError(f"--weigh: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESHES)}", "design")

@@ -40,12 +40,9 @@ class FamilyReport(Report):
 
 def view_parts(walkers: Sequence[Member]) -> "list[Part]":
     """Return the walkers for a 3D view, each with its speed in words."""
-    from walkergen.files import viewer
+    from walkergen.files.viewer import Part
 
-    return [
-        viewer.Part(names.part(walker.design), walker.design.kind, *walker.mesh, prediction.brief(walker.row))
-        for walker in walkers
-    ]
+    return [Part(names.part(one.design), one.design.kind, *one.mesh, prediction.brief(one.row)) for one in walkers]
 
 
 def of(

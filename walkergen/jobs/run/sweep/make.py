@@ -130,7 +130,7 @@ def _hash_of(request: Request) -> str:
 
 def _facts(request: Request) -> dict[str, Any]:
     """A request for the manifest: every input resolved."""
-    shape = request.design.body.shape
+    shape = request.design.shape
     sample = request.space.sample
     return {
         "design": request.design.model_dump(mode="json"),

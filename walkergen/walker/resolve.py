@@ -1,14 +1,26 @@
-"""Problems that keep legs from being built on a body, each a line with the limit that it passes."""
+"""Resolve what a person wrote of a walker: the shape of its body, its legs where they stand, and what hinders them.
+
+This alone reads drawings and meshes and places legs. Readers and legs of other bodies than rectangles are imported
+where a walker has them.
+"""
 
 import itertools
 import math
 from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from walkergen.walker.body import Shape, Size
-from walkergen.walker.limbs import Legs, Limb, pair_of
+from walkergen.errors import GeometryError, Remedy
+from walkergen.walker.body import Body, Shape, Size, rectangle
+from walkergen.walker.fittings import place_problems
+from walkergen.walker.limbs import Legs, Limb, limb_of, pair_of
 from walkergen.walker.sections import section_of
+from walkergen.walker.spec import WalkerSpec
+
+if TYPE_CHECKING:
+    from walkergen.walker.placing import Placement
 
 LEVEL_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
@@ -18,7 +30,99 @@ ROUNDING_MM = 1e-9
 """Largest error, mm, of sums of lengths that people write."""
 
 
-def of_pair(legs: Legs, size: Size) -> list[str]:
+def shape_of(body: Body) -> Shape:
+    """Return the shape of a body. Raises GeometryError, and InputError for files."""
+    if body.plain:
+        return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
+    from walkergen.walker import forming
+
+    return forming.shape_of(body)
+
+
+def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
+    """Return every leg with all its numbers, in the order of the file; of two equal: back, front.
+
+    Raises GeometryError for a leg that does not meet the body.
+    """
+    shape, legs = shape_of(spec.body), spec.legs
+    if shape.whole is not None:
+        assert isinstance(legs, Legs)
+        return shape.whole.limbs(legs.kind, shape.size.depth)
+    if spec.placed:
+        return placement_of(spec).limbs
+    depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
+    if isinstance(legs, Legs):
+        limbs = pair_of(legs, depth, bottom)
+    else:
+        limbs = tuple(limb_of(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
+    if spec.body.plain or spec.body.flat:
+        return limbs
+    from walkergen.walker import landing
+
+    return landing.meet_body(spec.body.key, limbs)
+
+
+def placement_of(spec: WalkerSpec) -> "Placement":
+    """Return where legs that are found for the body stand. Raises UnplacedError where none do."""
+    from walkergen.walker import placing
+
+    assert isinstance(spec.legs, Legs)
+    return placing.find_placement(spec.body.key, spec.legs.model_dump_json())
+
+
+def tilt_deg_of(spec: WalkerSpec) -> float:
+    """Return the tilt by which members of a family are told apart, deg: of a cut mesh that of its first leg."""
+    if spec.whole:
+        return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
+    return spec.written_tilt_deg
+
+
+def refuse_unbuildable(spec: WalkerSpec) -> None:
+    """Raise GeometryError for parts that cannot be built, a line for each fault."""
+    shape, legs = shape_of(spec.body), spec.legs
+    if isinstance(legs, Legs) and not spec.placed:
+        faults = [] if spec.whole else _faults_of_pair(legs, shape.size)
+    else:
+        faults = _faults_of_list(place_legs(spec), shape.size)
+    if not faults and spec.body.flat:
+        faults = _off_outline(place_legs(spec), shape)
+    helps = partial(_legs_elsewhere, spec) if faults else tuple
+    if not spec.marks.blank:
+        faults += _unmarkable(spec, shape.size)
+    if not faults and spec.parts:
+        foot = min(limb.foot_height for limb in place_legs(spec))
+        faults = place_problems(spec.parts, spec.fit, shape.size, foot)
+    if spec.pockets is not None and not spec.parts:
+        faults.append("pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out")
+    if faults:
+        raise GeometryError("\n".join(faults), helps=helps)
+
+
+def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
+    """What helps two equal legs that do not stand where they were put: that they place themselves."""
+    if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
+        return []
+    from walkergen.walker import placing
+
+    return placing.auto(spec.body, spec.legs)
+
+
+def _unmarkable(spec: WalkerSpec, size: Size) -> list[str]:
+    """Reasons why the body cannot bear its marks, one line each."""
+    from walkergen.walker.marks import problems
+
+    marks, (length, thickness, depth) = spec.marks, size
+    if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
+        marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
+    unfit = problems(marks, spec.family.tilt_deg, tilt_deg_of(spec), (length, thickness, depth))
+    if spec.body.plain or (spec.letters and spec.body.flat):
+        return unfit
+    key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
+    rule = "only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
+    return [f"{key}: {rule}", *unfit]
+
+
+def _faults_of_pair(legs: Legs, size: Size) -> list[str]:
     """Problems of two equal legs, with the largest tilt that is possible."""
     problems = []
     for text in _impossible_pair(legs, size, legs.tilt_deg):
@@ -28,7 +132,7 @@ def of_pair(legs: Legs, size: Size) -> list[str]:
     return problems
 
 
-def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
+def _faults_of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
     """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
     problems = []
     for number, limb in enumerate(limbs, start=1):
@@ -168,7 +272,7 @@ def _falling(limbs: Sequence[Limb]) -> list[str]:
     ]
 
 
-def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
+def _off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
     """Legs that do not stand wholly under an outline seen from above."""
     import shapely
 
