@@ -10,6 +10,7 @@ import walkergen
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
 from walkergen.walker.design import Design
+from walkergen.walker.spec import WalkerSpec
 
 PACKAGE = Path(walkergen.__file__).parent
 
@@ -24,6 +25,14 @@ def test_defaults_are_the_paper_template():
     paper = templates.load("koumakis2016", "walkers", Design)
     ours = Design(name="koumakis2016", description=paper.description)
     assert paper == ours
+
+
+def test_a_specification_reads_no_file_and_a_design_does():
+    data = {"body": {"mesh": "nowhere.stl"}, "legs": {"tilt_deg": 5.0}}
+    spec = WalkerSpec.model_validate(data)
+    assert (spec.kind, spec.written_tilt_deg, spec.placed) == ("flexible", 5.0, True)
+    with pytest.raises(InputError, match=r"nowhere\.stl"):
+        Design.model_validate(data)
 
 
 def test_toml_round_trip(tmp_path):

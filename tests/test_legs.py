@@ -6,7 +6,6 @@ import soundness
 
 from walkergen.errors import GeometryError
 from walkergen.files import config
-from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare
 from walkergen.theory.speed import factors
@@ -145,17 +144,6 @@ def test_legs_without_a_tilt_follow_the_family():
     assert own.members() == [own]
     with pytest.raises(GeometryError, match="no variant at 20 deg: remove the tilt_deg"):
         own.members([20.0])
-
-
-def test_a_film_of_legs_side_by_side_is_that_of_one_as_wide():
-    row = [{"across_mm": z, "width_mm": 4.0} for z in (-2.0, 2.0)]
-    shapes = [movie._shape(one, solids.mass_of(one)) for one in (walking(*row), Design())]
-    for one, other in zip(*(flat_of(shape) for shape in shapes), strict=True):
-        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-12)
-
-
-def flat_of(shape):
-    return [shape.body, shape.anchors, shape.feet, *(part for limb in shape.limbs for part in limb)]
 
 
 def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tensor(tmp_path):

@@ -73,7 +73,8 @@ def test_a_walker_is_simulated_without_what_its_accepted_error_allows():
     """The same seeds and runs: the second harmonic of 1e-9 changes the last digits alone."""
     run = {"seconds": 0.3, "discard_seconds": 0.1}
     drive = PLATE | {"second_harmonic_ratio": 1e-3}
-    tables = {"drive": drive, "run": run, "arena": {"kind": "lane"}}
+    held = {"off": ["roll_and_yaw", "leg_twist"]}
+    tables = {"drive": drive, "run": run, "arena": {"kind": "lane"}, "effects": held}
     design = Design().variant(tilt_deg=10.0)
     plain, whole, simple = (
         predicted(design, on_plane(**tables | more))

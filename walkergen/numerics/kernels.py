@@ -17,6 +17,7 @@ from walkergen import caches
 from walkergen.numerics import shipped
 
 SOURCES = (
+    "drive.py",
     "numerics/emulator.py",
     "numerics/kernels.py",
     "numerics/shipped.py",
