@@ -24,7 +24,7 @@ LIMITS = {
     "walkergen/numerics": 950,
     "walkergen/points": 3110,
     "walkergen/printing": 2970,
-    "walkergen/shapes": 4240,
+    "walkergen/shapes": 4230,
     "walkergen/simulation": 5970,
     "walkergen/theory": 2570,
     "walkergen/track": 3680,
