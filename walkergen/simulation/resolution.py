@@ -1,6 +1,6 @@
 """What a time step resolves: how far each observable may be off by it, or that this is not known.
 
-Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md section 5.
+Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md section 7.
 """
 
 import math

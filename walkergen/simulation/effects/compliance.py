@@ -1,6 +1,6 @@
 """Leg compliance: each leg swings on a torsional spring at its anchor, with a damper.
 
-Source: docs/physics.md section 5. Limit: stiff legs slide like braced legs (tests/test_engines.py).
+Source: docs/physics.md section 7. Limit: stiff legs slide like braced legs (tests/test_engines.py).
 """
 
 import math

@@ -1,6 +1,6 @@
 """Flexible legs: a bar as thick all along, which bends at its hinge and twists.
 
-Limits: a stiff bar slides like a rigid leg (docs/physics.md section 5).
+Limits: a stiff bar slides like a rigid leg (docs/physics.md section 6).
 """
 
 import math
