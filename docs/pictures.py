@@ -176,7 +176,7 @@ def browser(folder: Path, address: str, width: int, height: int) -> bytes:
         f"--screenshot={shot}",
         address,
     ]
-    subprocess.run(command, check=True, capture_output=True)
+    subprocess.run(command, check=True, capture_output=True, timeout=120)  # ten seconds measured
     return shot.read_bytes()
 
 
