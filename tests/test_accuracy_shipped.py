@@ -8,10 +8,11 @@ import pytest
 
 from evidence.accuracy import measure
 from walkergen.files import templates
-from walkergen.jobs.trust.accuracy import advice, cells, drawn, figures, pace, shipped, step_law
+from walkergen.jobs.trust.accuracy import answers, cells, choice, pace, shipped, step_law
 from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
 from walkergen.jobs.trust.accuracy.request import AccuracyRequest
-from walkergen.points import expected, tolerance, walkers
+from walkergen.points import expected, walkers
+from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
 from walkergen.simulation import orbits
 from walkergen.walker.design import Design
@@ -29,10 +30,10 @@ def made_up(slope, se, power, rng, cell=("lane-90hz", 10.0, 0.8), speed=50.0):
     return rows
 
 
-def place(design="koumakis2016", scene="lane-90hz", restitution=0.8, **changed):
+def estimate(design="koumakis2016", scene="lane-90hz", restitution=0.8, **changed):
     walker = templates.load(design, "walkers", Design).variant(**changed)
     ground = templates.load(scene, "scenes", Scene).variant(**{"contact.restitution": restitution})
-    return shipped.place_of(walker, ground)
+    return shipped.estimate(walker, ground)
 
 
 def test_every_cell_has_every_setting_and_the_file_is_small():
@@ -79,23 +80,22 @@ def test_slow_walkers_have_a_law_of_their_own():
 
 
 def test_a_smaller_error_costs_more_and_its_parts_are_within_it():
-    at, before = place(tilt=5), 0.0
+    at, before = estimate(tilt=5), 0.0
     assert at.known == "measured"
     for error in (0.5, 0.2, 0.1, 0.05):
-        found = advice.advise(at, tolerance.Tolerance(error, True))
-        assert found.work >= before
-        allowed = error * step_law.unit(at.speed, at.peak)
-        assert math.hypot(found.bias, 2.0 * found.se) <= found.error <= allowed
-        assert found.takes_s(0.05, 1) > found.takes_s(0.05, 8) > advice.START_S
-        before = found.work
+        found = choice.choose(at.candidates(0.05), error)
+        assert found.cpu_s >= before
+        assert math.hypot(found.candidate.bias, 2.0 * found.se) <= found.error <= error
+        assert found.takes_s(1) > found.takes_s(8) > choice.START_S
+        before = found.cpu_s
 
 
-def test_what_the_cells_do_not_know_is_said_in_a_line(monkeypatch):
-    monkeypatch.setattr(pace, "pace", lambda: 0.05)
-    at = place(tilt=5)
-    below = shipped.answer(at, f"{50.0 * at.law.floor:.3g}%")
+def test_what_the_cells_do_not_know_is_said_in_a_line():
+    at = estimate(tilt=5)
+    candidates = at.candidates(0.05)
+    below, _ = answers.find_in_cells(at, candidates, Tolerance(0.5 * at.law.floor, True))
     assert below.known in ("law", "measured")
-    told = shipped.answer(at, "0.01%")
+    told, _ = answers.find_in_cells(at, candidates, Tolerance(1e-4, True))
     assert (told.setting, told.runs) == ("-", None)
     assert "simulate --error 0.01 %" in told.why
     assert "\n" not in told.why
@@ -125,10 +125,10 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
 def test_the_papers_walker_on_its_plates_was_measured_and_others_are_scaled(design, scene, known, monkeypatch):
     monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
     walker = templates.load(design, "walkers", Design)
-    at = shipped.place_of(walker, templates.load(scene, "scenes", Scene))
+    at = shipped.estimate(walker, templates.load(scene, "scenes", Scene))
     assert at.known == known
     assert at.peak > 0.0
-    assert isinstance(advice.advise(at, tolerance.Tolerance(0.2, True)), (advice.Advice, str))
+    assert choice.choose(at.candidates(0.05), 0.2) is not None
 
 
 def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
@@ -136,19 +136,21 @@ def test_what_is_scaled_is_known_to_the_factor_that_is_told(monkeypatch):
     monkeypatch.setattr(pace, "pace", lambda: 0.05)
     monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
     every = cells.read()
-    tilts = sorted({row.tilt_deg for row in every if row.scene == advice.LANE})
+    tilts = sorted({row.tilt_deg for row in every if row.scene == shipped.LANE})
     ratios = []
     for tilt, restitution in product(tilts[1:-1], (0.5, 0.8, 0.9)):
-        others = tuple(row for row in every if row.cell[:2] != (advice.LANE, tilt))
+        others = tuple(row for row in every if row.cell[:2] != (shipped.LANE, tilt))
         shares = []
         for rows in (every, others):
             monkeypatch.setattr(cells, "read", lambda rows=rows: rows)
-            at = place(tilt=tilt, restitution=restitution)
-            shares.append(math.sqrt(at.variance_time) / step_law.unit(at.speed, at.peak))
+            at = estimate(tilt=tilt, restitution=restitution)
+            shares.append(math.sqrt(at.variance_time) / at.unit)
         ratios.append(math.log(shares[0] / shares[1]))
-    assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(advice.SCALED_WITHIN, abs=0.1)
+    assert math.exp(math.sqrt(np.mean(np.square(ratios)))) == pytest.approx(shipped.SCALED_WITHIN, abs=0.1)
     monkeypatch.setattr(cells, "read", lambda: every)
-    scaled, measured = (shipped.answers(place(tilt=tilt), "walker").rows[0].why for tilt in (12.0, 10.0))
+    scaled, measured = (
+        answers.answer_from_cells(estimate(tilt=tilt), "walker", None).rows[0].why for tilt in (12.0, 10.0)
+    )
     assert "to a factor of 1.3" in scaled
     assert "to a factor" not in measured
 
@@ -158,7 +160,7 @@ def test_the_scatter_of_a_plate_goes_with_its_speed_squared(monkeypatch):
     faster = scene.model_copy(update={"drive": scene.drive.model_copy(update={"gamma": 3.6})})
     walker = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=5.0)
     monkeypatch.setattr(expected, "counted", lambda plan: math.inf)  # none is simulated
-    one, two = (shipped.place_of(walker, ground) for ground in (scene, faster))
+    one, two = (shipped.estimate(walker, ground) for ground in (scene, faster))
     assert two.peak == pytest.approx(2.0 * one.peak)
     assert two.speed == pytest.approx(2.0 * one.speed)
     assert two.variance_time == pytest.approx(4.0 * one.variance_time)
@@ -168,7 +170,7 @@ def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
     """Near the threshold, at 200 Hz and 1.05 g, it is far slower than its plate's speed alone says."""
     monkeypatch.setattr(pace, "pace", lambda: 0.05)
     scene = templates.load("lane-90hz", "scenes", Scene).variant(**{"drive.frequency_hz": 200.0, "drive.gamma": 1.05})
-    at = shipped.place_of(templates.load("koumakis2016", "walkers", Design), scene)
+    at = shipped.estimate(templates.load("koumakis2016", "walkers", Design), scene)
     assert at.known == "scaled"
     assert at.speed < 6.0
     seconds = at.work(1.0) * 0.05  # of this walker, at its own step, by today's machine
@@ -177,17 +179,16 @@ def test_what_is_scaled_has_its_own_speed_and_its_own_cost(monkeypatch):
 
 def test_nothing_is_drawn_below_what_the_truth_is_known_to(monkeypatch):
     monkeypatch.setattr(pace, "pace", lambda: 0.05)
-    at = place(tilt=5)
-    shown = drawn.of_place(at, shipped.advised(at), "walker")
-    figure = figures.choice_figure(shown)
-    (axes,) = figure.axes
+    at = estimate(tilt=5)
+    made = answers.answer_from_cells(at, "walker", None)
+    (axes,) = made.draw().axes
     for line in axes.get_lines():
         heights = np.asarray(line.get_ydata(), dtype=float)
-        assert not np.any(heights < shown.floor * (1 - 1e-9))
+        assert not np.any(heights < at.law.floor * (1 - 1e-9))
     labels = {line.get_label() for line in axes.get_lines()}
     assert "least error for the time" in labels
-    told = {text.get_text() for text in axes.texts}
-    assert all(point.words in told for point in shown.points)
+    told = "\n".join(text.get_text() for text in axes.texts)
+    assert all(str(row.error).removesuffix(" %") in told for row in made.rows if row.known == "measured")
 
 
 def test_the_pace_is_measured_once_and_kept(tmp_path, monkeypatch):
@@ -217,14 +218,14 @@ def test_a_cell_measured_anew_is_the_one_that_is_shipped():
 @pytest.mark.parametrize("error", [0.1, pytest.param(0.05, marks=pytest.mark.nightly)])
 def test_advice_reaches_its_error_in_fresh_runs(error):
     """Against the reference of the cell, whose own error comes on top; six times, of which 95 % hold."""
-    at = place(tilt=5)
-    found = advice.advise(at, tolerance.Tolerance(error, True))
+    at = estimate(tilt=5)
+    found = choice.choose(at.candidates(0.05), error)
     (true,) = (row for row in at.cell if row.share == REFERENCE)
-    room = math.hypot(error * step_law.unit(at.speed, at.peak), 2.0 * true.se_mm_s)
+    room = math.hypot(error * at.unit, 2.0 * true.se_mm_s)
     inside = 0
     for seed in range(2001, 2007):
         one = measure.walker(measure.Setting("lane-90hz", 5.0, 0.8, 1.0), seed)
-        one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.setting.step_us)
+        one = one.with_run(runs=found.runs, seconds=found.seconds, step_us=found.candidate.step_us)
         speed = walkers.simulate(one, threads=1).summary.speed_mm_s
         inside += abs(speed - true.speed_mm_s) <= room
     assert inside >= 5

@@ -1,4 +1,4 @@
-"""The accuracy study: ladders against closed forms, honest error bars, the choice of a setting."""
+"""The accuracy study: ladders against closed forms, honest error bars, the choice of a step, the budget."""
 
 import math
 from pathlib import Path
@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.trust.accuracy import choose, models, report, shape, short_scenes, statistics
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, order
-from walkergen.jobs.trust.accuracy.setting import Measured
-from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.jobs.trust.accuracy import answers, report, shape, statistics
+from walkergen.jobs.trust.accuracy import survey as surveys
+from walkergen.jobs.trust.accuracy.report import Answer, Ladder, Rung, order
+from walkergen.jobs.trust.accuracy.survey import Measured, Survey
 from walkergen.numerics.quantity import Quantity
-from walkergen.points import tolerance
+from walkergen.points import measure, tolerance
 from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
 from walkergen.simulation import record
@@ -26,22 +26,21 @@ def silent(*told):
     """No progress."""
 
 
-def survey_of(kind="flexible", **tables):
-    """Survey of one second."""
-    design = Design().variant(kind=kind)
-    mass = solids.mass_of(design)
-    return Survey(Scene.model_validate(tables), design, mass, budget_s=1.0)
+def survey_of(budget_s=1.0):
+    return Survey(Scene(), Design(), solids.mass_of(Design()), budget_s)
 
 
-def known(survey, speeds, se=0.1, cpu_per_s=None):
-    """Fill a survey with made-up measurements: speed by setting."""
-    cpu_per_s = cpu_per_s or {}
-    for setting, speed in speeds.items():
-        cost = cpu_per_s.get(setting, 0.01) * 16 * 11.0
-        survey.measured[setting] = Measured(
-            setting, {SPEED: Quantity(SPEED, "", speed, se)}, 16, 10.0, 1.0, cost, "16 ok"
-        )
+def known(survey, speeds, se=0.1, costs=(0.01,) * 5):
+    """Fill a survey with made-up measurements: speeds of all steps, the finest first."""
+    for step_us, speed, cost in zip(survey.steps, speeds, costs, strict=True):
+        quantities = {SPEED: Quantity(SPEED, "", speed, se)}
+        survey.measured[step_us] = Measured(step_us, quantities, 16, 10.0, 1.0, cost * 16 * 11.0, 1.0, "16 ok")
     return survey
+
+
+def chosen(survey, share):
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    return answers.choose_measured(candidates, share)
 
 
 def test_order_of_an_exact_power_is_its_exponent():
@@ -61,7 +60,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
     area = 2.0 * half * (limb.length - half) + 0.5 * math.pi * half**2
     exact = 1e-3 * design.material.density_g_cm3 * limb.width * area
-    ladder = shape.ladder(survey_of(), silent)
+    ladder = shape.measure_shapes(Design(), Scene(), silent)
     finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
     assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])
     far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
@@ -74,7 +73,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
 
 @pytest.mark.slow
 def test_braced_shape_has_no_error_at_the_origin():
-    ladder = shape.ladder(survey_of("braced"), silent)
+    ladder = shape.measure_shapes(Design().variant(kind="braced"), Scene(), silent)
     far = [rung for rung in ladder.rungs if rung.series == "double precision"]
     assert max(rung.error for rung in far) < 1e-9  # as above
     assert far[0].details["m"] is None
@@ -92,7 +91,7 @@ def made_runs(runs, blocks, rng):
 def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
     results = made_runs(32, 500, np.random.default_rng(5))
     for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
-        parts = statistics._parts(results, runs, length)
+        parts = statistics._cut(results, runs, length)
         used = sum(len(result.block_speeds) for part in parts for result in part)
         assert used == 32 * 500
         rung = statistics._rung(parts, results, 1.0, 0.01, 1.0)
@@ -104,71 +103,92 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
         assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
 
 
+@pytest.mark.parametrize(
+    ("granted_s", "runs", "seconds"),
+    [(1e4, 32, 50.0), (200.0, 32, 5.2), (60.0, 16, 2.8), (20.0, 8, 1.5), (0.0, 8, 1.0)],
+)
+def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
+    own = Measured(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
+    assert statistics._afford(granted_s, own) == (runs, seconds)
+
+
 @pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])
 def test_errors_are_read(text, expected):
     assert tolerance.parse(text) == expected
 
 
-def speeds_of(survey, steps):
-    return dict(zip(survey.steps, steps, strict=True))
-
-
-def test_the_cheapest_setting_within_the_error_is_chosen():
-    survey = survey_of()
+def test_the_cheapest_step_within_the_error_is_chosen():
+    survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0), costs=(0.2, 0.1, 0.07, 0.05, 0.04))
     assert len(survey.steps) == 5
     assert survey.own in survey.steps
-    speeds = speeds_of(survey, (100.0, 99.0, 99.0, 97.0, 92.0))
-    costs = {setting: 0.2 / place for place, setting in enumerate(survey.steps, start=1)}
-    known(survey, speeds, cpu_per_s=costs)
     # The longest step has no margin; the third has that of the longest, which is 8 % off.
-    assert choose.choose(survey, Tolerance(0.2, True), silent).setting == survey.steps[3]
-    fine = choose.choose(survey, Tolerance(0.05, True), silent)
-    assert fine.setting == survey.steps[1]
-    assert fine.bias_bound + 2.0 * fine.se == pytest.approx(5.0)
-    # 99 mm/s: 1 off, and twice the errors of both
-    assert fine.bias_bound == pytest.approx(1.0 + 2.0 * math.hypot(0.1, 0.1))
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[3]
+    fine = chosen(survey, 0.05)
+    assert fine.candidate.step_us == survey.steps[1]
+    # 99 mm/s: 1 off, and 1.96 times the errors of both
+    assert fine.candidate.bias == pytest.approx(0.01 + 0.0196 * math.hypot(0.1, 0.1), rel=1e-3)
+    assert math.hypot(fine.candidate.bias, 2.0 * fine.se) <= fine.error <= 0.05
 
 
 def test_the_last_step_before_a_cliff_is_never_chosen():
-    """The longest step that is not refused is the margin of those beside it."""
-    survey = survey_of()
-    known(survey, speeds_of(survey, (100.0, 100.0, 100.0, 100.0, 60.0)))
-    offered = choose.choose(survey, Tolerance(0.2, True), silent).setting
-    assert offered in survey.steps[:2]
+    """The longest step that is not refused is the margin of those next to it."""
+    survey = known(survey_of(), (100.0, 100.0, 100.0, 100.0, 60.0))
+    assert chosen(survey, 0.2).candidate.step_us in survey.steps[:2]
 
 
 def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
-    survey = survey_of()
-    speeds = speeds_of(survey, (100.0, 100.0, 90.0, 100.0, 100.0))
-    costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
-    known(survey, speeds, cpu_per_s=costs)
+    survey = known(survey_of(), (100.0, 100.0, 90.0, 100.0, 100.0), costs=(0.02, 0.01, 0.007, 0.005, 0.004))
     # The longer ones are right, but a finer one is 10 % off; the second's margin is that one
-    assert choose.choose(survey, Tolerance(0.05, True), silent).setting == survey.steps[0]
+    assert chosen(survey, 0.05).candidate.step_us == survey.steps[0]
 
 
-def test_what_cannot_be_promised_is_refused():
-    survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 5))
-    assert "known to 0.2 mm/s only; measure longer" in choose.choose(survey, Tolerance(1e-4, True), silent)
+def test_what_cannot_be_promised_says_what_would_help():
+    survey = known(survey_of(60.0), (100.0,) * 5)
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    assert chosen(survey, 1e-3) is None
+    told = answers.advise_budget(candidates, Tolerance(1e-3, True), survey)
+    assert "known to 0.2 mm/s only; measure longer: walkergen accuracy ... --only steps --budget" in told
+    assert "a day of simulations would not do" in answers.advise_budget(candidates, Tolerance(1e-5, True), survey)
     dead = survey_of()
-    finest = dead.steps[0]
-    dead.measured[finest] = Measured(finest, {}, 16, 1.0, 1.0, 1.0, "16 toppled")
+    dead.measured[dead.steps[0]] = Measured(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
     with pytest.raises(InputError, match="16 toppled"):
         dead.reference(silent)
 
 
-@pytest.mark.slow
-@pytest.mark.nightly
-def test_orders_in_space_are_those_claimed():
-    """Smooth sliding errs by second order; landings by first, in the mean over drops."""
-    survey = survey_of()
-    survey.budget.budget_s = 60.0
-    survey.others = {"steps-short": short_scenes.WEIGHT, "frames": models.FRAMES_WEIGHT}
-    ladder = short_scenes.ladder(survey, silent)
-    for series, claimed, allowance in (("sliding", 2.0, 0.6), ("landings", 1.0, 0.4)):
-        # Tolerances: frames end at other instants for other steps; 32 drops leave 20 % of an error
-        rungs = [rung for rung in ladder.rungs if rung.series == series]
-        slope, _ = order([r.details["step_us"] for r in rungs], [r.error for r in rungs])
-        assert slope == pytest.approx(claimed, abs=allowance), series
+def test_few_runs_have_wider_bounds_of_a_bias():
+    survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0))
+    many = survey.bound(survey.measured[survey.steps[1]])
+    for step_us, one in survey.measured.items():
+        survey.measured[step_us] = one._replace(quantities={SPEED: one.speed._replace(freedom=3.0)})
+    # Student's t of 6 degrees of freedom for the normal's
+    few = survey.bound(survey.measured[survey.steps[1]])
+    assert (few - 1.0) / (many - 1.0) == pytest.approx(2.447 / 1.960, rel=1e-3)
+
+
+@pytest.mark.parametrize(("budget_s", "run_s"), [(15.0, 0.05), (60.0, 0.05), (60.0, 0.4)])
+def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
+    """Made-up runs that take `run_s` by the clock each; what one leaves over the others get."""
+    survey, ladders = survey_of(budget_s), ["steps", "statistics"]
+    survey.share_out(ladders)
+    for what in [*survey.steps, surveys.STATISTICS]:
+        granted_s, runs = survey.grant(what), 4
+        made = measure.Measured(None, [], runs, runs * run_s)
+        while (more := measure.Budget(granted_s, 4).further(made)) is not None:
+            made = more._replace(wall_s=more.runs * run_s)
+        survey.simulated_s += made.wall_s
+    assert not survey.due
+    assert survey.simulated_s == pytest.approx(budget_s, rel=0.15)
+
+
+def test_one_ladder_alone_has_the_whole_budget():
+    alone, both = survey_of(60.0), survey_of(60.0)
+    alone.share_out(["steps"])
+    both.share_out(["steps", "statistics"])
+    step = alone.steps[0]
+    assert alone.grant(step) == pytest.approx(1.4 * both.grant(step)) == pytest.approx(60.0 * 0.3)
+    few = survey_of(60.0)
+    few.share_out(["statistics"])
+    assert {*few.due} == {few.steps[0], few.own, surveys.STATISTICS}
 
 
 @pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])
@@ -176,7 +196,7 @@ def test_people_read_no_rows_of_a_long_ladder_and_the_table_has_all(rungs, shown
     settings = [Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)]
     ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
     other = ladder._replace(name="shape", rungs=[Rung("b", "1 mm", 0.1, 0.2, 1e-3, {"M": 0.1})])
-    made = report.of([ladder, other], None, 1.0, None, "walker", Path("here"))
+    made = report.make_report([ladder, other], None, 1.0, None, "walker", Path("here"))
     assert [len(table.columns) for table in made.shown()] == [5] * (1 + shown)
     assert (f"Bias: {rungs} rows in accuracy.csv" in made.lines) != shown
     assert "reference: the finest" in (made.table.notes if shown else made.lines)
@@ -184,3 +204,15 @@ def test_people_read_no_rows_of_a_long_ladder_and_the_table_has_all(rungs, shown
     rows = list(made["accuracy"])
     assert len(rows) == rungs + 1
     assert (rows[0]["ladder"], rows[0]["n"], rows[0]["M"], rows[-1]["M"]) == ("steps", 0, None, 0.1)
+
+
+def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
+    survey = known(survey_of(60.0), (100.0,) * 5, se=5.0)
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    before = Answer(Tolerance(0.01, True), "own step", 8, 10.0, 2.0, "scaled", "as shipped")
+    answer, choice = answers._refine(before, candidates, survey)
+    assert choice is None
+    assert answer == before._replace(why=answer.why)
+    assert answer.why.startswith("as shipped; this budget: the most accurate setting is itself known to")
+    wide, choice = answers._refine(before._replace(error=Tolerance(0.5, True)), candidates, survey)
+    assert (wide.known, wide.runs) == ("now", choice.runs)

@@ -122,7 +122,7 @@ COMMANDS = {
         "Trust",
         "jobs.trust.accuracy",
         "accuracy --tilt 10",
-        "accuracy --tilt 10 --only models,steps --budget 2min",
+        "accuracy --tilt 10 --only steps --budget 2min",
         'wg.accuracy(tilt=10, only="statistics", budget="5s").lines',
     ),
     "selftest": Command(

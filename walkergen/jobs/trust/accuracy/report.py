@@ -1,24 +1,81 @@
-"""Report of the study of accuracy: what to run for which error, and the ladders behind it."""
+"""Report of the study of accuracy: what to run for which error, and the ladders behind it.
 
+A ladder has settings from cheap to dear, each with its error and the time that it takes.
+"""
+
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.trust.accuracy.pace import machine
 from walkergen.points.tolerance import Tolerance
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Details = dict[str, float | str | None]
+"""Further columns of a rung: the same keys for all rungs of a ladder."""
+
+
+class Rung(NamedTuple):
+    """Setting of a ladder, with its error and its cost."""
+
+    series: str
+    """Name of the series: settings that differ in one number."""
+    setting: str
+    error: float | None
+    """Error as the ladder's `error` defines it; None where it is not known."""
+    error_sd: float | None
+    """Standard error of the error; None when the error is deterministic."""
+    cpu_s: float
+    """Time as the ladder's `cost` defines it, s."""
+    details: Details
+
+
+class Ladder(NamedTuple):
+    """Work-precision study: its rungs, and the reference for their errors."""
+
+    name: str
+    title: str
+    error: str
+    """Definition of `Rung.error`."""
+    cost: str
+    """Definition of `Rung.cpu_s`."""
+    reference: str
+    """Result that counts as true, and how it was certified."""
+    rungs: Sequence[Rung]
+    notes: Sequence[str] = ()
+
+
+def order_in_words(values: Sequence[float], errors: Sequence[float]) -> str:
+    """Return the measured order of errors in the values: "1.98 ± 0.05"."""
+    slope, se = order(values, errors)
+    return f"measured order {slope:.2f} ± {se:.2f}"
+
+
+def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
+    """Return the slope of log(error) over log(value) by least squares, and its standard error.
+
+    The standard error is that of the scatter about the line: NaN for fewer than three points.
+    """
+    x, y = np.log(values), np.log(errors)
+    slope, offset = np.polyfit(x, y, 1)
+    if len(x) < 3:
+        return float(slope), math.nan
+    scatter = np.sum((y - slope * x - offset) ** 2) / (len(x) - 2)
+    return float(slope), float(math.sqrt(scatter / np.sum((x - x.mean()) ** 2)))
+
+
 COMMON = ("series", "setting", "error", "error_sd", "cpu_s")
 """Columns of every ladder, before the details of its own."""
 
 MOST_ROWS = 60
 """Rows of a ladder beyond which people read its notes alone: accuracy.csv has the rows."""
-
 
 ONE_COMMAND = "in one command: walkergen simulate ... --error 5%, by its own step or a finer"
 
@@ -72,18 +129,18 @@ class Answers(NamedTuple):
     draw: "Callable[[], Figure]"
 
 
-def marked(rows: Sequence[Answer], accepted: float | None) -> tuple[list[Answer], list[str]]:
-    """Answers, of which the largest error within an accepted one is marked, and a line on it where none is."""
+def mark_accepted(rows: Sequence[Answer], accepted: float | None) -> tuple[list[Answer], list[str]]:
+    """Mark the answer with the largest error within an accepted one; return a line on it where none is."""
     if accepted is None:
         return list(rows), []
-    within = [row.error.value for row in rows if row.error.relative and row.error.value <= accepted * (1.0 + 1e-9)]
+    within = [row.error.value for row in rows if row.error.value <= accepted * (1.0 + 1e-9)]
     if not within:
         why = f"run.accepted_error = {accepted:g}: no error of the table is within it"
         return list(rows), [f"{why}: simulate --error {100.0 * accepted:g}%"]
     return [row._replace(accepted=row.error.value == max(within)) for row in rows], []
 
 
-def of(
+def make_report(
     ladders: Sequence[Ladder],
     answers: Answers | None,
     simulated_s: float,
@@ -91,7 +148,7 @@ def of(
     title: str,
     folder: Path,
 ) -> Report:
-    """Report of ladders and answers that lie in a folder.
+    """Return the report of ladders and answers that lie in a folder.
 
     `simulated_s`: wall time of all simulations, s; `least_s`: least budget of these ladders, s,
     where it was taken in place of a smaller one.
@@ -122,7 +179,7 @@ def of(
 
 
 def _every_rung(ladders: Sequence[Ladder]) -> Table:
-    """Table of all rungs: COMMON columns, then the details of any ladder, blank in the others."""
+    """Return the table of all rungs: COMMON columns, then the details of any ladder, blank in the others."""
     rungs: list[tuple[str, Rung]] = [(ladder.name, rung) for ladder in ladders for rung in ladder.rungs]
     details = list(dict.fromkeys(key for _, rung in rungs for key in rung.details))
     rows = [(name, *rung[: len(COMMON)], *map(rung.details.get, details)) for name, rung in rungs]
@@ -130,5 +187,5 @@ def _every_rung(ladders: Sequence[Ladder]) -> Table:
 
 
 def _every_answer(answers: Sequence[Answer]) -> Table:
-    """Table of the answers alone, where nothing was measured."""
+    """Return the table of the answers alone, where nothing was measured."""
     return Table("accuracy", [tuple(answer.plain.values()) for answer in answers], Answer._fields)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
@@ -14,15 +14,26 @@ from walkergen.request import Flag
 if TYPE_CHECKING:
     from walkergen.files.report import Report
 
-Ladder = Literal["models", "steps", "statistics", "shape"]
-LADDERS: tuple[Ladder, ...] = ("models", "steps", "statistics", "shape")
+Ladder = Literal["steps", "statistics", "shape"]
+LADDERS: tuple[Ladder, ...] = ("steps", "statistics", "shape")
+
+GONE = {"models": "one model of the walker is left; steps has its cost, predict what formulas give"}
+"""Ladders that are gone, and what takes their place."""
 
 BUDGET_S = 60.0
 """Time in which ladders are measured that are asked for without a budget, s."""
 
 
+def _refuse_gone(value: Any) -> Any:
+    """Return names of ladders as they are. Raises ValueError for one that is gone."""
+    for name in value or ():
+        if name in GONE:
+            raise ValueError(f"this ladder is gone: {GONE[name]}")
+    return value
+
+
 class AccuracyRequest(request.Request):
-    """Say what accuracy costs in time, at once; with a budget measure it: models, steps, statistics, shape."""
+    """Say what accuracy costs in time, at once; with a budget measure it: steps, statistics, shape."""
 
     design: request.Walker = request.PAPER
     scene: request.Home = None
@@ -33,6 +44,7 @@ class AccuracyRequest(request.Request):
     set: request.Settings = {}
     only: Annotated[
         list[Ladder] | None,
+        BeforeValidator(_refuse_gone),
         request.Words,
         Flag("Comma-separated ladders to measure; all by default.", "LADDERS", takes="str | Iterable[str] | None"),
     ] = None
@@ -66,9 +78,9 @@ class AccuracyRequest(request.Request):
         design = given.one(self.design, self.tilt, self.legs)
         scene = given.scene(request.ground(self.scene, [design]))
         name = f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
-        folder, least = self.out or Path("out") / "accuracy" / name, list[float]()
+        folder = self.out or Path("out") / "accuracy" / name
         if not self._measures:
-            return make.at_once(design, scene, folder)
+            return make.study(design, scene, (), 0.0, folder, progress)
         if scene.drive.kind == "motor":
             raise InputError(
                 f"{scene.name}: ladders are measured on a plate, and this walker has a motor: without --budget and "
@@ -76,10 +88,12 @@ class AccuracyRequest(request.Request):
             )
         only = list(dict.fromkeys(self.only or LADDERS))
         self._expect(lambda: Expected(self._budget_s))
-        report = make.make(make.Job(design, scene, only, self._budget_s), folder, progress, least.append)
-        warnings = [
-            f"--budget {words.budget(self._budget_s)}: too short for {','.join(only)}, which were given "
-            f"{words.budget(seconds)}, the least that gives error bars here; --only takes fewer"
-            for seconds in least
-        ]
-        return replace(report, warnings=[*warnings, *report.warnings])
+        report = make.study(design, scene, only, self._budget_s, folder, progress)
+        least_s = report.facts["least_budget_s"]
+        if least_s is None:
+            return report
+        warning = (
+            f"--budget {words.budget(self._budget_s)}: too short for {','.join(only)}, which took "
+            f"{words.budget(least_s)}, the least that gives error bars here; --only takes fewer"
+        )
+        return replace(report, warnings=[warning, *report.warnings])

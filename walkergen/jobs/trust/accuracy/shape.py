@@ -2,6 +2,8 @@
 
 import io
 import math
+import statistics
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
@@ -10,8 +12,7 @@ import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, cpu_time, order_in_words
-from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.jobs.trust.accuracy.report import Ladder, Rung, order_in_words
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
@@ -39,9 +40,8 @@ class Errors(NamedTuple):
     speed: float
 
 
-def ladder(survey: Survey, progress: Progress) -> Ladder:
-    """Relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
-    design, scene = survey.design, survey.scene
+def measure_shapes(design: Design, scene: Scene, progress: Progress) -> Ladder:
+    """Measure relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
     progress("tessellated", 0, 2)
     try:
         rungs = list(_tessellated(_rounded(design), scene))
@@ -150,3 +150,22 @@ def errors_of(weighed: MassProperties, true: MassProperties, design: Design, sce
         None if true.rigid else of_legs("j"),
         abs(float(predicted.factor - true_prediction.factor)) / size,
     )
+
+
+def cpu_time(call: Callable[[], object], repeats: int = 5, at_least: float = 1e-2) -> float:
+    """CPU time of one call, s: the median of `repeats` batches of at least `at_least` s each.
+
+    An untimed call goes first: it compiles, imports and fills caches.
+    """
+    call()
+    count = 1
+    while (spent := _batch(call, count)) < at_least:
+        count = max(2 * count, math.ceil(count * at_least / max(spent, 1e-6)))
+    return statistics.median(_batch(call, count) for _ in range(repeats)) / count
+
+
+def _batch(call: Callable[[], object], count: int) -> float:
+    started = time.thread_time()
+    for _ in range(count):
+        call()
+    return time.thread_time() - started

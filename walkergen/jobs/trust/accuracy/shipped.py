@@ -1,117 +1,196 @@
-"""Answers of what is shipped: for each error a setting, its runs, and its time on this machine."""
+"""What the shipped cells say of a walker in a scene: speed, scatter and cost, before anything is simulated.
 
-import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+For the paper's walker on its plate at a tilt and a restitution that were measured, they are those of the cell. For
+any other walker they are scaled: read between cells, and from the plate's speed, its frequency, the walker's own step
+and its number of legs; a simulated second gives its own speed and cost. Biases of the step are the law's, of all
+cells together (`step_law`).
+"""
 
-from walkergen.files import words
-from walkergen.jobs.trust.accuracy import advice, pace, step_law
-from walkergen.jobs.trust.accuracy.advice import Advice, Place
-from walkergen.jobs.trust.accuracy.report import Answer, Answers
-from walkergen.points import expected, tolerance
-from walkergen.points.tolerance import Tolerance
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.files import templates
+from walkergen.jobs.trust.accuracy import cells, pace, step_law
+from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
+from walkergen.jobs.trust.accuracy.choice import Candidate
+from walkergen.jobs.trust.accuracy.step_law import Law
+from walkergen.points import expected
 from walkergen.scene import Scene
+from walkergen.simulation import resolution
 from walkergen.simulation.plan import Plan, prepare
 from walkergen.simulation.run import ENDED_WELL, compile_kernels, simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+STEPS = (1.25, 1.0, 0.5, 0.25, 0.1)
+"""Steps over that which resolves the feet, of which is chosen: the next longer one was measured as well; those below
+0.5 are beyond what was measured, by the law."""
 
-ERRORS = ("20%", "10%", "5%", "2%", "1%")
-SPEED_ERRORS = ("5mm/s", "2mm/s", "1mm/s", "0.5mm/s")
-"""Errors for which the page answers what to run; the latter where the mean speed may be zero."""
+LANE = "lane-90hz"
+"""Scene of the cells between which is read."""
 
+SCALED_WITHIN = 1.3
+"""Factor to which the scatter of what is scaled is known: the root mean square of that by which a tilt which is left
+out scatters otherwise, for its speed, than is read between its neighbours."""
+
+MEASURED_HZ = 90.0
+"""Frequency of the plate of the cells."""
 
 DISCARD_S = 0.4
 """Start of the second of what is scaled that is not measured, s."""
 
-LAW = "law"
-"""Word for answers below what the reference is known to: they rest on the law by which the step's bias falls."""
+
+class Estimate(NamedTuple):
+    """Speed, scatter and cost of a walker in a scene."""
+
+    peak: float
+    """Peak speed of the plate, or of one that would move under the walker as its motor moves it, mm/s."""
+    speed: float
+    """Mean speed, mm/s."""
+    variance_time: float
+    """Squared standard error of the mean speed times measured time, (mm/s)^2 s."""
+    work: Callable[[float], float]
+    """Cost of a step (over what resolves the feet) of a simulated second, over that of the loop (`pace`)."""
+    own_us: float
+    """Step that resolves the feet, us."""
+    discard_s: float
+    """Start of every run that is not measured, s."""
+    cell: tuple[Row, ...]
+    """Rows of the cell, where this walker on this plate was measured with a reference; empty elsewhere."""
+
+    @property
+    def unit(self) -> float:
+        """Speed of which an error is a share, mm/s."""
+        return step_law.unit(self.speed, self.peak)
+
+    @property
+    def law(self) -> Law:
+        """Biases of walkers as fast as this one."""
+        laws = step_law.laws(step_law.CELLS_PEAK)
+        slow = step_law.is_slow(self.speed, self.peak)
+        return laws[slow] if slow in laws else next(iter(laws.values()))
+
+    @property
+    def known(self) -> str:
+        """Word on where the numbers come from."""
+        return "measured" if self.cell else "scaled"
+
+    def candidates(self, loop_s: float) -> list[Candidate]:
+        """Return all STEPS on a machine of a pace (`pace`), CPU seconds of a simulated second of the loop."""
+        return [
+            Candidate(
+                None if step == 1.0 else float(f"{step * self.own_us:.3g}"),
+                self.law.bound(step),
+                self.variance_time / self.unit**2,
+                self.work(step) * loop_s,
+                self.discard_s,
+            )
+            for step in STEPS
+        ]
 
 
-def place_of(design: Design, scene: Scene) -> Place:
-    """What is shipped of a walker in a scene; of what is scaled a second is simulated.
+def estimate(design: Design, scene: Scene) -> Estimate:
+    """Return what the cells say of a walker in a scene. One second of a walker that is scaled is simulated.
 
     Raises InputError where the scene contradicts itself or the walker.
     """
     run = scene.run.model_copy(update={"step_us": None})
     plan = prepare(scene.model_copy(update={"run": run}), design, solids.mass_of(design))
-    place = advice.place(plan)
-    return place if place.cell else _with_a_second(place, plan)
+    found = _read_cells(plan)
+    return found if found.cell else _simulate_a_second(found, plan)
 
 
-def _with_a_second(place: Place, plan: Plan) -> Place:
-    """Place of a walker that is scaled, with its own speed and cost, as a second of it tells, its scatter a share of
-    the speed as before; as it is where a second takes long or does not end well.
+def _simulate_a_second(found: Estimate, plan: Plan) -> Estimate:
+    """Return the estimate with the walker's own speed and cost, its scatter a share of the speed as before.
+
+    It is returned as it is where a second takes long or does not end well.
     """
     if expected.counted(plan) > expected.LONGEST_START_S:
-        return place
+        return found
     compile_kernels(plan)
     run = simulate(plan.lasting(seconds=pace.LOOP_S, discard_seconds=DISCARD_S), 0)
     if run.outcome not in ENDED_WELL:
-        return place
-    dearer = run.cpu_s / (pace.LOOP_S + DISCARD_S) / (pace.pace() * place.work(1.0))
-    larger = step_law.unit(run.speed, place.peak) / step_law.unit(place.speed, place.peak)
-    return place._replace(
-        speed=abs(run.speed), variance_time=larger**2 * place.variance_time, work=lambda step: dearer * place.work(step)
+        return found
+    dearer = run.cpu_s / (pace.LOOP_S + DISCARD_S) / (pace.pace() * found.work(1.0))
+    larger = step_law.unit(run.speed, found.peak) / found.unit
+    return found._replace(
+        speed=abs(run.speed), variance_time=larger**2 * found.variance_time, work=lambda step: dearer * found.work(step)
     )
 
 
-def answers(place: Place, title: str) -> Answers:
-    """Answers for every error of ERRORS."""
-    given = advised(place)
+def _read_cells(plan: Plan) -> Estimate:
+    """Return what the cells say of a plan, without a simulation."""
+    scene, design = plan.scene, plan.case.design
+    every, measured = cells.read(), _find_scene(plan)
+    tilt, restitution = abs(design.tilt_deg), scene.contact.restitution
+    own_s, drive = resolution.own_step(plan), plan.shaken
+    cell = tuple(row for row in every if row.cell == (measured, tilt, restitution))
+    cell = cell if any(row.share == REFERENCE for row in cell) else ()
+    rows = [row for row in every if row.scene == (measured if cell else LANE)]
+    measured_us = _interpolate(rows, lambda of: of[1.0].step_us, tilt, restitution)
+    harder = 1.0 if cell else measured_us / (1e6 * own_s) * 0.5 * len(design.limbs)
+    scale = drive.peak_speed / step_law.CELLS_PEAK
+    slower = MEASURED_HZ / drive.frequency
 
-    def draw() -> "Figure":
-        from walkergen.jobs.trust.accuracy import drawn
-        from walkergen.jobs.trust.accuracy.figures import choice_figure
+    def work(step: float) -> float:
+        return harder * _interpolate(rows, lambda of: _fit_work(of, step), tilt, restitution, logarithmic=True)
 
-        return choice_figure(drawn.of_place(place, given, title))
-
-    return Answers([row for row, _ in given], lines(place), draw)
-
-
-def advised(place: Place) -> list[tuple[Answer, Advice | str]]:
-    """Answers for every error of ERRORS, each with the advice that it tells, or why there is none."""
-    wishes = [tolerance.parse(error) for error in ERRORS]
-    advices = [advice.advise(place, wanted) for wanted in wishes]
-    return [(_told(place, *pair), pair[1]) for pair in zip(wishes, advices, strict=True)]
-
-
-def answer(place: Place, error: str) -> Answer:
-    """Answer for one error."""
-    wanted = tolerance.parse(error)
-    return _told(place, wanted, advice.advise(place, wanted))
-
-
-def _told(place: Place, wanted: Tolerance, found: Advice | str) -> Answer:
-    """Answer that tells an advice."""
-    if not isinstance(found, Advice):
-        return Answer(wanted, "-", None, None, None, place.known, found)
-    known = LAW if found.error < place.law.floor * step_law.unit(place.speed, place.peak) else place.known
-    takes_s = found.takes_s(pace.pace(), os.cpu_count() or 1)
-    bias, se = (100.0 * part / step_law.unit(place.speed, place.peak) for part in (found.bias, found.se))
-    known_to = "" if place.cell else f", to a factor of {advice.SCALED_WITHIN:g}"
-    why = f"bias at most {words.number(bias, 2)} %, ± {words.number(se, 2)} % for the runs{known_to}"
-    return Answer(wanted, found.setting.flags, found.runs, found.seconds, takes_s, known, why)
+    return Estimate(
+        drive.peak_speed,
+        scale * _interpolate(rows, lambda of: abs(of[1.0].speed_mm_s or 0.0), tilt, restitution),
+        scale**2 * slower * _interpolate(rows, _mean_variance_time, tilt, restitution, logarithmic=True),
+        work,
+        1e6 * own_s,
+        scene.run.discard_seconds,
+        cell,
+    )
 
 
-def lines(place: Place) -> Sequence[str]:
-    """Where the numbers come from, and what an error is."""
-    law, size = place.law, step_law.unit(place.speed, place.peak)
-    own = law.slopes[-1]
-    of = "the speed" if size == place.speed else f"{words.number(size, 3)} mm/s, a fifth of the plate's speed"
-    known = {
-        "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
-        "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
-        "by the plate and what a second of this one gives: its scatter is known to a factor of "
-        f"{advice.SCALED_WITHIN:g}, as cells are from neighbours; --budget measures it, simulate --error meets it",
-    }[place.known]
-    return [
-        known,
-        f"an error is a half-width of 95 %, a share of {of}: bias and scatter in squares",
-        f"bias of the step that feet take by themselves: {100 * own.share:+.1f} ± {100 * own.se:.1g} % on average of "
-        f"{law.cells} cells beside a reference by a twentieth of it, known to {100 * law.floor:.2g} %; "
-        "below that answers rest on the law by which it falls",
-    ]
+def _fit_work(steps: dict[float, Row], step: float) -> float:
+    """Return the cost of a step in a cell: steps in contact, as many as they are short, and flights, from all rows."""
+    shares, works = np.array(list(steps)), np.array([row.work for row in steps.values()])
+    terms = np.column_stack([np.ones_like(shares), 1.0 / shares]) / works[:, None]
+    flights, contacts = np.linalg.lstsq(terms, np.ones_like(works), rcond=None)[0]
+    return float(max(flights, 0.0) + contacts / step)
+
+
+def _mean_variance_time(steps: dict[float, Row]) -> float:
+    """Return the variance times time of a cell, over all its steps: that of eight runs is itself known badly."""
+    return float(np.mean([row.variance_time for row in steps.values()]))
+
+
+def _find_scene(plan: Plan) -> str:
+    """Return the scene of the cells that a plan has, but for its restitution; "" for others and another walker."""
+    paper = templates.load(pace.WALKER, "walkers", Design).variant(tilt_deg=plan.case.design.tilt_deg)
+    if plan.case.design != paper:
+        return ""
+    for name in dict.fromkeys(row.scene for row in cells.read()):
+        scene = templates.load(name, "scenes", Scene)
+        contact = scene.contact.model_copy(update={"restitution": plan.scene.contact.restitution})
+        if plan.scene == scene.model_copy(update={"contact": contact, "legs": plan.scene.legs, "run": plan.scene.run}):
+            return name
+    return ""
+
+
+def _interpolate(
+    rows: Sequence[Row],
+    of: Callable[[dict[float, Row]], float],
+    tilt: float,
+    restitution: float,
+    logarithmic: bool = False,
+) -> float:
+    """Number of a cell, linear in the tilt and the logarithm of the restitution between cells, constant beyond them."""
+    by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.known_rows(rows)}
+    tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
+
+    def number(own_tilt: float, own_restitution: float) -> float:
+        found = of(by_cell[own_tilt, own_restitution])
+        return math.log(found) if logarithmic else found
+
+    at = math.log(max(restitution, 1e-3))
+    by_tilt = [float(np.interp(at, np.log(restitutions), [number(own, one) for one in restitutions])) for own in tilts]
+    found = float(np.interp(tilt, tilts, by_tilt))
+    return math.exp(found) if logarithmic else found

@@ -6,79 +6,75 @@ from itertools import pairwise
 
 import numpy as np
 
+from walkergen.files import words
 from walkergen.files.progress import Progress
-from walkergen.jobs.trust.accuracy.budget import Runs
-from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.trust.accuracy.survey import Survey
+from walkergen.jobs.trust.accuracy.report import Ladder, Rung
+from walkergen.jobs.trust.accuracy.survey import STATISTICS, Measured, Survey
+from walkergen.points.measure import Runs
 from walkergen.simulation import ensemble
 from walkergen.simulation.run import RunResult
 
-KINDS = (Runs(32, 4.0), Runs(16, 2.0), Runs(8, 1.0))
-"""Numbers of runs whose parts are compared, each with the time from which it is worth it: of two
-runs that are too short the fewer are taken, as the budget allows."""
+KINDS = ((32, 4.0), (16, 2.0), (8, 1.0))
+"""Numbers of runs whose parts are compared, each with the measured time of a run, s, from which it is worth it."""
 
-LONGEST = 50.0
+LONGEST_S = 50.0
 """Longest run that is compared, s."""
-
-WEIGHT = 0.4
-"""Weight of the ladder in the survey's budget, where all settings together have 1."""
 
 RUN_COUNTS = (4, 8, 16)
 LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
 """Lengths of the parts' runs, s."""
 
 
-def ladder(survey: Survey, progress: Progress) -> Ladder:
+def compare_parts(survey: Survey, progress: Progress) -> Ladder:
     """Compare stated with actual errors of parts of one long ensemble.
 
     Every part's mean speed has its own error bar as `ensemble.mean_speed` states it; the root mean
     square of the parts' deviations from the whole is the actual error.
     """
-    reference = survey.reference(progress)
-    unit = survey.unit(reference)
+    survey.reference(progress)
     (own,) = survey.measure([survey.own], progress)
-    bias = survey.bias(own, reference)
-    ensemble_runs = _affordable(survey)
-    results, cpu_per_s = survey.ensemble(survey.own, ensemble_runs, progress)
+    unit, bias = survey.unit, survey.bound(own)
+    granted_s = survey.grant(STATISTICS)
+    runs_in_all, seconds = _afford(granted_s, own)
+    made = survey.run(survey.own, seconds, Runs(runs_in_all), progress)
+    survey.too_short |= (runs_in_all, seconds) == KINDS[-1] and made.summary.wall_s > granted_s
+    results = made.results
+    cpu_per_s = made.summary.cpu_s / (runs_in_all * (seconds + own.discard_s))
     correlation = ensemble.correlation_time(results)
     rungs = []
-    for runs in (runs for runs in RUN_COUNTS if 2 * runs <= ensemble_runs.number):
-        for length in (length for length in LENGTHS if 2.0 * length <= ensemble_runs.seconds):
-            parts = _parts(results, runs, length)
-            rungs.append(_rung(parts, results, unit.size, cpu_per_s, own.discard_seconds))
+    for runs in (runs for runs in RUN_COUNTS if 2 * runs <= runs_in_all):
+        for length in (length for length in LENGTHS if 2.0 * length <= seconds):
+            parts = _cut(results, runs, length)
+            rungs.append(_rung(parts, results, unit, cpu_per_s, own.discard_s))
     correlation_text = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
-    ensemble_text = f"{ensemble_runs.number} runs of {ensemble_runs.seconds:g} s"
     notes = [f"Correlation time of the speed: {correlation_text}."]
-    if bias is not None:
-        share = bias.bound / unit.size
+    if math.isfinite(bias):
         notes.append(
-            f"Bias of {survey.own.label}: at most {share:.2g}, with 95 % confidence. Where the "
+            f"Bias of {own.label}: at most {bias / unit:.2g}, with 95 % confidence. Where the "
             "statistical error is below that, more time does not help: take a smaller step."
         )
     return Ladder(
         "statistics",
         "Standard error of the mean speed against simulated time",
-        f"standard error actually made, {unit.name}",
+        f"standard error actually made, share of {words.number(unit)} mm/s",
         "CPU time, s",
-        f"mean of the whole ensemble, {ensemble_text} by {survey.own.label}",
+        f"mean of the whole ensemble, {runs_in_all} runs of {seconds:g} s by {own.label}",
         rungs,
         notes,
     )
 
 
-def least(survey: Survey) -> float:
-    """Wall time of the least ensemble whose parts can be compared, s."""
-    return survey.budget.cost(KINDS[-1], survey.rate(survey.own), survey.scene.run.discard_seconds)
+def _afford(granted_s: float, own: Measured) -> tuple[int, float]:
+    """Return the number of runs that a wall time allows, and their length: fewer where they would be too short."""
+    simulated_s = granted_s / own.wall_s * own.runs * (own.seconds + own.discard_s)
+    for runs, least_s in KINDS:
+        seconds = float(f"{min(max(simulated_s / runs - own.discard_s, 0.1), LONGEST_S):.2g}")
+        if seconds >= least_s:
+            return runs, seconds
+    return KINDS[-1]
 
 
-def _affordable(survey: Survey) -> Runs:
-    """Runs within the ladder's share of the budget, which it takes."""
-    granted, rate = survey.take("statistics"), survey.rate(survey.own)
-    runs = survey.budget.affords(granted, rate, survey.scene.run.discard_seconds, KINDS)
-    return runs._replace(seconds=min(runs.seconds, LONGEST))
-
-
-def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
+def _cut(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
     """Cut the ensemble into parts of `runs` runs of `length` s each, without overlap."""
     blocks = max(1, round(length / results[0].block_s))
     groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]

@@ -1,43 +1,47 @@
-"""Survey of a walker in a scene: speeds and all else by every step, measured once each."""
+"""Survey of a walker in a scene: its speed and all else that is printed, by every step, measured once each.
+
+Each step is an experiment that runs for its part of the budget (`points.measure`).
+"""
 
 import math
-import os
-import time
-from collections.abc import Hashable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 from walkergen.analysis import motion
 from walkergen.analysis.tracks import of_places
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress, part, silent
-from walkergen.jobs.trust.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
-from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
+from walkergen.files.progress import Progress, part
+from walkergen.jobs.trust.accuracy import step_law
+from walkergen.jobs.trust.accuracy.choice import Candidate
 from walkergen.numerics.quantity import Quantity
-from walkergen.points import walkers
+from walkergen.points.measure import Budget, Until, measure
 from walkergen.scene import Scene
-from walkergen.simulation import ensemble, experiments, observables, resolution
-from walkergen.simulation.ensemble import listed
+from walkergen.simulation import experiments, observables, resolution
+from walkergen.simulation.ensemble import FEWEST_RUNS, listed
 from walkergen.simulation.experiments import Results
 from walkergen.simulation.observables import SPEED
 from walkergen.simulation.plan import Plan, prepare
-from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
+from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
-
-OWN = Setting(None)
-"""Setting by the step that resolves the feet."""
 
 STEPS = (0.25, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet, which are measured."""
 
-FINEST_SHARE, CERTIFYING_SHARE = 0.3, 0.15
-"""Shares of the CPU budget for the finest step and for that next to it, which certifies it."""
+WEIGHTS = (0.3, 0.15)
+"""Parts of the budget of all steps for the finest step, and for the next finest, which certifies it; the others share
+the rest."""
 
-PILOT = 0.25
-"""Simulated time, s, of each run that tells what a setting costs."""
+STATISTICS = "statistics"
+"""Name of the ensemble whose parts are compared, in the budget."""
 
-CLEAR = 10.0
-"""Standard errors from which a mean speed is not zero, so that errors can be a share of it."""
+STATISTICS_WEIGHT = 0.4
+"""Part of the budget for it, where all steps together have 1."""
+
+SHORTEST_S, BUDGET_OF_SECOND_S = 2.0, 30.0
+"""Measured time of a run, s, at least, and the budget for which it is a second longer: more runs first, then longer
+ones, in which walkers spread."""
 
 MOTION = {"motion.rotational_diffusion_rad2_s": "rotational_diffusion", "motion.diffusivity_mm2_s": "diffusivity"}
 """Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
@@ -46,107 +50,104 @@ NAMES = (*observables.NAMES, *MOTION)
 """Names of all that is studied, as `simulate --json` has them."""
 
 
+class Measured(NamedTuple):
+    """Quantities obtained with a step, and their cost."""
+
+    step_us: float
+    quantities: Mapping[str, Quantity]
+    """Quantities of NAMES by their names; without values when not all runs ended well."""
+    runs: int
+    seconds: float
+    """Measured time of each run, s."""
+    discard_s: float
+    cpu_s: float
+    wall_s: float
+    outcomes: str
+    """Ways in which the runs ended, with their numbers."""
+
+    @property
+    def label(self) -> str:
+        """Name of the step in tables and figures."""
+        return f"step {self.step_us:g} us"
+
+    def of(self, name: str) -> Quantity:
+        """Return a quantity by its name."""
+        return self.quantities.get(name, Quantity(name, "", None, refused=self.outcomes))
+
+    @property
+    def speed(self) -> Quantity:
+        """Mean speed, mm/s."""
+        return self.of(SPEED)
+
+    @property
+    def cpu_per_s(self) -> float:
+        """CPU seconds per simulated second, the discarded start included."""
+        return self.cpu_s / (self.runs * (self.seconds + self.discard_s))
+
+    def variance_time(self, name: str = SPEED) -> float:
+        """Return the squared standard error of a quantity times the measured time, (its unit)^2 s."""
+        return (self.of(name).se or 0.0) ** 2 * self.runs * self.seconds
+
+    def cost_of(self, se: float, name: str = SPEED) -> float:
+        """Return the CPU time (s) for a quantity with a standard error, with discarded starts."""
+        return self.cpu_per_s * (self.variance_time(name) / se**2 + self.runs * self.discard_s)
+
+
 class Survey:
-    """Measurements of settings for one walker in one scene, each made once and kept."""
+    """Measurements of steps for one walker in one scene, each made once and kept."""
 
     def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
-        """Survey with nothing measured; `budget_s`: wall time of all of it, s."""
+        """Survey with nothing measured; `budget_s`: wall time of all simulations, s."""
         self.scene, self.design, self.mass = scene, design, mass
-        self.cores = os.cpu_count() or 1
-        self.budget = Budget(budget_s, self.cores)
-        self.others: dict[str, float] = {}
-        """Weights of what else is to be simulated within the budget; all settings together: 1."""
-        self.measured: dict[Setting, Measured] = {}
-        self._rates: dict[Setting, float] = {}
-        self.scheduled = self.steps
-        """Settings that are to be measured within the budget."""
-
-    @property
-    def certifying(self) -> Setting:
-        """Setting that certifies the reference: the step next to the finest."""
-        return self.steps[1]
-
-    @property
-    def steps(self) -> list[Setting]:
-        """Settings of all steps, the finest first, which is the reference."""
-        steps_us = [_round(share * self.resolving_us) for share in STEPS]
-        inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us)
-        return [Setting(step) for step in inside]
+        self.budget_s, self.simulated_s = budget_s, 0.0
+        self.too_short = False
+        """Whether the fewest runs took longer than what the budget had for them."""
+        self.due: dict[float | str, float] = {}
+        """Weights in the budget of what is still to be simulated, by step or name."""
+        self.measured: dict[float, Measured] = {}
 
     @cached_property
-    def resolving_us(self) -> float:
-        """Step that resolves elastic feet, us."""
-        return float(1e6 * self.plan(OWN).world.options.step)
+    def plan(self) -> Plan:
+        """Plan by the step that resolves the feet."""
+        return prepare(self._scene_of(None), self.design, self.mass)
+
+    @cached_property
+    def steps(self) -> list[float]:
+        """All steps, us, the finest first, which is the reference."""
+        steps_us = [_round(share * 1e6 * self.plan.world.options.step) for share in STEPS]
+        return list(dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us))
 
     @property
-    def own(self) -> Setting:
-        """Setting of the scene's own step."""
+    def own(self) -> float:
+        """The scene's own step, us."""
         step = self.scene.run.step_us
-        return Setting(_round(self.resolving_us) if step is None else step)
+        return _round(1e6 * self.plan.world.options.step) if step is None else step
 
-    def plan(self, setting: Setting) -> Plan:
-        """The plan of a setting."""
-        return prepare(self.scene_of(setting), self.design, self.mass)
+    def share_out(self, ladders: Sequence[str]) -> None:
+        """Promise each step that these ladders need its part of the budget."""
+        others = (1.0 - sum(WEIGHTS)) / max(len(self.steps) - len(WEIGHTS), 1)
+        of_steps = [*WEIGHTS, *[others] * len(self.steps)]
+        if "steps" in ladders:
+            self.due.update(zip(self.steps, of_steps, strict=False))
+        if STATISTICS in ladders:
+            self.due.setdefault(self.steps[0], WEIGHTS[0])
+            self.due.setdefault(self.own, others)
+            self.due[STATISTICS] = STATISTICS_WEIGHT
 
-    def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
-        """Measure the settings that are not known yet; returns all of them in their order."""
-        for place, setting in enumerate(settings):
-            if setting not in self.measured:
-                part_progress = part(progress, place, len(settings))
-                self.measured[setting] = self._measured(setting, part_progress)
-        return [self.measured[setting] for setting in settings]
+    def grant(self, what: float | str) -> float:
+        """Return the wall time for a step or for what has a name, s: what others left over is shared out."""
+        weight, left_s = self.due.pop(what, WEIGHTS[1]), max(self.budget_s - self.simulated_s, 0.0)
+        return left_s * weight / (weight + sum(self.due.values()))
 
-    def ensemble(self, setting: Setting, runs: Runs, progress: Progress) -> tuple[Sequence[RunResult], float]:
-        """The runs of a setting one by one, and CPU seconds per simulated second."""
-        point = self._run(setting, runs, progress)
-        simulated = runs.number * (runs.seconds + self.scene.run.discard_seconds)
-        return point.results, point.summary.cpu_s / simulated
-
-    def rate(self, setting: Setting) -> float:
-        """CPU seconds per simulated second of a setting, by short runs; compiles its kernels.
-
-        They are one a core, at once: what else runs on the machine is learnt with them.
-        """
-        if setting in self.measured:
-            return self.measured[setting].cpu_per_s
-        if setting not in self._rates:
-            runs = min(self.cores, RUNS)
-            plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
-            compile_kernels(plan)
-            started = time.perf_counter()
-            pilots = ensemble.run(plan, silent)
-            took = time.perf_counter() - started
-            cpu_s = sum(pilot.cpu_s for pilot in pilots) / runs
-            simulated_s = sum(pilot.measured_s for pilot in pilots) / runs
-            self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
-            self.budget.pay_turns(cpu_s, took)
-        return self._rates[setting]
-
-    def granted(self, what: Hashable) -> float:
-        """Wall time for a setting or for one of `others`, s, of what is left of the budget."""
-        due: dict[Hashable, float] = {setting: self.share(setting) for setting in self.due}
-        if isinstance(what, Setting):
-            due[what] = self.share(what)
-        due.update(self.others)
-        return self.budget.grant(what, due)
-
-    def take(self, name: str) -> float:
-        """Wall time granted to one of `others`, s, which is then no longer due."""
-        granted = self.granted(name)
-        del self.others[name]
-        return granted
-
-    @property
-    def due(self) -> list[Setting]:
-        """Settings that are still to be measured."""
-        return [setting for setting in dict.fromkeys(self.scheduled) if setting not in self.measured]
-
-    def least(self, setting: Setting) -> float:
-        """Wall time (s) of the least measurement of a setting that means something."""
-        return self.budget.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
+    def measure(self, steps: Sequence[float], progress: Progress) -> list[Measured]:
+        """Measure the steps that are not measured yet; return all of them in their order."""
+        for place, step_us in enumerate(steps):
+            if step_us not in self.measured:
+                self.measured[step_us] = self._measure_step(step_us, part(progress, place, len(steps)))
+        return [self.measured[step_us] for step_us in steps]
 
     def reference(self, progress: Progress) -> Measured:
-        """Measure the setting that counts as true: the finest step.
+        """Measure the step that counts as true: the finest.
 
         Raises InputError when it gives no speed with an error bar.
         """
@@ -158,93 +159,83 @@ class Survey:
             )
         return reference
 
-    def unit(self, reference: Measured) -> Unit:
-        """Unit of errors: the reference's speed, or 1 mm/s where that may be zero."""
-        value, se = reference.speed.value, reference.speed.se
-        assert value is not None
-        assert se is not None
-        if abs(value) > CLEAR * se:
-            return Unit(abs(value), "share of the mean speed", True, 0.01 * abs(value))
-        return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
+    def run(self, step_us: float, seconds: float, until: Until, progress: Progress) -> Results:
+        """Simulate runs by a step, until enough are made. Raises KeyboardInterrupt where Ctrl-C leaves some out."""
+        walker = experiments.Walker(self._scene_of(step_us, seconds=seconds), self.design, self.mass)
+        made = measure(walker, until, progress)
+        if made.partial:
+            raise KeyboardInterrupt
+        self.simulated_s += made.wall_s
+        return experiments.results(made.experiment, made.records, made.runs, made.wall_s)
 
-    def bias(self, measured: Measured, reference: Measured) -> Bias | None:
-        """Bias of a setting's speed against the reference's; None when it gave none."""
-        gap = measured.speed.less(reference.speed)
-        if gap.value is None or gap.se is None:
-            return None
-        if measured.setting == reference.setting:
-            return Bias(0.0, reference.speed.se or 0.0)
-        return Bias(gap.value, gap.se)
+    @property
+    def unit(self) -> float:
+        """Speed of which an error is a share, mm/s, once the reference is measured."""
+        return step_law.unit(self.measured[self.steps[0]].speed.number, self.plan.shaken.peak_speed)
 
-    def bound(self, measured: Measured, reference: Measured) -> float | None:
-        """Upper limit of a setting's bias with 95 % confidence; None without a value.
+    def bias(self, measured: Measured) -> Quantity:
+        """Return the difference of a step's speed from the reference's, mm/s; of the reference itself 0."""
+        reference = self.measured[self.steps[0]]
+        if measured is reference:
+            return reference.speed._replace(value=0.0)
+        return measured.speed.less(reference.speed)
+
+    def bound(self, measured: Measured) -> float:
+        """Return the upper limit of a step's bias with 95 % confidence, mm/s; infinite without a value.
 
         Significant biases of finer steps count as well: where a coarse step does better than a
         finer step, errors of opposite signs happen to cancel.
         """
-        bias = self.bias(measured, reference)
-        if bias is None:
-            return None
-        return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se)
+        bias = self.bias(measured)
+        if bias.value is None:
+            return math.inf
+        finer = [self.bias(other) for other in self.measured.values() if other.step_us < measured.step_us]
+        sizes = [math.inf if one.value is None else abs(one.value) for one in finer]
+        certain = [size for size, one in zip(sizes, finer, strict=True) if size > one.half_width()]
+        return max(abs(bias.value), *certain, 0.0) + bias.half_width()
 
-    def _finer(self, measured: Measured, reference: Measured) -> float:
-        """Largest significant bias of finer steps; infinite where a finer step failed."""
-        biases = [
-            self.bias(finer, reference)
-            for finer in self.measured.values()
-            if (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
-        ]
-        sizes = (math.inf if bias is None else bias.certain for bias in biases)
-        return max(sizes, default=0.0)
+    def candidate(self, measured: Measured) -> Candidate:
+        """Return a measured step as one that may be chosen."""
+        return Candidate(
+            measured.step_us,
+            self.bound(measured) / self.unit,
+            measured.variance_time() / self.unit**2,
+            measured.cpu_per_s,
+            measured.discard_s,
+        )
 
-    def share(self, setting: Setting) -> float:
-        """Weight of a setting in the budget; of all settings together: 1."""
-        shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
-        others = {*self.steps} - shares.keys()
-        return shares.get(setting, (1.0 - sum(shares.values())) / len(others))
-
-    def scene_of(self, setting: Setting, **run: float) -> Scene:
-        """Scene with a setting, and with other values of its [run]."""
-        changed = self.scene.run.model_copy(update={"step_us": setting.step_us, **run})
+    def _scene_of(self, step_us: float | None, **run: float) -> Scene:
+        changed = self.scene.run.model_copy(update={"step_us": step_us, **run})
         return self.scene.model_copy(update={"run": changed})
 
-    def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
-        scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
-        experiment = experiments.Walker(scene, self.design, self.mass)
-        (point,) = walkers.each([experiment], [setting.label], progress)
-        took, discard = point.summary.wall_s, scene.run.discard_seconds
-        self.budget.pay_runs(runs, self.rate(setting), discard, took)
-        return point
-
-    def _measured(self, setting: Setting, progress: Progress) -> Measured:
-        """Simulate for as long as the setting's share of the budget allows.
-
-        Errors of few runs are widened, so that twice them means 95 % confidence as ever.
-        """
-        discard, rate = self.scene.run.discard_seconds, self.rate(setting)
-        runs = self.budget.affords(self.granted(setting), rate, discard, KINDS)
-        point = self._run(setting, runs, progress)
-        summary, wider = point.summary, widened(runs.number)
+    def _measure_step(self, step_us: float, progress: Progress) -> Measured:
+        """Simulate for as long as the step's part of the budget allows."""
+        seconds, granted_s = max(SHORTEST_S, _round(self.budget_s / BUDGET_OF_SECOND_S)), self.grant(step_us)
+        results = self.run(step_us, seconds, Budget(granted_s, FEWEST_RUNS), progress)
+        summary = results.summary
+        self.too_short |= summary.runs == FEWEST_RUNS and summary.wall_s > granted_s
         well = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL} and summary.speed_mm_s is not None
         outcomes = listed(summary.outcomes)
         quantities = {
-            name: Quantity(name, "", value if well else None, None if se is None else wider * se, refused=outcomes)
-            for name, (value, se) in _observed(point, self.scene_of(setting).arena.kind == "lane").items()
+            name: Quantity(name, "", value if well else None, se, summary.runs - 1.0, outcomes)
+            for name, (value, se) in _observe(results, self.scene.arena.kind == "lane").items()
         }
-        return Measured(setting, quantities, *runs, discard, summary.cpu_s, outcomes)
+        run = self.scene.run
+        return Measured(
+            step_us, quantities, summary.runs, seconds, run.discard_seconds, summary.cpu_s, summary.wall_s, outcomes
+        )
 
 
-def _observed(point: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
-    """Values and standard errors of all that is studied of runs; without what they refuse."""
-    summary = point.summary
+def _observe(results: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
+    """Return values and standard errors of all that is studied of runs, without what they refuse."""
+    summary = results.summary
     errors = {**summary.errors, SPEED: summary.speed_se_mm_s}
     quantities: dict[str, tuple[float | None, float | None]] = {
         name: (value, errors[name]) for name, value in resolution.values(summary).items()
     }
-    good = [result for result in point.results if result.outcome in ENDED_WELL]
+    good = [result for result in results.results if result.outcome in ENDED_WELL]
     if good and len(good[0].places) >= 4:
-        tracks = of_places([result.places for result in good], good[0].block_s, lane)
-        estimates = motion.analyse(tracks).estimates
+        estimates = motion.analyse(of_places([result.places for result in good], good[0].block_s, lane)).estimates
         named = ((name, estimates[key]) for name, key in MOTION.items())
         quantities |= {name: (estimate.value, estimate.se) for name, estimate in named if estimate.value is not None}
     return quantities
