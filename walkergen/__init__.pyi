@@ -510,7 +510,7 @@ def accuracy(
     out: Name | None = None,
     progress: Progress | None = None,
 ) -> Report:
-    """Say what accuracy costs in time, at once; with a budget measure it: models, steps, statistics, shape.
+    """Say what accuracy costs in time, at once; with a budget measure it: steps, statistics, shape.
 
     Example: `wg.accuracy(tilt=10, only="statistics", budget="5s").lines`
     """
