@@ -1,5 +1,6 @@
 """Answers to what to run for which error: from the shipped cells at once, and from a survey by a budget."""
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -138,14 +139,16 @@ def _margin_of(candidate: Candidate, candidates: Sequence[Candidate]) -> float:
     step_us = candidate.step_us or 0.0
     longer = sorted((other.step_us or 0.0, other.bias) for other in candidates if (other.step_us or 0.0) > step_us)
     twice = [bias for other_us, bias in longer if other_us >= MARGIN * step_us] or [bias for _, bias in longer[-1:]]
-    return twice[0] if twice else float("inf")
+    return twice[0] if twice else math.inf
 
 
 def advise_budget(candidates: Sequence[Candidate], wanted: Tolerance, survey: Survey) -> str:
     """Return the reason why no measured step meets an error, with the budget that would make its bias known."""
     reference = survey.measured[survey.steps[0]].speed
     known_to = f"the most accurate setting is itself known to {words.number(reference.half_width(), 2)} mm/s only"
-    least = min((max(one.bias, _margin_of(one, candidates)) for one in candidates), default=float("inf"))
+    least = min((max(one.bias, _margin_of(one, candidates)) for one in candidates), default=math.inf)
+    if math.isinf(least):
+        return "no longer step gives a speed"
     needed_s = survey.budget_s * max(least / (BIAS_PART * wanted.value), 1.0) ** 2
     if needed_s > LONGEST_BUDGET_S:
         return f"{known_to}; a day of simulations would not do"
