@@ -122,7 +122,7 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
     ("words", "told"),
     [
         (("accuracy", "--only", "speed"), "--only 'speed': must be one of steps"),
-        (("accuracy", "--only", "models"), "this ladder is gone: one model of the walker is left"),
+        (("accuracy", "--only", "models"), "--only 'models': this ladder is gone: one model"),
         (("accuracy", "--budget", "5"), "--budget '5': write a time with its unit"),
         (("accuracy", "--budget", "nans"), "--budget 'nans': write a time"),
         (("accuracy", "--budget", "0.1s"), "must lie in 1s..24h"),

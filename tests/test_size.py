@@ -19,7 +19,7 @@ LIMITS = {
     "walkergen/cli": 890,
     "walkergen/crowd": 7780,
     "walkergen/files": 3380,
-    "walkergen/jobs": 11760,
+    "walkergen/jobs": 11770,
     "walkergen/lab": 5200,
     "walkergen/numerics": 950,
     "walkergen/points": 3110,

@@ -1,6 +1,7 @@
 """The accuracy study: ladders against closed forms, honest error bars, the choice of a step, the budget."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -216,3 +217,17 @@ def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
     assert answer.why.startswith("as shipped; this budget: the most accurate setting is itself known to")
     wide, choice = answers._refine(before._replace(error=Tolerance(0.5, True)), candidates, survey)
     assert (wide.known, wide.runs) == ("now", choice.runs)
+
+
+def test_choices_that_cost_alike_are_one_point_and_none_is_below_the_floor():
+    survey = known(survey_of(60.0), (100.0,) * 5, se=0.5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    blank = Answer(Tolerance(0.2, True), "-", None, None, None, "scaled", "")
+    found = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERRORS]
+    (axes,) = answers.draw_choice("walker", candidates, found, (), 0.005).axes
+    told = [text.get_text() for text in axes.texts]
+    assert any(text.startswith("20, 10 %: ") for text in told)
+    costs = [line.get_xdata()[0] for line in axes.get_lines() if line.get_marker() == "o"]
+    assert all(later > answers.ALIKE * earlier for earlier, later in pairwise(costs))
+    (floored,) = answers.draw_choice("walker", candidates, found, (), 0.5).axes
+    assert not [line for line in floored.get_lines() if line.get_marker() == "o"]

@@ -3,7 +3,6 @@
 import math
 import os
 from collections.abc import Iterator, Sequence
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 from walkergen.files import words
@@ -29,6 +28,9 @@ NOW = "now"
 
 MARGIN = 1.9
 """Ratio of steps on a ladder that counts as two."""
+
+ALIKE = 1.2
+"""Ratio of CPU times up to which choices are one point of the figure."""
 
 LONGEST_BUDGET_S = 86_400.0
 """Longest time, s, that is advised for a survey."""
@@ -172,10 +174,14 @@ def draw_choice(
 
 
 def _list_points(found: Sequence[Found], floor: float) -> Iterator[tuple[float, float, str]]:
-    """Yield error, CPU time and words of choices; those of one setting are one point, at the error it will have."""
-    given = [(answer, choice) for answer, choice in found if choice is not None]
-    for _, group in groupby(given, key=lambda pair: pair[1][:3]):
-        same = list(group)
+    """Yield error, CPU time and words of choices; those that cost alike are one point, at the error of the last."""
+    groups: list[list[tuple[Answer, Choice]]] = []
+    for answer, choice in found:
+        if choice is not None:
+            if not groups or choice.cpu_s > ALIKE * groups[-1][0][1].cpu_s:
+                groups.append([])
+            groups[-1].append((answer, choice))
+    for same in groups:
         answer, choice = same[-1]
         if choice.error >= floor:
             errors = ", ".join(str(one.error).removesuffix(" %") for one, _ in same)

@@ -24,12 +24,11 @@ BUDGET_S = 60.0
 """Time in which ladders are measured that are asked for without a budget, s."""
 
 
-def _refuse_gone(value: Any) -> Any:
-    """Return names of ladders as they are. Raises ValueError for one that is gone."""
-    for name in value or ():
-        if name in GONE:
-            raise ValueError(f"this ladder is gone: {GONE[name]}")
-    return value
+def _refuse_gone(name: Any) -> Any:
+    """Return the name of a ladder as it is. Raises ValueError for one that is gone."""
+    if isinstance(name, str) and name in GONE:
+        raise ValueError(f"this ladder is gone: {GONE[name]}")
+    return name
 
 
 class AccuracyRequest(request.Request):
@@ -43,8 +42,7 @@ class AccuracyRequest(request.Request):
     friction: request.Friction = None
     set: request.Settings = {}
     only: Annotated[
-        list[Ladder] | None,
-        BeforeValidator(_refuse_gone),
+        list[Annotated[Ladder, BeforeValidator(_refuse_gone)]] | None,
         request.Words,
         Flag("Comma-separated ladders to measure; all by default.", "LADDERS", takes="str | Iterable[str] | None"),
     ] = None
