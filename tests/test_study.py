@@ -143,6 +143,19 @@ def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
     assert chosen(survey, 0.05).candidate.step_us == survey.steps[0]
 
 
+def test_no_step_is_chosen_beyond_one_that_fails():
+    survey = known(survey_of(), (100.0,) * 5)
+    failed = survey.steps[2]
+    survey.measured[failed] = survey.measured[failed]._replace(quantities={}, outcomes="16 toppled")
+    bounds = [survey.bound(one) for one in survey.measured.values()]
+    assert [math.isinf(bound) for bound in bounds] == [False, False, True, True, True]
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[0]
+    survey = known(survey_of(), (100.0,) * 5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
+    longest = survey.steps[-1]
+    survey.measured[longest] = survey.measured[longest]._replace(quantities={}, outcomes="16 toppled")
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[1]  # the margin of the others is the one that fails
+
+
 def test_what_cannot_be_promised_says_what_would_help():
     survey = known(survey_of(60.0), (100.0,) * 5)
     candidates = [survey.candidate(one) for one in survey.measured.values()]

@@ -92,7 +92,7 @@ def describe(estimate: Estimate) -> list[str]:
 def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answers:
     """Return the answers of a survey of all steps. Those that its budget does not reach are as shipped."""
     reference = survey.reference(progress)
-    measured = [one for one in survey.measure(survey.steps, progress) if one.speed.known]
+    measured = survey.measure(survey.steps, progress)
     candidates = [survey.candidate(one) for one in measured]
     estimate = shipped.estimate(survey.design, survey.scene)
     shipped_candidates = estimate.candidates(pace.pace())
@@ -102,7 +102,7 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
     marks = [
         (one.label, one.cpu_s, abs(bias.number) / survey.unit, bias.half_width() / survey.unit)
         for one in measured
-        if (bias := survey.bias(one)) and one is not reference
+        if (bias := survey.bias(one)).known and one is not reference
     ]
     lines = [
         f"truth: {steps.certify(survey)}",
@@ -113,7 +113,8 @@ def answer_from_survey(survey: Survey, title: str, progress: Progress) -> Answer
 
     def draw() -> "Figure":
         floor = reference.speed.half_width() / survey.unit
-        return draw_choice(title, candidates, found, marks, floor)
+        known = [one for one in candidates if math.isfinite(one.bias)]
+        return draw_choice(title, known, found, marks, floor)
 
     return Answers(rows, lines, draw)
 

@@ -181,21 +181,21 @@ class Survey:
         return measured.speed.less(reference.speed)
 
     def bound(self, measured: Measured) -> float:
-        """Return the upper limit of a step's bias with 95 % confidence, mm/s; infinite without a value.
+        """Return the upper limit of a step's bias with 95 % confidence, mm/s.
 
+        It is infinite where the step, or a finer one, has no speed.
         Significant biases of finer steps count as well: where a coarse step does better than a
         finer step, errors of opposite signs happen to cancel.
         """
         bias = self.bias(measured)
-        if bias.value is None:
-            return math.inf
         finer = [self.bias(other) for other in self.measured.values() if other.step_us < measured.step_us]
-        sizes = [math.inf if one.value is None else abs(one.value) for one in finer]
-        certain = [size for size, one in zip(sizes, finer, strict=True) if size > one.half_width()]
-        return max(abs(bias.value), *certain, 0.0) + bias.half_width()
+        if any(one.value is None for one in (bias, *finer)):
+            return math.inf
+        certain = [abs(one.number) for one in finer if abs(one.number) > one.half_width()]
+        return max(abs(bias.number), *certain, 0.0) + bias.half_width()
 
     def candidate(self, measured: Measured) -> Candidate:
-        """Return a measured step as one that may be chosen."""
+        """Return a measured step as one that may be chosen; its bias is infinite where it has no speed."""
         return Candidate(
             measured.step_us,
             self.bound(measured) / self.unit,
