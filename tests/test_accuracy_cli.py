@@ -116,26 +116,3 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
     assert result.exit_code == 130
     assert "round foot" in (tmp_path / "here/accuracy.csv").read_text()
     assert not (tmp_path / "here/accuracy.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("accuracy", "--only", "speed"), "--only 'speed': must be one of steps"),
-        (("accuracy", "--only", "models"), "--only 'models': this ladder is gone: one model"),
-        (("accuracy", "--budget", "5"), "--budget '5': write a time with its unit"),
-        (("accuracy", "--budget", "nans"), "--budget 'nans': write a time"),
-        (("accuracy", "--budget", "0.1s"), "must lie in 1s..24h"),
-        (("accuracy", "--tilt", "86"), "tilt_deg"),
-        (("accuracy", "coinbot", "--scene", "table-motor", "--budget", "9s"), "ladders are measured on a plate"),
-        (("simulate", "--error", "5"), "--error '5': write"),
-        (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
-        (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),
-        (("simulate", "--error", "5%", "--of", "power"), "must be one of speed_mm_s, impacts_per_s"),
-        (("simulate", "--of", "contact_fraction"), "give --error as well"),
-    ],
-)
-def test_bad_input_is_named(run, words, told):
-    result = run(*words)
-    assert result.exit_code != 0
-    assert told in str(result.exception)

@@ -67,21 +67,3 @@ def test_the_middle_of_the_dish_may_lie_anywhere(run, runs, tmp_path):
     lost = run("analyse", str(moved), *flags).exception
     assert isinstance(lost, InputError)
     assert "--middle X,Y (mm)" in str(lost)
-
-
-@pytest.mark.parametrize(
-    ("flags", "named"),
-    [
-        (("--dish", "square:60"), "--dish"),
-        (("--dish", "disc:60", "--body", "3x0"), "--body 3x0"),
-        (("--dish", "disc:60", "--middle", "3"), "--middle 3"),
-        (("--dish", "disc:60", "--lag-ms", "40"), "--lag-ms"),
-        (("--dish", "disc:60", "--lane"), "lane"),
-        (("--dish", "disc:60", "--body", "nobody"), "nobody"),
-        (("--body", "3x1"), "give --dish"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_a_line(run, runs, flags, named):
-    refused = run("analyse", str(runs[0]), *flags).exception
-    assert isinstance(refused, InputError)
-    assert named in str(refused)

@@ -371,53 +371,6 @@ def test_one_method_may_count_alone(tmp_path):
     assert moduli["deflection"] == pytest.approx(0.7 * 2.7, abs=0.25)
 
 
-SIZES = "strip_1,thickness_mm,0.4,0.02,,,\nstrip_1,width_mm,5,0.05,,,\n"
-LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
-
-
-@pytest.mark.parametrize(
-    ("rows", "told"),
-    [
-        ("strip_1,thickness_mm,nan,0.02,,,", "reading = 'nan'"),
-        ("../strip_1,thickness_mm,0.4,0.02,,,", "part '../strip_1'"),
-        ("strip_1,colour,1,1,,,", "must be one of thickness_mm"),
-        ("block,slides_deg,14,,,,", "no error"),
-        ("block,slides_deg,89,1,,,", "must be > 2 and <= 80"),
-        ("walker,slides_deg,0.23,0.02,,,", "is it a friction?"),
-        ("block,slides_deg,14,1,,5,", "leave it blank"),
-        ("walker,flight_s,0.04,0.002,,,", "needs at_mm"),
-        ("strip_1,deflection_mm,5,0.5,5,1,48", "reading less unloaded_mm = 0"),
-        (LONG + "strip_1,deflection_mm,30,0.5,0,1,48", "hang less"),
-        (LONG + "strip_1,deflection_mm,3,0.5,0,1,58", "beyond the strip"),
-        (SIZES + "strip_1,free_length_mm,3,0.1,,,\nstrip_1,ring_hz,40,1,,,", "as a beam"),
-        (SIZES + "strip_1,free_length_mm,9,9,,,\nstrip_1,ring_hz,40,1,,,", "must be at most 25%"),
-        (LONG + "strip_1,ring_hz,90000,1,,,", "plastics have 0.001..30"),
-        ("strip_1,ring_hz,40,1,,,", "tells nothing"),
-        ("", "no readings"),
-    ],
-)
-def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
-    path = tmp_path / "m.csv"
-    path.write_text(f"{','.join(form.HEADER)}\n{rows}\n")
-    result = CliRunner().invoke(command_line, ["calibrate", str(path), "--out", str(tmp_path / "o")])
-    assert isinstance(result.exception, InputError)
-    assert told in str(result.exception)
-    assert len(str(result.exception).splitlines()) == 1
-    assert not (tmp_path / "o").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [(("--by", "ear"), "--by 'ear'"), (("--roll-deg", "nan"), "--roll-deg nan"), (("--drops", "1"), "--drops 1")],
-)
-def test_a_bad_option_is_one_line(tmp_path, words, told):
-    path = tmp_path / "m.csv"
-    path.write_text(form.template({"strip_1": 0.0}))
-    result = CliRunner().invoke(command_line, ["calibrate", str(path), "--out", "o", *words])
-    assert isinstance(result.exception, InputError)
-    assert told in str(result.exception)
-
-
 def test_what_the_readings_leave_open_is_not_told(crowd):
     strips, _ = specimens.read(crowd[0])
     twins = [strips[0], strips[0]._replace(name="strip_9")]

@@ -124,22 +124,6 @@ def test_ordinary_weights_are_near_what_they_say():
     assert sheet.near(1e3) == ""
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--drops", "3"), "leave it out"),
-        (("--set", "printer.bed_width_mm=60"), "does not fit"),
-        (("--set", "printer.layer_height_mm=0.5"), "layers are thick"),
-    ],
-)
-def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, words, told):
-    monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(command_line, ["calibrate", "plate", *words])
-    assert result.exit_code != 0
-    assert told in str(result.exception)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.slow
 @pytest.mark.programs
 @pytest.mark.parametrize("name", ["prusa-mk3s", "ender3"])

@@ -79,43 +79,6 @@ def test_a_card_is_read_as_it_was_written(tmp_path):
     assert cards.to_json(cards.read(path)) == path.read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("was", "put", "told"),
-    [
-        ("60.0", "NaN", "not valid JSON"),
-        ("0.07", "-1", "velocity_relaxation_s.value = -1 must be >= 0"),
-        ("0.9", '"heavy"', "mass_g"),
-        ("0.9", "0", "mass_g = 0"),
-        ("speed_mm_s", "sped_mm_s", "speed_mm_s"),
-        ("[-14.0,-4.0],[14.0,-4.0],[14.0,4.0]", "[-14,4],[14,4],[14,-4]", "counter-clockwise"),
-        ("0.02", "-0.5", "must be"),
-    ],
-)
-def test_a_card_edited_by_hand_is_refused_with_what_is_wrong(run, tmp_path, was, put, told):
-    text = json.dumps(json.loads(cards.to_json(CARD)), separators=(",", ":"))
-    assert was in text
-    (tmp_path / "mine.json").write_text(text.replace(was, put, 1), encoding="utf-8")
-    message = refused(run, "mine.json")
-    assert told in message
-    assert "mine.json" in message
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
-def test_a_card_that_is_cut_off_is_refused(run, tmp_path, share):
-    data = cards.to_json(CARD)
-    (tmp_path / "mine.json").write_bytes(data[: int(share * len(data))])
-    assert "mine.json: not valid JSON" in refused(run, "mine.json")
-
-
-def test_what_is_no_card_is_refused(run, tmp_path):
-    (tmp_path / "mine.json").write_text("[1, 2]")
-    assert "no table of a card" in refused(run, "mine.json")
-    (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
-    for flags in (("--runs", "4"), ("--tracks", "a.csv"), ("--set", "legs.tilt_deg=3")):
-        assert "a card is read as it is" in refused(run, "mine.json", *flags)
-
-
 def test_a_card_of_a_person_makes_inputs_again(run, tmp_path):
     (tmp_path / "mine.json").write_bytes(cards.to_json(CARD))
     assert run("mine.json").exit_code == 0
@@ -213,11 +176,6 @@ def test_films_that_tell_too_little_are_refused(run, tmp_path):
     path.write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
     films = ("rotator", "--tracks", "tracks.csv", "--fps", "50", "--mm-per-px", "0.1")
     assert "no headings" in refused(run, *films)
-
-
-def test_scenes_in_which_no_walker_turns_are_refused(run):
-    assert "arena.kind" in refused(run, "--scene", "lane-90hz")
-    assert "--fps 50" in refused(run, "koumakis2016", "--fps", "50")
 
 
 def test_mass_and_inertia_are_those_of_the_whole_walker():

@@ -1,7 +1,6 @@
 """The command line as a user meets it: every command, every kind of bad input."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -134,12 +133,6 @@ def test_export_writes_the_walkers_of_a_sweep_by_the_numbers_of_its_rows(run, tm
     assert (tmp_path / "out" / "stl" / "koumakis2016_2.stl").read_bytes()[80:] == alone[80:]
 
 
-def test_a_sweep_says_all_of_its_walkers(run, tmp_path):
-    (tmp_path / "sweep.toml").write_text(SWEEP)
-    for words in (("--tilt", "5"), ("--set", "legs.length_mm=9"), ("--format", "mjcf"), ("--out", "one.stl")):
-        assert "--sweep" in refused(run, "export", "--sweep", "sweep.toml", *words)
-
-
 def test_plate_places_every_copy(run, tmp_path):
     result = run("plate", "koumakis2016", "--tilt", "5,10,15", "--copies", "8", "--printer", "prusa-mk3s", "--json")
     found = json.loads(result.stdout)
@@ -194,13 +187,6 @@ def test_a_folder_that_cannot_be_written_is_one_clear_line(run, tmp_path):
     assert "cannot be written" in message
     assert len(message.splitlines()) == 1
     assert not list(tmp_path.iterdir())
-
-
-def test_a_name_in_a_file_never_becomes_a_path(run, tmp_path):
-    for name in ("../evil", "/evil", "a/b", "a\\\\b", "", "a\\u0000b", "x" * 300, "..", ".hidden"):
-        (tmp_path / "my.toml").write_text(f'name = "{name}"\n[legs]\ntilt_deg = 10\n')
-        assert "my.toml:1: name" in refused(run, "family", "my.toml")
-    assert os.listdir(tmp_path) == ["my.toml"]  # noqa: PTH208  (names only)
 
 
 def test_main_prints_the_error_and_exits_with_2(monkeypatch, capsys):

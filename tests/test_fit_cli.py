@@ -7,7 +7,6 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.lab.fit import emulated, learn
 from walkergen.points import walkers
@@ -29,33 +28,6 @@ def run(tmp_path, monkeypatch):
 
 
 HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
-BRACED = "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n10,0.3,0.5,braced\n15,0.1,0.5,braced\n"
-
-
-@pytest.mark.parametrize(
-    ("rows", "words", "hint"),
-    [
-        ("10,60,2\n", ("--model", "rigid"), "one of prediction, theory, space"),
-        ("10,60,2\n", ("--model", "theory", "--prior", "flat"), "--prior flat: --model theory has none; leave it out"),
-        ("10,60,2\n", ("--model", "theory", "--seed", "1"), "--seed 1: --model theory has none; leave it out"),
-        ("10,60,2\n", ("--fix", "friction=0.01"), "0.05..0.6 (model prediction)"),
-        ("10,60,2\n", ("--set", "scene.plate.roughness_um=5"), "roughness_um = 5.0 is simulated: learn"),
-        ("10,60,2\n", ("--model", "space", "--mode", "paper"), "a mode of the theory"),
-        ("10,60,2\n", ("--model", "space", "--fix", "restitution=0"), "0.02..1 (model space)"),
-        ("10,60,2\n", ("--model", "space", "--predict", "0:39:0.5"), "at most 40 together"),
-        ("10,60,0\n", ("--model", "space"), "speeds.csv:2: speed_se_mm_s = 0"),
-        ("10,60,\n", ("--model", "space"), "no column speed_se_mm_s"),
-        (BRACED, ("--model", "space"), "all rows have braced legs"),
-        ("10,60,2\n", ("--model", "space", "--fix", "thickness_mm=12.5"), "a leg leaves the body"),
-    ],
-)
-def test_bad_input_is_one_clear_line(run, tmp_path, rows, words, hint):
-    (tmp_path / "speeds.csv").write_text(rows if rows == BRACED else HEAD + rows)
-    result = run("fit", "speeds.csv", *words)
-    assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
-    assert hint in str(result.exception)
-    assert len(str(result.exception).splitlines()) == 1
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.fixture

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film
 
-from walkergen.errors import WalkergenError
 from walkergen.files import templates
-from walkergen.files.tables import csv_text
 from walkergen.scene import Scene
 
 WALKER = Walker()
@@ -140,45 +138,6 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     with (folder / "speeds.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["legs"] for row in rows] == ["flexible"] * 6 + ["braced"]
-
-
-@pytest.mark.parametrize(
-    ("words", "hint"),
-    [
-        (("analyse", "none.csv", "--fps", "1", "--mm-per-px", "1"), "no such file"),
-        (("analyse", "film.csv"), "give --fps"),
-        (("analyse", "film.csv", "--fps", "100"), "give --mm-per-px"),
-        (("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "1"), "--lag-ms"),
-        (
-            ("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "10", "--out", "film.csv"),
-            "cannot be written",
-        ),
-        (("fit", "film.csv"), "no column 'tilt_deg'"),
-        ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
-        ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
-        (("fit", "few.csv", "--model", "theory"), "2 speeds for 3 parameters"),
-        (("fit", "steep.csv"), "tilt up to"),
-        (("fit", "semicolons.csv"), "separate cells by commas"),
-        (("fit", "behind.csv"), "Turn the sign"),
-        (("fit", "metres.csv"), "in m/s instead of mm/s"),
-        (("fit", "micrometres.csv"), "µm/s or pixels"),
-    ],
-)
-def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
-    (tmp_path / "film.csv").write_text("frame,particle,x,y\n0,0,1,1\n1,0,2,2\n2,0,3,3\n")
-    (tmp_path / "speeds.csv").write_text(SPEEDS)
-    (tmp_path / "few.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n")
-    (tmp_path / "steep.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n15,9\n80,20\n")
-    for name, times in (("behind", -1.0), ("metres", 1e-3), ("micrometres", 1e3)):
-        rows = [(tilt, times * speed, abs(times)) for tilt, speed in ((5, 78), (10, 59), (20, 35))]
-        text = csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), rows)
-        (tmp_path / f"{name}.csv").write_text(text)
-    (tmp_path / "semicolons.csv").write_text("tilt_deg;speed_mm_s\n5;78,1\n10;59\n")
-    result = run(*words)
-    assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
-    assert hint in str(result.exception)
-    assert len(str(result.exception).splitlines()) == 1
-    assert not (tmp_path / "out").exists()
 
 
 def frames_of(filmed, mm_per_px, size):

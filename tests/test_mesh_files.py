@@ -184,7 +184,6 @@ def test_items_are_counted_and_must_exist(tmp_path):
         meshes.threemf.read(path.read_bytes(), "items", 20_000)
 
 
-ITSELF = '<object id="1"><components><component objectid="1"/></components></object>'
 UTF16 = MODEL.replace("UTF-8", "UTF-16")
 
 

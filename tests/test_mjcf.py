@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.export import mjcf
 from walkergen.scene import Scene
@@ -151,22 +150,6 @@ def test_the_plate_swings_as_ours_and_throws_nothing_off_time(tmp_path):
     assert (model.body_gravcomp[1], model.opt.gravity[2]) == (1.0, -9806.65)
 
 
-@pytest.mark.parametrize(
-    ("key", "told"),
-    [
-        ("plate.slope_deg=2", "plate slope .*scene.effects.off = .*plate_slope"),
-        ("drive.second_harmonic_ratio=0.1", "second harmonic"),
-        ("effects.off=['roll_and_yaw']", "free to turn"),
-    ],
-)
-def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(key, told, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    error = CliRunner().invoke(command_line, ["export", "--format", "mjcf", "--set", f"scene.{key}"])
-    assert isinstance(error.exception, InputError)
-    assert re.search(told, str(error.exception))
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_the_command_writes_the_same_bytes_again(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["export", "--tilt", "10", "--format", "mjcf", "--quiet", "--out"]
@@ -175,8 +158,6 @@ def test_the_command_writes_the_same_bytes_again(tmp_path, monkeypatch):
     once = {path.name: path.read_bytes() for path in Path("once/mjcf").iterdir()}
     assert {path.suffix for path in Path("once/mjcf").iterdir()} == {".xml", ".stl"}
     assert once == {path.name: path.read_bytes() for path in Path("again/mjcf").iterdir()}
-    lone = CliRunner().invoke(command_line, ["export", "--scene", "lane-90hz"]).exception
-    assert str(lone) == "--scene lane-90hz: only --format mjcf has a scene"
 
 
 @pytest.mark.nightly

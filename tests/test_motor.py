@@ -213,35 +213,6 @@ def test_a_scene_changes_between_plate_and_motor_by_its_kind():
 MOTOR = {"kind": "motor", "frequency_hz": 180.0, "eccentric_g_mm": 0.9}
 
 
-@pytest.mark.parametrize(
-    ("keys", "told"),
-    [
-        ({"gamma": 1.8}, "gamma = 1.8"),
-        ({"amplitude_um": 50.0}, "amplitude_um = 50"),
-        ({"second_harmonic_ratio": 0.1}, "second_harmonic_ratio = 0.1"),
-        ({"kind": "plate", "gamma": 1.8}, "eccentric_g_mm = 0.9"),
-        ({"frequency_hz": 0.0}, "frequency_hz"),
-        ({"frequency_hz": 1e6}, "frequency_hz = 1e.06"),
-        ({"frequency_hz": -180.0}, "frequency_hz"),
-        ({"frequency_hz": math.nan}, "frequency_hz"),
-        ({"eccentric_g_mm": 0.0}, "eccentric_g_mm"),
-        ({"eccentric_g_mm": -0.9}, "eccentric_g_mm"),
-        ({"eccentric_g_mm": None}, "a motor has eccentric_g_mm"),
-        ({"rated_g": 1.3}, "this key is gone: write eccentric_g_mm = 248.4 rated_g"),
-        ({"axis": "sideways"}, "axis"),
-        ({"axis": [0.0, 0.0, 0.0]}, "axis"),
-        ({"axis": [1.0, 0.0]}, "axis"),
-        ({"axis": [1.0, math.nan, 0.0]}, "axis"),
-        ({"reversed": True}, "reversed: this key is gone: leave it out for false"),
-    ],
-)
-def test_a_drive_that_is_none_is_refused_by_its_key(keys, told):
-    from walkergen.files.config import validate
-
-    with pytest.raises(InputError, match=told):
-        validate({"drive": MOTOR | keys}, Scene, "scene.toml")
-
-
 def test_walkers_and_moments_without_a_motor_are_refused_by_name():
     case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
     with pytest.raises(InputError, match="carries none"):

@@ -12,7 +12,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import InputError, WalkergenError
+from walkergen.errors import InputError
 from walkergen.files import animation, templates
 from walkergen.jobs.run.movie import impacts
 from walkergen.jobs.run.movie import make as movie
@@ -147,18 +147,3 @@ def test_json_names_the_files_and_the_runs(run):
     assert len(found["walkers"]) == 2
     assert (found["mp4"] is None) == bool(found["without_mp4"])
     assert all(Path(found[form]).is_file() for form in ("gif", "mp4") if found[form])
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--out", "walker.mp4"), "must end in .gif"),
-        (("--tilt", "95"), "95 must lie in"),
-        (("--out", "/dev/null/a.gif", *FEW), "cannot be written"),
-    ],
-)
-def test_bad_requests_are_one_line(run, words, told):
-    result = run(*words)
-    assert isinstance(result.exception, WalkergenError)
-    assert told in str(result.exception)
-    assert "\n" not in str(result.exception)

@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import InputError, WalkergenError
+from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.run.movie import above, impacts, perspective, raster, shot
 from walkergen.jobs.run.movie import make as movie
@@ -368,24 +368,6 @@ def test_views_follow_from_where_walkers_run():
     assert seen(LANE, [PAPER]) == "perspective"
     assert seen(LANE, both) == "above"
     assert seen(LANE, both[1:]) == "perspective"
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--view", "below", "--scene", "plane-90hz"), "--view 'below': must be one of above, per"),
-        (("--view", "side", "--scene", "plane-90hz"), "must be one of above, perspective"),
-        (("--view", "perspective", "--scene", "plane-90hz", "--tilt", "5,10"), "seen 2"),
-        (("--scene", "plane-90hz", "--slow", "nan"), "--slow nan"),
-        (("--scene", "plane-90hz", "--seconds", "1e9"), "--seconds 1e+09: must lie in 0.001"),
-        (("--scene", "plane-90hz", "--seconds", "1e5"), "frames"),
-    ],
-)
-def test_bad_requests_are_one_line(run, words, told):
-    result = run(*words)
-    assert isinstance(result.exception, WalkergenError)
-    assert told in str(result.exception)
-    assert "\n" not in str(result.exception)
 
 
 def test_a_run_that_ends_at_once_is_refused():

@@ -284,38 +284,6 @@ def test_each_printer_has_a_manifest_that_sweeps_up_its_own_plates_alone(run, li
     assert [finding["where"] for finding in manifest["print"]["findings"]]
 
 
-def test_a_name_cannot_lead_out_of_the_folder(run, lists, tmp_path):
-    (tmp_path / "evil.toml").write_text('name = "../../evil"\n')
-    path = lists / "orders.csv"
-    path.write_text(HEADER + "koumakis2016,10,,1\n../evil.toml,10,,1\n")
-    before = files_below(tmp_path)
-    error = run("plate", "--orders", str(path)).exception
-    assert isinstance(error, InputError)
-    assert "must be 1 to 64 letters" in str(error)
-    assert files_below(tmp_path) == before
-
-
-@pytest.mark.parametrize(
-    ("words", "what"),
-    [
-        (("koumakis2016",), "DESIGN"),
-        (("--tilt", "10"), "--tilt"),
-        (("--legs", "braced"), "--legs"),
-        (("--copies", "1"), "--copies"),
-    ],
-)
-def test_a_list_stands_alone_on_the_command_line(run, lists, words, what):
-    path = lists / "orders.csv"
-    path.write_text(HEADER + "koumakis2016,10,,1\n")
-    before = files_below(lists)
-    error = run("plate", *words, "--orders", str(path)).exception
-    assert isinstance(error, InputError)
-    assert str(error).startswith(f"{what} ")
-    assert "--orders" in str(error)
-    assert str(error).endswith("names it; leave it out")
-    assert files_below(lists) == before
-
-
 def test_a_list_from_a_spreadsheet_has_a_byte_order_mark_and_its_own_line_ends(lists):
     path = lists / "orders.csv"
     path.write_bytes(b"\xef\xbb\xbf" + (HEADER + '"koumakis2016",5,,2\n').replace("\n", "\r\n").encode())

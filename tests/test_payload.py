@@ -17,8 +17,6 @@ from walkergen.walker import names, pockets, solids, weights
 from walkergen.walker.design import Design
 
 CARRIERS = ("bristlebot", "coinbot", "spinner")
-MOTOR = {"up_mm": 4.2, "diameter_mm": 8.0}
-"""Motor in the middle of the paper's walker, 2.2 mm of it in the body."""
 
 
 def shipped(name):
@@ -299,121 +297,7 @@ def test_weights_of_what_is_carried_are_refused_when_wrong(tmp_path):
         weights.read(path, [shipped("koumakis2016")])
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, 1e9, 1e-9, math.nan, math.inf, "10", True])
-@pytest.mark.parametrize("key", ["motor.diameter_mm", "motor.height_mm", "motor.mass_g", "battery.mass_g"])
-def test_impossible_sizes_name_key_value_and_range(key, value):
-    table, name = key.split(".")
-    base = {"motor": MOTOR, "battery": {"shape": "LR44"}}
-    line = refusal_of(**{table: base[table] | {name: value}})
-    assert line.count("\n") == 0
-    assert f"{key} = {value!r}" in line or f"{key} = {value}" in line
-    assert "must be" in line
-
-
-@pytest.mark.parametrize(
-    ("tables", "words"),
-    [
-        ({"motor": MOTOR | {"along_mm": 100.0}}, ["motor.along_mm = 100", "-9.4..9.4 mm", "move it"]),
-        ({"motor": MOTOR | {"across_mm": -9.0}}, ["motor.across_mm = -9", "-2.05..2.05 mm"]),
-        ({"motor": MOTOR | {"up_mm": 50.0}}, ["motor.up_mm = 50", "3.1..5.3 mm", "leaves the body"]),
-        ({"motor": MOTOR | {"up_mm": 3.0}}, ["motor.up_mm = 3", "3.1..5.3 mm", "deeper than the body"]),
-        (
-            {"motor": {"axis": "up", "diameter_mm": 12.0, "up_mm": 1.0}},
-            ["motor.diameter_mm = 12", "13.2 mm across", "this one has 8 mm", "axis"],
-        ),
-        (
-            {"motor": {"diameter_mm": 8.0, "opens": "down", "up_mm": -4.6}},
-            ["motor.up_mm = -4.6", "mm above the plate", "0.5 mm", "move it up"],
-        ),
-        ({"battery": {"shape": "CR2032", "diameter_mm": 20.0}}, ["battery", "shape", "diameter_mm"]),
-        ({"battery": {"diameter_mm": 20.0}}, ["battery", "CR2032, LR44", "height_mm"]),
-        ({"battery": {}}, ["battery", "CR2032, LR44"]),
-        ({"battery": {"shape": "AA"}}, ["battery.shape = 'AA'", "'CR2032', 'LR44'"]),
-        ({"pockets": {"glue_g": 1.0}}, ["pockets", "[motor] or [battery]"]),
-        ({"motor": MOTOR, "pockets": {"clearance_mm": -0.1}}, ["pockets.clearance_mm = -0.1", ">= 0"]),
-        (
-            {
-                "motor": MOTOR,
-                "stance": "as built",
-                "legs": [{"along_mm": -5.0, "foot": "round"}, {"along_mm": 5.0, "foot": "round"}],
-            },
-            ["motor", "as built"],
-        ),
-    ],
-)
-def test_impossible_places_are_one_line_with_the_range(tables, words):
-    line = refusal_of(**tables)
-    assert line.count("\n") == 0
-    for word in words:
-        assert word in line
-
-
-def four(along, across):
-    """Legs at the corners of a rectangle."""
-    return [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-along, along) for z in (-across, across)]
-
-
 WIDE = {"length_mm": 40.0, "depth_mm": 24.0, "thickness_mm": 6.0}
-
-
-@pytest.mark.parametrize(
-    ("tables", "words"),
-    [
-        # A motor in the battery, in a leg and its root, its wires through a leg
-        (
-            {"body": WIDE, "motor": {"axis": "up", "up_mm": 1.5}, "battery": {"shape": "CR2032", "up_mm": 0.5}},
-            ["motor.along_mm = 0", "in the battery", "mm3", "move"],
-        ),
-        (
-            {"body": WIDE, "motor": {"axis": "up", "along_mm": 8.0, "up_mm": -1.0}},
-            ["motor.along_mm = 8", "cuts leg 2", "move it"],
-        ),
-        # A motor below the battery, whose floor it takes away
-        (
-            {
-                "body": WIDE | {"thickness_mm": 12.0},
-                "motor": {"axis": "up", "up_mm": -1.0},
-                "battery": {"shape": "CR2032", "up_mm": 3.0},
-                "pockets": {"channel_mm": 0.0},
-            },
-            ["battery.along_mm = 0", "in the other pocket", "move it"],
-        ),
-        # A hole, letters, a rim under the motor
-        (
-            {
-                "body": {
-                    "outline": "polygon",
-                    "thickness_mm": 4.0,
-                    "points_mm": [[-14, -10], [14, -10], [14, 10], [-14, 10], [-14, 4], [8, 4], [8, -4], [-14, -4]],
-                },
-                "legs": four(10, 7),
-                "motor": {"axis": "up", "up_mm": 1.5},
-            },
-            ["motor.along_mm = 0", "% of the floor", "hole"],
-        ),
-        (
-            {
-                "body": {"text": "OO", "depth_mm": 16.0, "rails_mm": 3.0, "thickness_mm": 4.0},
-                "legs": four(8, 8),
-                "motor": {"axis": "up", "up_mm": 1.5},
-            },
-            ["motor.along_mm = 0", "% of the floor"],
-        ),
-        (
-            {
-                "body": {"outline": "disc", "length_mm": 30.0, "thickness_mm": 4.0},
-                "legs": four(9, 4),
-                "motor": {"axis": "up", "up_mm": 1.5, "along_mm": 8.0, "across_mm": 8.0},
-            },
-            ["motor.along_mm = 8", "% of the floor", "outside the body"],
-        ),
-    ],
-)
-def test_places_that_only_the_solid_knows_are_one_line(tables, words):
-    line = refusal_of(**tables)
-    assert line.count("\n") == 0
-    for word in words:
-        assert word in line
 
 
 @pytest.mark.parametrize(("name", "steps"), [("coinbot", 7), ("koumakis2016", 6)])

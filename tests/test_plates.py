@@ -14,7 +14,7 @@ import executed
 import pytest
 import threemf
 
-from walkergen.errors import InputError, PlateError
+from walkergen.errors import PlateError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import make as batch
 from walkergen.printing import plates
@@ -201,41 +201,6 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     speed = told["rows"][0]["speed_mm_s"]
     assert told["rows"][0]["speed_mesh_mm_s"] != speed
     assert told["rows"][0]["speed_mesh_mm_s"] == pytest.approx(speed, rel=0.05)
-
-
-def test_impossible_masses_leave_no_half_made_folder(run, tmp_path):
-    path = tmp_path / "w.csv"
-    path.write_text("part,grams\nwalker_t05.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n")
-    words = ("family", "--tilt", "5,10", "--legs", "flexible", "--weights", str(path))
-    error = run(*words).exception
-    assert isinstance(error, InputError)
-    assert "walker_t10.0_flexible_s0.40: a body of" in str(error)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["w.csv"]
-
-
-@pytest.mark.parametrize(
-    ("words", "hint"),
-    [
-        (("--copies", "0"), "'0' must be a whole number in 1..5000"),
-        (("--copies", "ten"), "'ten' must be a whole number"),
-        (("--copies", "5001"), "1..5000"),
-        (("--copies", "10:"), "'' must be a whole number"),
-        (("--copies", "10:5,15"), "'' must be a whole number"),
-        (("--copies", "x:5"), "--copies 'x:5': 'x' is not a number"),
-        (("--copies", "90:5"), "must lie in -85..85"),
-        (("--copies", "10:5", "--tilt", "10"), "leave --tilt out"),
-        (("--copies", ",".join(f"{tilt}:5000" for tilt in range(11))), "55000 parts: at most 50000"),
-        (("--printer", "ender3,nosuch"), "known printers"),
-        (("--printer", "ender3,ender3"), "two printers are called ender3"),
-        (("--max-plates", "1", "--max-parts", "2", "--copies", "3"), "3 parts need 2 plates"),
-    ],
-)
-def test_bad_orders_are_one_clear_line(run, tmp_path, words, hint):
-    error = run("plate", *words).exception
-    assert isinstance(error, InputError), error
-    assert hint in str(error)
-    assert len(str(error).splitlines()) == 1
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_file_for_prusaslicer_holds_the_same_parts():

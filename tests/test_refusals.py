@@ -1,7 +1,8 @@
 """What is refused, and with which words: every input of refusals.toml against the lines that it holds.
 
-A table has a command, `{}` in which is the input, or one of whose files has the input for its text. After a change of
-words `python tests/test_refusals.py` writes the file again: read what it changed before you commit it.
+A table has a command, `{}` in which is the input, or one of whose files has the input for its text. Without a command
+the input is a command line. `files` are there for all inputs of a table. After a change of words
+`python tests/test_refusals.py` writes the file again: read what it changed before you commit it.
 """
 
 import json
@@ -23,6 +24,8 @@ TABLES = tomllib.loads(GOLDEN.read_text(encoding="utf-8"))
 
 def answer(table, text):
     """Return the lines with which an input is refused with exit code 2, here, in the working folder."""
+    for name, content in table.get("files", {}).items():
+        Path(name).write_text(content, encoding="utf-8")
     if "file" in table:
         Path(table["file"]).write_bytes(text.encode())
     before = sorted(Path.cwd().iterdir())
@@ -82,6 +85,9 @@ def written(tables):
     for name, table in tables.items():
         yield f"[{name}]"
         yield from (f"{key} = {json.dumps(table[key])}" for key in ("run", "file") if key in table)
+        if "files" in table:
+            yield f"[{name}.files]"
+            yield from (f"{quoted(file)} = {quoted(content)}" for file, content in table["files"].items())
         yield f"[{name}.refused]"
         yield from (f"{quoted(text)} = {quoted(says)}" for text, says in table["refused"].items())
         yield ""

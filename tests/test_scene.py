@@ -114,22 +114,6 @@ def test_a_friction_of_0_is_exact_and_one_beyond_1000_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("key", "told"),
-    [
-        ("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
-        ("contact.prior", "'paper', 'unknown'"),
-        ("run.method", "run.method: this key is gone: walkers move by steps"),
-        ("legs.model", "legs.model: this key is gone: every walker moves in space"),
-        ("contact.law", "contact.law: this key is gone: feet are elastic"),
-        ("tether", "tether: this key is gone: walkers run free"),
-    ],
-)
-def test_misspelt_keys_and_those_gone_are_refused(key, told):
-    with pytest.raises(InputError, match=re.escape(told)):
-        Scene().variant(**{key: 10})
-
-
-@pytest.mark.parametrize(
     ("keys", "told"),
     [
         ({"effects.off": ["drag"]}, "effects.off[1] = 'drag': must be one of 'air_drag', "),

@@ -6,8 +6,6 @@ import json
 import numpy as np
 import pytest
 
-from walkergen.errors import WalkergenError
-
 KEYS = {
     "speed_mm_s",
     "speed_se_mm_s",
@@ -97,33 +95,3 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
     assert len(rows) == 2
     assert all(float(row["sim_speed_mm_s"]) != 0 for row in rows)
     assert "simulated (mm/s, 95 %)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("words", "hint"),
-    [
-        (("--set", "scene.legs.model=space"), "scene.legs.model: this key is gone: every walker moves in space"),
-        (("--set", "scene.contact.law=newton"), "scene.contact.law: this key is gone: feet are elastic"),
-        (("--set", "scene.run.method=step"), "scene.run.method: this key is gone: walkers move by steps"),
-        (("--restitution", "0"), "give 0.02..1"),
-        (("--legs", "braced,flexible", "--trajectory", "t.csv"), "means one walker"),
-        (("--seconds", "-1"), "run.seconds = -1"),
-        (("--seconds", "nan"), "--seconds nan"),
-        (("--runs", "0"), "run.runs = 0"),
-        (("--gamma", "nan"), "--gamma nan"),
-        (("--gamma", "0"), "drive.gamma = 0"),
-        (("--frequency", "1e300"), "drive.frequency_hz = 1e+300"),
-        (("--step", "1e9"), "run.step_us"),
-        (("--tilt", "80"), "tilt up to"),
-        (("--trajectory", "t.xls"), "must end in one of .csv, .npz, .xyz"),
-        (("--seconds", "1e6", "--rate-hz", "1e6", "--trajectory", "t.csv", "--runs", "1"), "at most"),
-        (("--trajectory", "file/x.csv", "--seconds", "0.01", "--runs", "1"), "cannot be written"),
-    ],
-)
-def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
-    (tmp_path / "file").write_text("in the way")
-    result = run("simulate", *words)
-    assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
-    assert hint in str(result.exception)
-    assert len(str(result.exception).splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -382,21 +382,6 @@ def test_points_that_do_not_print_are_never_the_nearest(home):
     assert not any(row["print_errors"] for row in rows)
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--wish", "nan"), "--wish"),
-        (("--wish", "1e9"), "--wish"),
-        (("--wish", "20", "--model", "crowd", "--keep", "packing"), "--wish: the points have no speed"),
-    ],
-)
-def test_a_wish_that_no_point_can_have_is_refused(home, words, told):
-    found = CliRunner().invoke(command_line, ["sweep", "--set", TILTS, *words])
-    assert isinstance(found.exception, InputError)
-    assert told in str(found.exception)
-    assert not (home / "out").exists()
-
-
 def test_from_python_the_first_row_is_the_nearest(home):
     table = wg.sweep(set={"legs.tilt_deg": [5, 10, 15, 20]}, wish=1000.0).table
     speeds = table["speed_mm_s"]

@@ -129,11 +129,6 @@ def test_equal_seeds_give_equal_bytes(tmp_path):
     assert one == two
 
 
-def test_a_folder_is_for_uncertain_prints_only(tmp_path):
-    result = CliRunner().invoke(command_line, ["simulate", "--out", str(tmp_path)])
-    assert "only --uncertain writes a folder" in str(result.exception)
-
-
 def test_predict_says_what_to_measure_next(monkeypatch):
     monkeypatch.setattr("walkergen.theory.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
     result = CliRunner().invoke(command_line, ["predict", "--tilt", "10", "--uncertain", "--json"])

@@ -1,0 +1,315 @@
+"""Contracts that every template, effect, printer and command keeps; a new one is covered without editing this file."""
+
+import io
+import itertools
+import json
+import math
+import re
+import shlex
+import shutil
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import get_args
+
+import ezdxf
+import numpy as np
+import pytest
+import threemf
+import tomli_w
+import trimesh
+import typer
+
+import walkergen as wg
+from walkergen.api import front
+from walkergen.cli import command_line, show
+from walkergen.commands import COMMANDS, request_of
+from walkergen.errors import InputError, WalkergenError
+from walkergen.files import templates
+from walkergen.files.report import Report
+from walkergen.jobs.make.export.request import Format
+from walkergen.printing import packing, plates
+from walkergen.printing.printers import Printer
+from walkergen.request import flag, spelled
+from walkergen.scene import Scene
+from walkergen.simulation.effects import rules
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.resolve import changed
+from walkergen.walker import mass, solids
+from walkergen.walker.design import Design
+
+PHYSICS = (Path(__file__).parent.parent / "docs" / "physics.md").read_text(encoding="utf-8")
+PAPER = Design()
+MODELS = {"walkers": Design, "scenes": Scene, "printers": Printer}
+WALKERS, SCENES, PRINTERS = (templates.known(kind) for kind in MODELS)
+TEMPLATES = [(kind, name) for kind in MODELS for name in templates.known(kind)]
+REQUESTS = [name for name, command in COMMANDS.items() if command.folder]
+
+
+def load(kind, name):
+    """Return a template."""
+    return templates.load(name, kind, MODELS[kind])
+
+
+def assert_one_line(error):
+    """Check that an error is one clear line that can be printed."""
+    (line,) = str(error).splitlines()
+    assert line.isprintable()
+    assert 10 < len(line) < 400
+
+
+def assert_every_form(report, capsys):
+    """Check that a report is shown on a terminal, as JSON, Markdown and HTML, and as text."""
+    assert isinstance(report, Report)
+    capsys.readouterr()
+    show.report(report, json=True, quiet=False)
+    json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    show.report(report, json=False, quiet=False, width=80)
+    assert "nan" not in capsys.readouterr().out.lower().split()
+    page, html = report.markdown(), report._repr_html_()
+    assert page.startswith(f"# {report.title}\n")
+    assert all(table._repr_html_() in html for table in report.shown())
+    for table in report.tables:
+        if table.keys:
+            assert table.csv().splitlines()[0] == ",".join(table.keys)
+    assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
+    assert repr(report).startswith(report.title)
+
+
+# --- templates -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("kind", "name"), TEMPLATES)
+def test_a_template_loads_and_its_toml_reads_back_as_itself(tmp_path, kind, name):
+    model = load(kind, name)
+    assert wg.load(name) == model
+    assert model.name == name.rpartition("/")[2]
+    assert model.description
+    path = tmp_path / "again.toml"
+    path.write_text(templates.dump(model, "comment", every=False), encoding="utf-8")
+    assert templates.load(path, kind, MODELS[kind]) == model
+    path.write_text(tomli_w.dumps({**model.model_dump(exclude_unset=True), "colour": "red"}), encoding="utf-8")
+    with pytest.raises(WalkergenError, match="colour: unknown key") as refused:
+        templates.load(path, kind, MODELS[kind])
+    assert_one_line(refused.value)
+
+
+@pytest.mark.parametrize("name", WALKERS)
+def test_a_walker_is_closed_and_weighs_what_its_stl_file_weighs(tmp_path, name):
+    design = load("walkers", name)
+    found = solids.mass_of(design)
+    assert min(float(found.M), float(found.J)) > 0.0
+    assert all(float(leg.m) >= 0.0 and float(leg.j) >= 0.0 for leg in found.legs)
+    walker = solids.build(design).walker
+    ours = mass.weigh(walker, design.material.density_g_cm3 * 1e-3)
+    wg.export(design, tmp_path / "walker.stl")
+    theirs = trimesh.load(tmp_path / "walker.stl")
+    assert theirs.is_watertight
+    assert theirs.is_winding_consistent
+    assert theirs.body_count == solids.bodies(walker) == 1
+    # Numbers of 32 bits in the file: 1e-6 of some 30 mm, over legs of some 0.4 mm
+    theirs.density = design.material.density_g_cm3 * 1e-3
+    assert theirs.mass == pytest.approx(ours.mass, rel=1e-4)
+    inertia = np.linalg.eigvalsh(ours.tensor)
+    assert np.linalg.eigvalsh(theirs.moment_inertia) == pytest.approx(inertia, rel=1e-4)
+    if not design.parts and design.cap is None:
+        assert float(found.total) == pytest.approx(theirs.mass, rel=1e-4)
+
+
+def parse_file(path):
+    """Read a file by another program's library; raises where it is not sound."""
+    if path.suffix == ".stl":
+        assert trimesh.load(path).is_watertight
+    elif path.suffix == ".3mf":
+        found = threemf.read(path.read_bytes())
+        assert (found.sound, len(found.items)) == (True, 1)
+    elif path.suffix == ".dxf":
+        assert len(ezdxf.readfile(path).modelspace()) > 0
+    else:
+        root = ElementTree.parse(path).getroot()
+        assert list(root)
+        assert root.tag.rpartition("}")[2] in ("svg", "mujoco")
+
+
+@pytest.mark.parametrize("form", get_args(Format))
+@pytest.mark.parametrize("name", WALKERS)
+def test_a_walker_is_exported_in_every_format_and_read_back(tmp_path, name, form):
+    try:
+        report = wg.export(name, tmp_path / "out", format=form)
+    except WalkergenError as refused:
+        assert form in ("dxf", "svg", "mjcf")
+        assert_one_line(refused)
+        assert not (tmp_path / "out").exists()
+        return
+    for path in report.files:
+        parse_file(path)
+    assert any(path.suffix in (f".{form}", ".xml") for path in report.files)
+
+
+@pytest.mark.parametrize("name", WALKERS)
+@pytest.mark.parametrize("job", ["check", "predict"])
+def test_a_walker_is_checked_and_predicted_or_refused_in_a_line(capsys, name, job):
+    words = {"check": {}, "predict": {"model": "known"}}[job]
+    try:
+        assert_every_form(getattr(wg, job)(name, **words), capsys)
+    except WalkergenError as refused:
+        assert_one_line(refused)
+
+
+def walker_on(scene):
+    """Return the first walker that a scene takes: the paper's, but where a motor drives or a lid lies lower."""
+    for design in [PAPER, *(load("walkers", name) for name in WALKERS)]:
+        case = Case(scene, design, solids.mass_of(design))
+        try:
+            return case, [rule.judge(case) for rule in rules.every()]
+        except InputError as refused:
+            assert_one_line(refused)
+    raise AssertionError(f"no walker runs on {scene.name}")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_explain_has_a_row_for_every_effect_of_a_scene(capsys, name):
+    case, effects = walker_on(load("scenes", name))
+    report = wg.explain(case.design, name, cost=False)
+    assert [(row.effect, row.on) for row in report.table.rows] == [(effect.name, effect.on) for effect in effects]
+    assert all(row.meaning and row.reason for row in report.table.rows)
+    assert_every_form(report, capsys)
+
+
+# --- effects -------------------------------------------------------------------------------------
+
+CASES = [
+    Case(load("scenes", scene), design, solids.mass_of(design))
+    for scene, design in (("plane-90hz", PAPER), ("table-motor", load("walkers", "coinbot")))
+]
+EFFECTS = {rule.judge(CASES[0]).name: rule for rule in rules.every()}
+
+
+def judge(rule, values):
+    """Return the effect where a scene has other values of keys, on a walker with a motor where one is needed."""
+    plain, driven = (case._replace(scene=changed(case.scene, values)) for case in CASES)
+    try:
+        return rule.judge(plain)
+    except InputError as refused:
+        assert_one_line(refused)
+        return rule.judge(driven)
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_is_named_in_the_physics_and_its_number_is_finite(name):
+    effect = judge(EFFECTS[name], {})
+    assert math.isfinite(effect.number)
+    assert effect.meaning and effect.reason  # noqa: PT018
+    assert re.search(rf"\b{re.escape(name)}\b", PHYSICS)
+
+
+@pytest.mark.parametrize("name", [name for name, rule in EFFECTS.items() if rule.off])
+def test_an_effect_is_switched_off_and_is_on_at_its_usual_size(name):
+    rule = EFFECTS[name]
+    assert not judge(rule, rule.off).on
+    if rule.usual:
+        effect = judge(rule, {f"effects.{rule.switch}": None, **rule.usual})
+        assert effect.on
+        assert math.isfinite(effect.number)
+    if rule.switch and "." not in rule.switch:
+        assert not judge(rule, {**rule.usual, f"effects.{rule.switch}": False}).on
+    for values in (rule.off, rule.usual):
+        scene = changed(CASES[0].scene, values)
+        assert Scene.model_validate(scene.model_dump(exclude_unset=True)) == scene
+
+
+# --- printers ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", PRINTERS)
+def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
+    printer, members = load("printers", name), [PAPER, PAPER.variant(kind="braced")]
+    built = [solids.build(design) for design in members]
+    layout = plates.arrange(members, built, [1, 1], printer)
+    files = dict(plates.files(layout, "plate", pictures=False))
+    (data,) = (data for file, data in files.items() if file.endswith(".3mf"))
+    found = threemf.read(data)
+    assert found.sound
+    (left, front), border = printer.bed_corner, packing.border(printer) - 2e-5  # 32 bits below 256 mm
+    for item in found.items:
+        assert left + border <= item.low[0] < item.high[0] <= left + printer.bed_width_mm - border
+        assert front + border <= item.low[1] < item.high[1] <= front + printer.bed_depth_mm - border
+        assert 0.0 == item.low[2] < item.high[2] <= printer.height_mm
+    for one, other in itertools.combinations(found.items, 2):
+        gaps = [max(one.low[k] - other.high[k], other.low[k] - one.high[k]) for k in (0, 1)]
+        assert max(gaps) >= packing.spacing(printer) - 2e-5
+    scene = trimesh.load(io.BytesIO(data), file_type="3mf")
+    assert all(mesh.is_watertight for mesh in scene.geometry.values())
+    assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.places(layout)) == 2
+
+
+# --- commands ------------------------------------------------------------------------------------
+
+PROGRAM = typer.main.get_command(command_line)
+LONG = {"accuracy", "calibrate", "crowd", "explain", "fit", "movie", "selftest", "simulate", "sweep"}
+"""Commands whose first example takes more than two seconds; the tests of each run it shorter."""
+
+
+def options_of(name):
+    """Return the flags of a command, by the names of its parameters."""
+    return {own.name: max(own.opts, key=len) for own in PROGRAM.commands[name].params if own.opts[0][0] == "-"}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_names_every_flag(run, name):
+    result = run(name, "--help")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("Usage:")
+    for option in options_of(name).values():
+        assert re.search(rf"(?<!\S){option}\b", result.stdout)
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_command_function_and_request_have_the_same_parameters(name):
+    request = request_of(name)
+    fields = set(request.model_fields)
+    assert {own.name for own in PROGRAM.commands[name].params} == fields | (
+        {"json", "quiet"} if request.reports else set()
+    )
+    for field, option in options_of(name).items():
+        assert field not in fields or option == spelled(request, field).partition("/")[0]
+    if name in front.FUNCTIONS:
+        assert set(front.signature_of(name).parameters) == fields | {"progress"}
+        assert callable(getattr(wg, name))
+    assert all(flag(request, field).help.endswith(".") for field in fields)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("words", [("--no-such-option",), ("a", "b", "c", "d", "e")])
+def test_words_that_mean_nothing_exit_with_2(run, tmp_path, name, words):
+    assert run(name, *words).exit_code == 2
+    assert not list(tmp_path.iterdir())
+
+
+def inputs_of(name):
+    """Return the fields of a request that name a file to read."""
+    request = request_of(name)
+    for field in request.model_fields:
+        own = flag(request, field)
+        if own.templates or (own.metavar == "FILE" and field != "out"):
+            yield field
+
+
+@pytest.mark.parametrize(("name", "field"), [(name, field) for name in REQUESTS for field in inputs_of(name)])
+def test_a_file_that_is_missing_is_one_clear_line_and_nothing_is_written(run, tmp_path, name, field):
+    request, own = request_of(name), flag(request_of(name), field)
+    required = ["none.csv"] if any(info.is_required() for info in request.model_fields.values()) else []
+    words = ["none.toml"] if own.argument else [*required, spelled(request, field), "none.toml"]
+    result = run(name, *words)
+    assert isinstance(result.exception, WalkergenError), result.output
+    assert_one_line(result.exception)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in (*LONG, "app")])
+def test_the_first_example_gives_json_or_a_line_where_its_file_is_missing(run, tmp_path, name):
+    shutil.copy(templates.find("koumakis2016"), tmp_path / "my.toml")
+    result = run(*shlex.split(COMMANDS[name].example), "--json")
+    if isinstance(result.exception, WalkergenError):
+        assert "no such file" in str(result.exception)
+    else:
+        json.loads(result.stdout, parse_constant=pytest.fail)
