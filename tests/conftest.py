@@ -18,12 +18,21 @@ def _short_simulations():
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    """Run the command line with words, in an empty folder."""
+def run(request, tmp_path, monkeypatch):
+    """Run the command line with words, in an empty folder and cache; first those of the module's COMMAND."""
     from walkergen.cli import command_line
 
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(map(str, words)))
+    command = getattr(request.module, "COMMAND", ())
+    return lambda *words: CliRunner().invoke(command_line, [*command, *map(str, words)])
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """Empty working folder, with a cache of its own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path
 
 
 @pytest.fixture

@@ -5,10 +5,8 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import command_line
 from walkergen.files.output import Folder
 from walkergen.jobs.trust.accuracy import make as accuracy
 
@@ -26,15 +24,9 @@ discard_seconds = 0.1
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    (tmp_path / "short.toml").write_text(SCENE)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
+def run(run, home):
+    (home / "short.toml").write_text(SCENE)
+    return run
 
 
 @pytest.mark.slow

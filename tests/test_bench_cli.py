@@ -4,19 +4,18 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.lab import drops
 from walkergen.lab.bench import drop
 
+COMMAND = ("calibrate",)
+
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def run(run, monkeypatch):
     for name, few in (("TILTS", (10.0,)), ("FRICTIONS", (0.25,)), ("HEIGHTS", (10.0,))):
         monkeypatch.setattr(drop, name, few)
-    return lambda *words: CliRunner().invoke(command_line, ["calibrate", *words])
+    return run
 
 
 @pytest.mark.slow

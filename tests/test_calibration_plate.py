@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 import threemf
 from slicing import print_of, program
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.files import templates
 from walkergen.lab import beams
 from walkergen.lab.calibrate import form, parts, plate, sheet
@@ -21,12 +19,6 @@ from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 PRINTERS = {name: templates.load(name, "printers", Printer) for name in templates.names("printers")}
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=False)
 
 
 @pytest.mark.parametrize("printer", PRINTERS.values(), ids=PRINTERS)

@@ -10,11 +10,9 @@ import numpy as np
 import pymunk
 import pytest
 from inertial_tracks import Inertial, tracks
-from typer.testing import CliRunner
 
 from walkergen.analysis import motion
 from walkergen.analysis.tracks import of_places
-from walkergen.cli import command_line
 from walkergen.crowd.cards import card as cards
 from walkergen.crowd.cards import inputs, make, overdamped, relaxation, walled
 from walkergen.crowd.cards import walker_motion as measured
@@ -47,14 +45,7 @@ def design(name="koumakis2016"):
     return templates.load(name, "walkers", Design)
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, ["crowd", *words, "--card"], catch_exceptions=True)
-
-    return call
+COMMAND = ("crowd", "--card")
 
 
 def refused(run, *words):

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import PrintabilityError
 from walkergen.files import templates
 from walkergen.printing import checks, findings, slicer, walls
@@ -271,10 +269,9 @@ def test_equal_findings_are_told_once_and_errors_first():
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def run(run, tmp_path):
     (tmp_path / "thin.toml").write_text("[legs]\nflexible_thickness_mm = 0.2\n")
-    return lambda *words: CliRunner().invoke(command_line, list(words))
+    return run
 
 
 def test_check_reports_and_writes_nothing(run, tmp_path):

@@ -1,12 +1,12 @@
-"""Contracts that every template, effect, printer and command keeps; a new one is covered without editing this file."""
+"""Contracts that every template, effect and printer keeps: a new one is tested without editing this file.
+
+Those of commands are in test_command_contracts.py.
+"""
 
 import io
 import itertools
-import json
 import math
 import re
-import shlex
-import shutil
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import get_args
@@ -17,19 +17,14 @@ import pytest
 import threemf
 import tomli_w
 import trimesh
-import typer
+from answers import assert_every_form, assert_one_line
 
 import walkergen as wg
-from walkergen.api import front
-from walkergen.cli import command_line, show
-from walkergen.commands import COMMANDS, request_of
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.files.report import Report
 from walkergen.jobs.make.export.request import Format
 from walkergen.printing import packing, plates
 from walkergen.printing.printers import Printer
-from walkergen.request import flag, spelled
 from walkergen.scene import Scene
 from walkergen.simulation.effects import rules
 from walkergen.simulation.effects.effect import Case
@@ -42,37 +37,11 @@ PAPER = Design()
 MODELS = {"walkers": Design, "scenes": Scene, "printers": Printer}
 WALKERS, SCENES, PRINTERS = (templates.known(kind) for kind in MODELS)
 TEMPLATES = [(kind, name) for kind in MODELS for name in templates.known(kind)]
-REQUESTS = [name for name, command in COMMANDS.items() if command.folder]
 
 
 def load(kind, name):
     """Return a template."""
     return templates.load(name, kind, MODELS[kind])
-
-
-def assert_one_line(error):
-    """Check that an error is one clear line that can be printed."""
-    (line,) = str(error).splitlines()
-    assert line.isprintable()
-    assert 10 < len(line) < 400
-
-
-def assert_every_form(report, capsys):
-    """Check that a report is shown on a terminal, as JSON, Markdown and HTML, and as text."""
-    assert isinstance(report, Report)
-    capsys.readouterr()
-    show.report(report, json=True, quiet=False)
-    json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
-    show.report(report, json=False, quiet=False, width=80)
-    assert "nan" not in capsys.readouterr().out.lower().split()
-    page, html = report.markdown(), report._repr_html_()
-    assert page.startswith(f"# {report.title}\n")
-    assert all(table._repr_html_() in html for table in report.shown())
-    for table in report.tables:
-        if table.keys:
-            assert table.csv().splitlines()[0] == ",".join(table.keys)
-    assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
-    assert repr(report).startswith(report.title)
 
 
 # --- templates -----------------------------------------------------------------------------------
@@ -240,76 +209,3 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
     scene = trimesh.load(io.BytesIO(data), file_type="3mf")
     assert all(mesh.is_watertight for mesh in scene.geometry.values())
     assert len(scene.graph.nodes_geometry) == len(found.items) == len(plates.places(layout)) == 2
-
-
-# --- commands ------------------------------------------------------------------------------------
-
-PROGRAM = typer.main.get_command(command_line)
-LONG = {"accuracy", "calibrate", "crowd", "explain", "fit", "movie", "selftest", "simulate", "sweep"}
-"""Commands whose first example takes more than two seconds; the tests of each run it shorter."""
-
-
-def options_of(name):
-    """Return the flags of a command, by the names of its parameters."""
-    return {own.name: max(own.opts, key=len) for own in PROGRAM.commands[name].params if own.opts[0][0] == "-"}
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_help_names_every_flag(run, name):
-    result = run(name, "--help")
-    assert result.exit_code == 0
-    assert result.stdout.startswith("Usage:")
-    for option in options_of(name).values():
-        assert re.search(rf"(?<!\S){option}\b", result.stdout)
-
-
-@pytest.mark.parametrize("name", REQUESTS)
-def test_command_function_and_request_have_the_same_parameters(name):
-    request = request_of(name)
-    fields = set(request.model_fields)
-    assert {own.name for own in PROGRAM.commands[name].params} == fields | (
-        {"json", "quiet"} if request.reports else set()
-    )
-    for field, option in options_of(name).items():
-        assert field not in fields or option == spelled(request, field).partition("/")[0]
-    if name in front.FUNCTIONS:
-        assert set(front.signature_of(name).parameters) == fields | {"progress"}
-        assert callable(getattr(wg, name))
-    assert all(flag(request, field).help.endswith(".") for field in fields)
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-@pytest.mark.parametrize("words", [("--no-such-option",), ("a", "b", "c", "d", "e")])
-def test_words_that_mean_nothing_exit_with_2(run, tmp_path, name, words):
-    assert run(name, *words).exit_code == 2
-    assert not list(tmp_path.iterdir())
-
-
-def inputs_of(name):
-    """Return the fields of a request that name a file to read."""
-    request = request_of(name)
-    for field in request.model_fields:
-        own = flag(request, field)
-        if own.templates or (own.metavar == "FILE" and field != "out"):
-            yield field
-
-
-@pytest.mark.parametrize(("name", "field"), [(name, field) for name in REQUESTS for field in inputs_of(name)])
-def test_a_file_that_is_missing_is_one_clear_line_and_nothing_is_written(run, tmp_path, name, field):
-    request, own = request_of(name), flag(request_of(name), field)
-    required = ["none.csv"] if any(info.is_required() for info in request.model_fields.values()) else []
-    words = ["none.toml"] if own.argument else [*required, spelled(request, field), "none.toml"]
-    result = run(name, *words)
-    assert isinstance(result.exception, WalkergenError), result.output
-    assert_one_line(result.exception)
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in (*LONG, "app")])
-def test_the_first_example_gives_json_or_a_line_where_its_file_is_missing(run, tmp_path, name):
-    shutil.copy(templates.find("koumakis2016"), tmp_path / "my.toml")
-    result = run(*shlex.split(COMMANDS[name].example), "--json")
-    if isinstance(result.exception, WalkergenError):
-        assert "no such file" in str(result.exception)
-    else:
-        json.loads(result.stdout, parse_constant=pytest.fail)

@@ -9,10 +9,8 @@ import json
 import numpy as np
 import pytest
 from flat_cards import card
-from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import command_line
 from walkergen.crowd import in_plane
 from walkergen.crowd.cards import card as cards
 from walkergen.crowd.flat import crowd as flat
@@ -21,17 +19,14 @@ from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.scene import Scene
 
+COMMAND = ("crowd",)
+
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def run(run, tmp_path):
     for name in ("bar", "other"):
         (tmp_path / f"{name}.json").write_bytes(cards.to_json(card(name=name)))
-
-    def call(*words):
-        return CliRunner().invoke(command_line, ["crowd", *words], catch_exceptions=True)
-
-    return call
+    return run
 
 
 @pytest.fixture

@@ -11,9 +11,7 @@ import time
 import faults
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.crowd import in_space as crowd_space
 from walkergen.crowd import make, members
 from walkergen.crowd.space import placing
@@ -57,16 +55,7 @@ def walking(monkeypatch):
     monkeypatch.setattr(crowds, "simulate", walk)
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        return CliRunner().invoke(command_line, ["crowd", *words], catch_exceptions=True)
-
-    return call
-
-
+COMMAND = ("crowd",)
 SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
 
 

@@ -3,9 +3,7 @@
 import json
 
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.commands import request_of
 from walkergen.errors import InputError
 from walkergen.jobs.run.explain import make, measured
@@ -40,16 +38,7 @@ def short(monkeypatch):
     monkeypatch.setattr(measured, "BUDGET_S", 1.0)
 
 
-@pytest.fixture
-def run(monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        result = CliRunner().invoke(command_line, ["explain", *words], catch_exceptions=False)
-        assert result.exit_code == 0
-        return result.stdout
-
-    return call
+COMMAND = ("explain",)
 
 
 def test_a_variant_that_is_the_scene_changes_nothing():
@@ -80,19 +69,19 @@ def test_every_effect_is_measured_off_or_at_its_usual_size():
 
 
 def test_what_is_on_is_a_line_each_and_what_is_off_one_line(run):
-    lines = run("--no-cost").splitlines()
+    lines = run("--no-cost").stdout.splitlines()
     named = [line.split("  ")[0].strip() for line in lines]
     assert "leg twist" in named
     assert "second harmonic" not in named
     assert any(line.startswith("off: second harmonic") for line in lines)
     assert len(lines) < 20
-    whole = run("--no-cost", "--all")
+    whole = run("--no-cost", "--all").stdout
     assert "drive.second_harmonic_ratio = 0" in " ".join(whole.split())
     assert "switch plate_slope" in whole.replace("\n", "")
 
 
 def test_explain_measures_and_draws(run, tmp_path):
-    told = json.loads(run("--set", "scene.plate.slope_deg=1", "--measure", "--json"))
+    told = json.loads(run("--set", "scene.plate.slope_deg=1", "--measure", "--json").stdout)
     sizes = [abs(row["change_mm_s"] or 0.0) for row in told["measured"]]
     assert sizes == sorted(sizes, reverse=True)
     names = [row["effect"] for row in told["measured"]]

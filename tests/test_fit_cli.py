@@ -4,9 +4,7 @@ import csv
 import json
 
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.files import templates
 from walkergen.lab.fit import emulated, learn
 from walkergen.points import walkers
@@ -17,14 +15,8 @@ from walkergen.walker.design import Design
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-
-    def call(*words):
-        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
-
-    return call
+def run(run, home):
+    return run
 
 
 HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"

@@ -9,9 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import animation, templates
 from walkergen.jobs.run.movie import impacts
@@ -117,10 +115,7 @@ def test_a_run_that_ends_at_once_is_refused():
         movie.shoot(job, PAPER, movie.FINE)
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, ["movie", *words])
+COMMAND = ("movie",)
 
 
 FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")

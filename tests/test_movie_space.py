@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from scipy.spatial import ConvexHull
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.run.movie import above, impacts, perspective, raster, shot
@@ -345,10 +343,7 @@ def test_nearer_faces_hide_those_behind_whatever_their_order():
         assert near.max() == pytest.approx(0.2)
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, ["movie", *words])
+COMMAND = ("movie",)
 
 
 def test_the_command_films_a_plane_from_above(run):

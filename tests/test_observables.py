@@ -5,9 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walkergen.cli import command_line
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, observables, record, resolution
 from walkergen.simulation.plan import prepare
@@ -122,12 +120,7 @@ def test_finer_steps_have_smaller_errors_and_coarser_none():
     assert all(one.error is None for one in coarser.values())
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(command_line, ["simulate", *words], catch_exceptions=False)
-
-
+COMMAND = ("simulate",)
 SHORT = ("--tilt", "10", "--seconds", "0.3", "--runs", "4")
 
 

@@ -30,14 +30,6 @@ TILTS = "legs.tilt_deg=2:20:2"
 GAMMAS = "scene.drive.gamma=1.5,1.8,2.2"
 
 
-@pytest.fixture
-def home(tmp_path, monkeypatch):
-    """Empty cache and working folder."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def swept(*arguments, code=0):
     """Result of a sweep by the command line, without pictures."""
     found = CliRunner().invoke(command_line, ["sweep", *arguments, "--no-pictures"])

@@ -1,0 +1,33 @@
+"""What every answer keeps: an error is one clear line, a report is sound in every form."""
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from walkergen.cli import show
+from walkergen.files.report import Report
+
+
+def assert_one_line(error):
+    """Check that an error is one clear line that can be printed."""
+    (line,) = str(error).splitlines()
+    assert line.isprintable()
+    assert 10 < len(line) < 400
+
+
+def assert_every_form(report, capsys):
+    """Check that a report is shown on a terminal, as JSON, Markdown, HTML and text, and that its CSV has its keys."""
+    assert isinstance(report, Report)
+    capsys.readouterr()
+    show.report(report, json=True, quiet=False)
+    json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    show.report(report, json=False, quiet=False, width=80)
+    assert "nan" not in capsys.readouterr().out.lower().split()
+    assert report.markdown().startswith(f"# {report.title}\n")
+    assert repr(report).startswith(report.title)
+    html = report._repr_html_()
+    assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
+    assert all(table._repr_html_() in html for table in report.shown())
+    for table in report.tables:
+        assert not table.keys or table.csv().splitlines()[0] == ",".join(table.keys)
