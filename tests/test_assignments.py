@@ -1,7 +1,5 @@
 """Assignments KEY=VALUE: as a file's line is read, with its mistakes, and what depends on them."""
 
-import math
-
 import pytest
 
 from walkergen.errors import InputError
@@ -84,30 +82,6 @@ def test_entries_are_numbered_from_one():
     found = assignments.changed(UNEQUAL, {"legs[2].friction": 0.125})
     frictions = [leg.friction for leg in UNEQUAL.legs]
     assert [leg.friction for leg in found.legs] == [frictions[0], 0.125, *frictions[2:]]
-
-
-@pytest.mark.parametrize(
-    ("design", "values", "told"),
-    [
-        (PAPER, {"legs.tilt_deg": "steep"}, ["legs.tilt_deg = 'steep'"]),
-        (PAPER, {"legs.tilt_deg": math.nan}, ["legs.tilt_deg = nan"]),
-        (PAPER, {"legs.tilt_deg": 95, "body.depth_mm": -1}, ["body.depth_mm", "legs.tilt_deg"]),
-        (PAPER, {"legs.tlit_deg": 1}, ["unknown key; did you mean legs.tilt_deg?"]),
-        (PAPER, {"legs[1].tilt_deg": 1}, ["there is no legs[1]: legs is no list"]),
-        (PAPER, {"name.tilt_deg": 1}, ["name is a value, not a table"]),
-        (UNEQUAL, {"legs.tilt_deg": 1}, ["legs is a list: number its entry"]),
-        (UNEQUAL, {"legs[0].tilt_deg": 1}, ["there is no legs[0]: legs has"]),
-        (UNEQUAL, {"legs[99].tilt_deg": 1}, ["there is no legs[99]: legs has"]),
-    ],
-)
-def test_every_mistake_is_a_line_with_its_key(design, values, told):
-    with pytest.raises(InputError) as refused:
-        assignments.changed(design, values)
-    lines = sorted(str(refused.value).splitlines())
-    assert len(lines) == len(told)
-    for line, words in zip(lines, told, strict=True):
-        assert line.startswith("--set: ")
-        assert words in line
 
 
 DRIVES = [

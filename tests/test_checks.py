@@ -84,16 +84,20 @@ def test_legs_of_a_line_and_less_vanish_unless_thin_walls_are_detected(thickness
     assert "error" not in levels(found(legs, arachne))
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(
-    thickness=st.floats(0.01, 4.0),
-    line=st.floats(0.3, 0.8),
-    layer=st.floats(0.05, 0.3),
-    generator=st.sampled_from(["classic", "arachne"]),
-    thin=st.booleans(),
+CHANGES = st.fixed_dictionaries(
+    {
+        "line_width_mm": st.floats(0.3, 0.8),
+        "layer_height_mm": st.floats(0.05, 0.3),
+        "wall_generator": st.sampled_from(["classic", "arachne"]),
+        "thin_walls": st.booleans(),
+    }
 )
-def test_what_a_finding_recommends_is_good(thickness, line, layer, generator, thin):
-    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator, "thin_walls": thin}
+"""Keys of any printer that matter to a wall."""
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.floats(0.01, 4.0), CHANGES)
+def test_what_a_finding_recommends_is_good(thickness, changes):
     printer = MK3S.model_copy(update=changes)
     finding = checks.of_wall(walls.Wall("leg", thickness, 1.0, 8.0), printer, 0.02)
     if finding is None or " mm would do" not in finding.change:
@@ -104,17 +108,10 @@ def test_what_a_finding_recommends_is_good(thickness, line, layer, generator, th
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)
-@given(
-    thickness=st.floats(0.01, 4.0),
-    line=st.floats(0.3, 0.8),
-    layer=st.floats(0.05, 0.3),
-    generator=st.sampled_from(["classic", "arachne"]),
-    thin=st.booleans(),
-)
-def test_plastic_is_none_or_near_the_wall(thickness, line, layer, generator, thin):
-    changes = {"line_width_mm": line, "layer_height_mm": layer, "wall_generator": generator, "thin_walls": thin}
+@given(st.floats(0.01, 4.0), CHANGES)
+def test_plastic_is_none_or_near_the_wall(thickness, changes):
     printed = walls.printed_thickness(thickness, MK3S.model_copy(update=changes))
-    assert printed == 0.0 or abs(printed - thickness) <= line
+    assert printed == 0.0 or abs(printed - thickness) <= changes["line_width_mm"]
 
 
 def test_a_brace_that_vanishes_is_an_error():

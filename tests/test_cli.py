@@ -216,11 +216,6 @@ def test_an_interrupted_family_keeps_what_is_whole(run, monkeypatch, tmp_path):
     assert len(list((tmp_path / "out" / "koumakis2016" / "stl").iterdir())) == 2
 
 
-def test_unknown_options_exit_with_2(run):
-    assert run("predict", "--speed", "3").exit_code == 2
-    assert run("plate", "--max-plates", "ten").exit_code == 2
-
-
 def test_numbers_beyond_their_limits_exit_with_2_and_write_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["walkergen", "plate", "--max-parts", "0"])

@@ -69,14 +69,19 @@ def test_a_walker_is_closed_and_weighs_what_its_stl_file_weighs(tmp_path, name):
     assert min(float(found.M), float(found.J)) > 0.0
     assert all(float(leg.m) >= 0.0 and float(leg.j) >= 0.0 for leg in found.legs)
     walker = solids.build(design).walker
-    ours = mass.weigh(walker, design.material.density_g_cm3 * 1e-3)
+    density = design.material.density_g_cm3 * 1e-3
+    ours, rival = mass.weigh(walker, density), trimesh.Trimesh(*walker, process=False)
+    rival.density = density
+    assert ours.mass == pytest.approx(rival.mass, rel=1e-12)
+    np.testing.assert_allclose(ours.centre, rival.center_mass, atol=1e-11)
+    np.testing.assert_allclose(ours.tensor, rival.moment_inertia, rtol=1e-9, atol=1e-9)
     wg.export(design, tmp_path / "walker.stl")
     theirs = trimesh.load(tmp_path / "walker.stl")
     assert theirs.is_watertight
     assert theirs.is_winding_consistent
     assert theirs.body_count == solids.bodies(walker) == 1
     # Numbers of 32 bits in the file: 1e-6 of some 30 mm, over legs of some 0.4 mm
-    theirs.density = design.material.density_g_cm3 * 1e-3
+    theirs.density = density
     assert theirs.mass == pytest.approx(ours.mass, rel=1e-4)
     inertia = np.linalg.eigvalsh(ours.tensor)
     assert np.linalg.eigvalsh(theirs.moment_inertia) == pytest.approx(inertia, rel=1e-4)

@@ -6,14 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from evidence.commands import commands
 from evidence.crowds_published import cases, compared, make, numbers, report
 from evidence.crowds_published.published import FINDINGS
 from walkergen.crowd.statistics.film import NO_OUTLINES, of_places
 from walkergen.dish import parse
-from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity, Verdict
 from walkergen.walker import seen_above, solids
 
@@ -156,16 +153,6 @@ def test_tapered_walkers_narrow_toward_the_front_in_two_steps():
     behind_tip = outline[:, 0].max() - outline[:, 0]
     widths = [np.ptp(outline[behind_tip < x, 1]) for x in (14.0, 4.0, 2.0)]
     assert widths == pytest.approx([8.0, 5.5, 3.0], abs=0.05)
-
-
-@pytest.mark.parametrize(
-    ("words", "named"), [(("--runs", "2"), "--runs"), (("--seconds", "0.1"), "--seconds"), (("--seed", "-1"), "seed")]
-)
-def test_too_little_is_refused(words, named, tmp_path):
-    told = CliRunner().invoke(commands, ["crowds-published", *words, "--out", str(tmp_path / "no")])
-    assert isinstance(told.exception, InputError)
-    assert named in str(told.exception)
-    assert not (tmp_path / "no").exists()
 
 
 @pytest.mark.nightly

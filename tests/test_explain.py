@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from walkergen.commands import request_of
 from walkergen.errors import InputError
 from walkergen.jobs.run.explain import make, measured
 from walkergen.jobs.run.simulate.request import SimulateRequest
@@ -167,17 +166,6 @@ def test_explain_says_what_an_accepted_error_leaves_out():
     untold = make.explain(scene, DESIGN, lambda *_: None, cost=False)
     assert any(line.startswith("run.accepted_error = 0.3: what it leaves out is measured") for line in untold.lines)
     assert "effects" not in untold.facts
-
-
-@pytest.mark.parametrize(
-    ("name", "values"), [("simulate", {"uncertain": True}), ("movie", {}), ("fit", {"model": "space"})]
-)
-def test_what_leaves_nothing_out_refuses_an_accepted_error(name, values, tmp_path):
-    if name == "fit":
-        values["speeds"] = tmp_path / "speeds.csv"
-        values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
-    with pytest.raises(InputError, match=r"^scene\.run\.accepted_error = 0\.9: .*; leave it out$"):
-        request_of(name).asked(values | {"set": ACCEPTED}).run(lambda *_: None)
 
 
 def test_the_share_is_written_as_auto():

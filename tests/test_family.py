@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 import trimesh
+from test_cli import COLUMNS
 
 from walkergen.errors import OutputError, PlateError
 from walkergen.files import ledger, output, templates
@@ -72,33 +73,7 @@ def test_csv_rows_are_the_predictions(tmp_path):
     with (tmp_path / "family.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6
-    assert list(rows[0]) == [
-        "tilt_deg",
-        "legs",
-        "total_g",
-        "M_g",
-        "J_g_mm2",
-        "m_g",
-        "j_g_mm2",
-        "nominal_mm_s",
-        "nominal_low_95_mm_s",
-        "nominal_high_95_mm_s",
-        "speed_mm_s",
-        "speed_sd_mm_s",
-        "speed_low_68_mm_s",
-        "speed_high_68_mm_s",
-        "speed_low_95_mm_s",
-        "speed_high_95_mm_s",
-        "speed_by",
-        "falls",
-        "theory_mm_s",
-        "factor_back",
-        "factor_front",
-        "factor_mean",
-        "mode",
-        "theory_note",
-        "note",
-    ]
+    assert list(rows[0]) == COLUMNS
     for row, member in zip(rows, made, strict=True):
         assert float(row["speed_mm_s"]) == member.row.speed_mm_s
         assert (row["m_g"] == "") == (member.row.m_g is None)

@@ -3,7 +3,6 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from soundness import to_trimesh
 
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
@@ -104,16 +103,3 @@ def test_weighed_masses_override_and_rescale():
             J = sum(inertias) + masses @ (places**2).sum(axis=1)
             assert pytest.approx(1.1, rel=1e-14) == b.M
             assert pytest.approx(J, rel=1e-12) == b.J
-
-
-def test_trimesh_agrees():
-    """Rival: another library's weighing of the same mesh."""
-    for kind in ("flexible", "braced"):
-        design = Design().variant(kind=kind)
-        mesh = solids.build(design).walker
-        found = mass.weigh(mesh, DENSITY)
-        other = to_trimesh(mesh)
-        other.density = DENSITY
-        assert found.mass == pytest.approx(other.mass, rel=1e-12)
-        np.testing.assert_allclose(found.centre, other.center_mass, atol=1e-12)
-        assert found.inertia == pytest.approx(other.moment_inertia[2, 2], rel=1e-12)

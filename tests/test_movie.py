@@ -80,20 +80,6 @@ def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
     assert all(process.poll() is not None for process in started)
 
 
-@pytest.mark.parametrize(
-    ("choice", "words"),
-    [({"seconds": float("nan")}, "--seconds nan: must lie in"), ({"slow": float("inf")}, "--slow inf: must lie in")],
-)
-def test_what_cannot_be_filmed_is_refused(choice, words):
-    with pytest.raises(InputError, match=words):
-        movie.plan([PAPER], LANE, **choice)
-
-
-def test_too_many_lanes_are_refused():
-    with pytest.raises(InputError, match="9 walkers in one movie; at most 8"):
-        movie.plan([PAPER] * 9, LANE)
-
-
 def leaving(length_mm, discard_seconds):
     arena = LANE.arena.model_copy(update={"length_mm": length_mm})
     run = LANE.run.model_copy(update={"discard_seconds": discard_seconds})

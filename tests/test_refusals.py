@@ -1,8 +1,8 @@
 """What is refused, and with which words: every input of refusals.toml against the lines that it holds.
 
 A table has a command, `{}` in which is the input, or one of whose files has the input for its text. Without a command
-the input is a command line. `files` are there for all inputs of a table. After a change of words
-`python tests/test_refusals.py` writes the file again: read what it changed before you commit it.
+the input is a command line, of walkergen or of the program `evidence`. `files` are there for all inputs of a table.
+After a change of words `python tests/test_refusals.py` writes the file again: read what it changed, then commit it.
 """
 
 import json
@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from evidence.commands import commands
 from walkergen.cli import command_line
 from walkergen.errors import OutputError, WalkergenError
 
@@ -31,7 +32,8 @@ def answer(table, text):
     before = sorted(Path.cwd().iterdir())
     words = shlex.split(table.get("run", text))
     words = [text if word == "{}" else word for word in words]
-    error = CliRunner().invoke(command_line, words, catch_exceptions=True).exception
+    program = commands if table.get("program") == "evidence" else command_line
+    error = CliRunner().invoke(program, words, catch_exceptions=True).exception
     assert isinstance(error, WalkergenError), (words, error)
     assert not isinstance(error, OutputError)  # of exit code 1
     assert sorted(Path.cwd().iterdir()) == before  # nothing is written
@@ -84,7 +86,7 @@ def written(tables):
     """Return the file of tables of refusals."""
     for name, table in tables.items():
         yield f"[{name}]"
-        yield from (f"{key} = {json.dumps(table[key])}" for key in ("run", "file") if key in table)
+        yield from (f"{key} = {json.dumps(table[key])}" for key in ("program", "run", "file") if key in table)
         if "files" in table:
             yield f"[{name}.files]"
             yield from (f"{quoted(file)} = {quoted(content)}" for file, content in table["files"].items())

@@ -125,28 +125,6 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
     assert names == {name for name in FILES if name.startswith(("figure2", "figure3"))}
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (("--runs", "7"), "--runs 7: at least 8"),
-        (("--tilt", "5,10"), "--tilt 5,10"),
-        (("--tilt", "5,15,10"), "--tilt"),
-        (("--tilt=-5,0,5",), "--tilt"),
-        (("--tilt", "0,10,84"), "tilt_deg"),
-        (("--gamma", "1.8"), "--gamma 1.8"),
-        (("--gamma", "1.8,fast"), "--gamma '1.8,fast'"),
-        (("--gamma", "nan,2"), "--gamma 'nan,2'"),
-        (("--seconds", "0.05"), "--seconds 0.05"),
-        (("--seed", "-1"), "run.seed = -1"),
-    ],
-)
-def test_bad_input_is_named_before_anything_is_written(run, tmp_path, words, named):
-    result = run(*words)
-    assert result.exit_code != 0
-    assert named in str(result.exception)
-    assert not (tmp_path / "out").exists()
-
-
 @pytest.mark.parametrize("name", ["figure2", "figure2-restitutions", "figure5", "figure6"])
 def test_the_shipped_sweeps_are_requests_of_their_own(name):
     request = ask.of_file(templates.folder() / "sweeps" / f"{name}.toml").request()

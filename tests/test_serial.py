@@ -8,7 +8,7 @@ import threemf
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import make as batch
 from walkergen.printing.printers import Printer
@@ -78,12 +78,6 @@ def test_no_room_is_one_line(design, keys, told):
     with pytest.raises(GeometryError, match=told) as caught:
         numbered(design, 99_999, **keys)
     assert len(str(caught.value).splitlines()) == 1
-
-
-@pytest.mark.parametrize("number", [0, -1, 100_000, 1.5])
-def test_numbers_out_of_range_are_refused(number):
-    with pytest.raises(InputError, match=r"marks\.serial"):
-        numbered(PAPER, number)
 
 
 def test_numbers_count_over_all_copies_and_name_everything(tmp_path):

@@ -183,22 +183,6 @@ def test_the_command_writes_the_scene_of_the_plate(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({}, "name a filled form"),
-        ({"what": "drop"}, "is not of --plate"),
-        ({"drops": 3}, "is not of --plate"),
-        ({"set": {"scene.drive.kind": "motor", "scene.drive.eccentric_g_mm": 1.0}}, "with a motor is still"),
-    ],
-)
-def test_what_is_no_calibration_of_a_plate_is_refused(tmp_path, given, words):
-    path = tmp_path / "plate.csv"
-    path.write_text("time,ax,ay,az\n1,2,3,4\n")
-    with pytest.raises(InputError, match=words):
-        wg.calibrate(**({"plate": path, "out": tmp_path / "out"} | given if given else {}))
-
-
-@pytest.mark.parametrize(
     ("text", "words"),
     [
         ("a,b\n1,2\n", "no column of times"),

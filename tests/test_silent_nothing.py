@@ -49,18 +49,6 @@ def test_an_effect_without_its_number_cannot_be_forced_on(switch):
     assert not planned(scene_of(**{"effects.off": [switch]})).resolved.idle
 
 
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        ({"effects.on": ["lane_walls"], "arena.kind": "plane"}, "the arena is a plane"),
-        ({"effects.on": ["lane_walls"], "effects.off": ["roll_and_yaw"]}, "held in its plane"),
-    ],
-)
-def test_an_effect_that_has_no_part_cannot_be_forced_on(keys, words):
-    with pytest.raises(InputError, match=words):
-        planned(scene_of(**keys))
-
-
 TURNED = {
     "drive": {"second_harmonic_ratio": 0.2, "second_harmonic_phase_deg": 40.0, "gamma": 2.0, "frequency_hz": 80.0},
     "contact": {"prior": "unknown", "restitution": 0.4, "friction": 0.1},

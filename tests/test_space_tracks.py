@@ -73,13 +73,6 @@ def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
         read(tmp_path, TURNING, Units(y_down=True))
 
 
-def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_path):
-    words = ("simulate", *PLANE, "--seconds", "100", "--rate-hz", "5e4", "--trajectory", "t.csv")
-    with pytest.raises(InputError, match=r"tracks of 16 runs of 8e\+07 samples; at most 20000000"):
-        run(*words, "--runs", "16")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_tracks_in_a_lane_have_a_particle_and_are_seen_from_above(run, tmp_path):
     words = ("--seconds", "0.2", "--runs", "3")
     run("simulate", *words, "--trajectory", "t.csv")

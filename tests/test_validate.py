@@ -20,7 +20,6 @@ from evidence.validate import (
     report,
 )
 from evidence.validate.claim import Claim, Effort, Outside
-from walkergen.errors import InputError
 from walkergen.numerics.quantity import Quantity
 from walkergen.theory import speed, tensors
 from walkergen.theory.tensors import InverseMass
@@ -200,13 +199,8 @@ def test_a_slicer_that_fails_is_said(tmp_path):
     assert claims_programs.sliced(str(broken), b"", b"") is None
 
 
-@pytest.mark.parametrize("only", ["", "paper,nonsense"])
-def test_groups_stand_in_the_order_of_the_page_and_others_are_refused(only, tmp_path):
+def test_groups_stand_in_the_order_of_the_page():
     assert make.choose(" Bouncing, closed ") == ["closed", "bouncing"]
-    result = call("--only", only, "--out", str(tmp_path / "none"))
-    assert isinstance(result.exception, InputError)
-    assert "choose from paper, closed, bouncing, rivals, programs" in str(result.exception)
-    assert not (tmp_path / "none").exists()
 
 
 def test_equal_numbers_stand_in_a_list_and_others_in_the_table():
