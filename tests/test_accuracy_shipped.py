@@ -97,7 +97,7 @@ def test_what_the_cells_do_not_know_is_said_in_a_line():
     assert below.known in ("law", "measured")
     told, _ = answers.find_in_cells(at, candidates, Tolerance(1e-4, True))
     assert (told.setting, told.runs) == ("-", None)
-    assert "simulate --error 0.01 %" in told.why
+    assert "simulate ‹error=›0.01 %" in told.why
     assert "\n" not in told.why
 
 
@@ -110,7 +110,7 @@ def test_the_row_that_an_accepted_error_allows_is_marked(accepted, row, monkeypa
     told = AccuracyRequest.asked(values | {"out": tmp_path / "out"}).run(lambda *_: None)
     assert [one["error"] for one in told.facts["answers"] if one["accepted"]] == ([] if row is None else [row])
     assert (f"{row}, accepted" in told.markdown()) == (row is not None)
-    assert ("no error of the table is within it: simulate --error 0.5%" in told.markdown()) == (accepted == 0.005)
+    assert ("no error of the table is within it: simulate error=0.5%" in told.markdown()) == (accepted == 0.005)
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_two_numbers_are_bounds():
 
 
 def test_a_key_is_given_once():
-    with pytest.raises(InputError, match=r"--set b: given 2 times"):
+    with pytest.raises(InputError, match=r"set b: given 2 times"):
         axes.check([Axis("a", (1,)), Axis("b", (1,)), Span("b", 0, 1)])
     axes.check([Axis("a", (1,)), Axis("b", (1,))])
 

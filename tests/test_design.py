@@ -111,7 +111,7 @@ def test_a_family_is_checked_before_any_member_is_made():
 
 def test_a_weighed_leg_belongs_to_one_kind():
     design = Design.model_validate({"weighed": {"leg_mass_g": 0.03}})
-    with pytest.raises(GeometryError, match="--legs flexible"):
+    with pytest.raises(GeometryError, match="legs=flexible"):
         design.members()
     assert len(design.members([5.0], ["flexible"])) == 1
 

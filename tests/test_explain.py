@@ -174,5 +174,5 @@ def test_the_share_is_written_as_auto():
     for wrong in ("1%", "auto:1", "auto:x%", "auto:0%", "auto"):
         with pytest.raises(ValueError, match="auto:1%"):
             parse_effects(wrong)
-    with pytest.raises(InputError, match="--effects"):
+    with pytest.raises(InputError, match="effects="):
         SimulateRequest.asked({"effects": "auto"}, shell=True)

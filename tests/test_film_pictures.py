@@ -65,7 +65,7 @@ def test_pictures_of_sixteen_bits_keep_their_shades(tmp_path):
 
 def test_what_is_no_folder_of_frames_is_one_line(tmp_path):
     folder = saved(tmp_path / "pictures", frames(number=3))
-    with pytest.raises(InputError, match="give --fps"):
+    with pytest.raises(InputError, match="give fps"):
         make.track(folder, Options(mm_per_px=0.5), tmp_path / "out", silent)
     (folder / "notes.txt").write_text("not a picture")
     assert len(folders.listed(folder)) == 3

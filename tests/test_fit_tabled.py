@@ -160,6 +160,6 @@ def test_speeds_that_no_contact_has_are_called_so_and_walkers_outside_are_named(
     found = fitted(tmp_path, [20.0, 5.0, 90.0, 5.0, 60.0])
     assert any("does not describe these speeds" in note for note in found.notes)
     rough = Job(PAPER, LANE.variant(**{"plate.roughness_um": 5.0}))
-    with pytest.raises(InputError, match=r"tilt 5 deg: .*--model space"):
+    with pytest.raises(InputError, match=r"tilt 5 deg: .*model=space"):
         make.fit(tmp_path / "speeds.csv", rough, tmp_path / "no", silent)
     assert not (tmp_path / "no").exists()

@@ -122,7 +122,7 @@ def test_a_walker_with_a_motor_runs_on_a_table_where_no_scene_is_named():
     assert request.ground("plane-90hz", [carrier]) == "plane-90hz"
     here, named = (wg.predict("coinbot", model="theory", **on) for on in ({}, {"scene": "table-motor"}))
     assert here.facts == named.facts
-    with pytest.raises(InputError, match="--scene lane-90hz"):
+    with pytest.raises(InputError, match="scene=lane-90hz"):
         wg.predict("coinbot", gamma=2.0)
 
 

@@ -330,7 +330,7 @@ def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
     path = tmp_path / "box.stl"
     path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
     assert weigh(path, 1.24, 1000.0).notes == ()
-    assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? --scale")
+    assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? ‹scale›")
 
 
 def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):

@@ -201,7 +201,7 @@ def test_speed_over_plate_speed_is_a_line_through_the_origin():
 
 def test_a_lag_outside_the_film_is_refused():
     for lag_s in (0.001, 100.0, float("nan")):
-        with pytest.raises(InputError, match="--lag-ms"):
+        with pytest.raises(InputError, match="lag_ms="):
             motion.analyse(film(7, 2, 2.0), lag_s)
 
 

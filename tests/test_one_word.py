@@ -242,7 +242,7 @@ def test_a_text_is_asked_back_once(monkeypatch):
     from walkergen.inputs import of as inputs_of
 
     given = inputs_of({}, {}, ["design"])
-    with pytest.raises(InputError, match="--text ANNA makes a walker"):
+    with pytest.raises(InputError, match="text=ANNA makes a walker"):
         given.design("ANNA")
     for answer in ("y", "n"):
         monkeypatch.setattr("sys.stdin", Terminal(f"{answer}\n"))

@@ -266,7 +266,7 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
 
 def test_a_crew_has_a_number_of_workers_that_makes_sense():
     for count in (0, -1, worker_pool.MOST_WORKERS + 1):
-        with pytest.raises(WalkergenError, match=rf"^--workers {count}: must lie in 1\.\."):
+        with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
             worker_pool.local(count).__enter__()
     assert 1 <= worker_pool.cores() <= os.cpu_count()
 

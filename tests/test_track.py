@@ -372,7 +372,7 @@ def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     assert found["walkers"]["heading_by"][0] == "the long axis and the mark, in 30 of 30 frames"
     moved = wg.analyse(found)
     assert moved.motion.particles == 2
-    with pytest.raises(InputError, match="give either --mm-per-px"):
+    with pytest.raises(InputError, match="give either mm_per_px"):
         wg.track(two, out=tmp_path / "none")
     assert not (tmp_path / "none").exists()
     wish = Options(length_mm=28.0, heading="mark")

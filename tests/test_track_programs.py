@@ -283,7 +283,7 @@ def test_frames_come_before_times_where_their_rate_is_given_and_it_is_said(tmp_p
     path.write_text("frame,t_s,id,x_mm,y_mm\n" + rows(lambda f, n, x, y: f"{f},{f / 50},{n},{x},{y}"))
     tracks = track_files.read(path, Units(fps=25.0))
     assert tracks.interval == pytest.approx(0.04)
-    assert "times are those of frames by --fps, not of t_s" in tracks.note
+    assert "times are those of frames by ‹fps›, not of t_s" in tracks.note
 
 
 def test_walkers_whose_run_sets_in_at_once_are_analysed(tmp_path):

@@ -91,7 +91,7 @@ def test_a_table_with_times_is_read_in_the_units_that_are_given(tmp_path):
         "0.08904719501335707,,,,\n"
         "0.13357079252003562,77.07890939078445,71.13003814039789,59.32456958652914,0\n"
     )
-    with pytest.raises(InputError, match="Pogotrack's files are in cm and degrees: --unit cm,deg"):
+    with pytest.raises(InputError, match="Pogotrack's files are in cm and degrees: unit=cm,deg"):
         read(tmp_path, text, Units())
     found = read(tmp_path, text, Units(unit="cm,deg"))
     (one,) = found.tracks
@@ -108,13 +108,13 @@ def test_a_table_with_times_as_a_lane_turned_over_and_with_ids(tmp_path):
     down = read(tmp_path, text, units._replace(y_down=True))
     np.testing.assert_allclose(down.tracks[0].position, [[10, -20], [20, -40]])
     np.testing.assert_allclose(np.degrees(down.tracks[0].heading), -30)
-    assert "y counts rows downward, by --y-down: turned over" in down.note
+    assert "y counts rows downward, by ‹y_down›: turned over" in down.note
     lane = read(tmp_path, text, units._replace(lane=True))
     assert lane.lane
     assert lane.tracks[0].heading is None
     numbered = "time,x,y,id\n0,1,2,5\n0,1,3,7\n0.1,2,4,5\n"
     assert [one.particle for one in read(tmp_path, numbered, Units(unit="cm")).tracks] == [5, 7]
-    with pytest.raises(InputError, match=r"--fps 100: .* has its own time; leave it out"):
+    with pytest.raises(InputError, match=r"fps=100: .* has its own time; leave it out"):
         read(tmp_path, text)
     with pytest.raises(InputError, match="link the positions first"):
         read(tmp_path, "time,x,y\n0,1,2\n0,1,3\n0.1,2,4\n", Units(unit="mm"))

@@ -139,7 +139,7 @@ def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
     unused = weights.unused(tmp_path / "weights.csv", MEMBERS)
     others = [name for name in names_of_family() if name not in (FIVE, TEN)]
     assert unused == [*others, "walker_t07.5_flexible_s0.40"]
-    with pytest.raises(InputError, match="no masses of the walkers of --tilt and --legs"):
+    with pytest.raises(InputError, match="no masses of the walkers of tilt and legs"):
         read("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
 
 

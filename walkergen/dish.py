@@ -62,7 +62,7 @@ OPEN = Dish("periodic", (LARGEST,))
 """Ground without walls."""
 
 
-def parse(text: str, source: str = "--arena") -> Dish:
+def parse(text: str, source: str = "‹arena›") -> Dish:
     """Dish from a person's words, as in "disc:120". Raises InputError, beginning with `source`."""
     kind, _, rest = text.partition(":")
     said = f"{source} = {text[:80]!r}"

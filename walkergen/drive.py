@@ -94,7 +94,7 @@ class Drive(Section):
                     + (
                         "motor, and kind is 'plate': set kind = 'motor'"
                         if self.kind == "plate"
-                        else "plate, which a motor's is not: leave it out, or take a shaken plate: --scene lane-90hz"
+                        else "plate, which a motor's is not: leave it out, or take a shaken plate: ‹scene=›lane-90hz"
                     )
                 )
         return self._plate() if self.kind == "plate" else self._motor()

@@ -8,11 +8,47 @@ WalkergenError            everything walkergen raises on purpose; the CLI prints
 ├── SolidError            the solid modeller refused or returned an unsound body
 ├── TheoryError           a formula has no answer for these numbers
 └── OutputError           a file or folder could not be written, or is not ours: exit code 1
+
+Texts name fields as ‹mm_per_px›, which is --mm-per-px on a command line and mm_per_px in Python. ‹tilt=› precedes a
+value: --tilt 12 or tilt=12. ‹cost=False› is --no-cost. A text is spelled where it is shown.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
+
+Spelling = Callable[[str], str]
+
+FIELD = re.compile(r"‹([a-z][a-z_]*)((?:=(?:False)?)?)›")
+SOURCE = "‹command line›"
+"""Source of keys that a request sets, in errors about their values; Python has no word for it."""
+
+
+def for_python(text: str) -> str:
+    """Return a text whose fields are Python's arguments."""
+    return FIELD.sub(r"\1\2", text.replace(f"{SOURCE}: ", ""))
+
+
+DOORS: list[Spelling] = [for_python]
+"""Spellings of the doors that are open; the last one is used."""
+
+
+def spell(text: str) -> str:
+    """Return a text with its fields as the user of this process writes them: in Python, unless a command runs."""
+    return DOORS[-1](text) if "‹" in text else text
+
+
+def spell_all(data: Any) -> Any:
+    """Return data, such as that of a JSON file, with all its texts spelled."""
+    if isinstance(data, str):
+        return spell(data)
+    if isinstance(data, Mapping):
+        return {key: spell_all(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        values = map(spell_all, data)
+        return type(data)(*values) if hasattr(data, "_fields") else type(data)(values)
+    return data
 
 
 class Remedy(NamedTuple):
@@ -33,7 +69,21 @@ def _written(value: bool | float | str) -> str:
 
 
 class WalkergenError(Exception):
-    """Base of every error that walkergen raises on purpose; its text is meant for the user."""
+    """Base of every error that walkergen raises on purpose; its text is meant for the user.
+
+    str() spells the fields of the text as the user writes them.
+    """
+
+    spelling: Spelling = staticmethod(spell)
+
+    @property
+    def text(self) -> str:
+        """Text whose fields are not spelled yet, for the text of another error."""
+        return Exception.__str__(self)
+
+    def __str__(self) -> str:
+        """Text, with fields as the user of this process writes them."""
+        return self.spelling(self.text)
 
 
 class InputError(WalkergenError):
@@ -63,7 +113,8 @@ class InputError(WalkergenError):
         """Text without what would help."""
         return str(self.args[0])
 
-    def __str__(self) -> str:
+    @property
+    def text(self) -> str:
         """Text, and what would help."""
         return f"{self.fault}; what helps: {', or '.join(map(str, self.remedies))}" if self.remedies else self.fault
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.errors import InputError
+from walkergen.errors import SOURCE, InputError
 from walkergen.files.key_names import KINDS, TILTS
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ class Inputs(NamedTuple):
 
     values: Mapping[str, Any]
     """Values by dotted keys; those of a scene and a printer begin with these words."""
-    flags: Mapping[str, str]
-    """Flags that gave them, with their values, by key."""
+    fields: Mapping[str, str]
+    """Fields that gave them, with their values, by key."""
     notes: list[str]
     """What a person should know of the walkers that were read: a line each is added."""
     asks: bool
@@ -52,7 +52,7 @@ class Inputs(NamedTuple):
         if not known and source not in templates.known("walkers"):
             _confirm(source, self.asks)
             own = {key: self.values[key] for key in self.of("design")}
-            design = assignments.changed(Design.of_text(source), own, "command line")
+            design = assignments.changed(Design.of_text(source), own, SOURCE)
         else:
             design = self._read(source, "walkers", Design, "design")
         if design.weighed.states:
@@ -85,7 +85,7 @@ class Inputs(NamedTuple):
         names = [printer.name for printer in printers]
         for name in names:
             if names.count(name) > 1:
-                raise InputError(f"--printer {str(sources)[:60]!r}: two printers are called {name}", "printer")
+                raise InputError(f"‹printer=›{str(sources)[:60]!r}: two printers are called {name}", "printer")
         return printers
 
     def _read(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
@@ -95,14 +95,14 @@ class Inputs(NamedTuple):
         prefix = "" if thing == "design" else f"{thing}."
         own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
         if isinstance(source, model):
-            return assignments.changed(source, own, "command line", prefix)
+            return assignments.changed(source, own, SOURCE, prefix)
         if not isinstance(source, (str, Path)):
             raise InputError(
                 f"{thing}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
                 "template or the path of a TOML file",
                 thing,
             )
-        return assignments.read(templates.path_of(source, folder), model, own, "command line", prefix)
+        return assignments.read(templates.path_of(source, folder), model, own, SOURCE, prefix)
 
     def of(self, thing: str) -> list[str]:
         """Keys of a design, a scene or a printer that are set."""
@@ -138,30 +138,30 @@ class Inputs(NamedTuple):
             members = self.members(design, tilts, kinds, whole)
             return members, [copies] * len(members)
         if tilts is not None:
-            raise InputError("--copies: names the tilts: leave --tilt out", "copies")
-        self.refuse(TILTS + FAMILY_TILTS, "--copies names the tilts: leave one of them out")
+            raise InputError("‹copies›: names the tilts: leave ‹tilt› out", "copies")
+        self.refuse(TILTS + FAMILY_TILTS, "‹copies› names the tilts: leave one of them out")
         members = self.members(design, list(copies), kinds, whole)
         return members, [copies[member.tilt_deg] for member in members]
 
     def _refuse_twice(self, tilts: Sequence[object] | None, kinds: Sequence[object] | None, whole: bool) -> None:
-        """Refuse keys that --tilt and --legs set too, and of a family those that it replaces."""
+        """Refuse keys that tilt and legs set too, and of a family those that it replaces."""
         if whole:
-            advice = "a family has the tilts of family.tilt_deg: --tilt 12, or --set"
+            advice = "a family has the tilts of family.tilt_deg: ‹tilt=›12, or ‹set›"
             self.refuse(TILTS, f"{advice} 'family.tilt_deg=[12]'")
-            advice = "a family has the kinds of family.legs: --legs braced, or --set"
+            advice = "a family has the kinds of family.legs: ‹legs=›braced, or ‹set›"
             self.refuse(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
-        for flag, values, keys in (
-            ("--tilt", tilts, FAMILY_TILTS if whole else TILTS),
-            ("--legs", kinds, FAMILY_KINDS if whole else KINDS),
+        for field, values, keys in (
+            ("tilt", tilts, FAMILY_TILTS if whole else TILTS),
+            ("legs", kinds, FAMILY_KINDS if whole else KINDS),
         ):
             if values is not None:
-                self.refuse(keys, f"{flag} {','.join(map(str, values))} sets it too: leave one of them out")
+                self.refuse(keys, f"‹{field}=›{','.join(map(str, values))} sets it too: leave one of them out")
 
     def refuse(self, keys: Sequence[str], why: str) -> None:
         """Raise InputError for the first of some keys that is set."""
         for key in keys:
             if own := _set_by(self.values, key):
-                raise InputError(f"{self.flags[own]}: {why}", key)
+                raise InputError(f"{self.fields[own]}: {why}", key)
 
 
 def _confirm(text: str, asks: bool) -> None:
@@ -183,25 +183,25 @@ def _confirm(text: str, asks: bool) -> None:
         if sys.stdin.readline().strip().lower() in ("y", "yes"):
             return
     raise InputError(
-        f"{missing}; --text {shlex.quote(text[:80])} makes a walker of these letters; known: {', '.join(known)}; "
+        f"{missing}; ‹text=›{shlex.quote(text[:80])} makes a walker of these letters; known: {', '.join(known)}; "
         "or give the path of a drawing, a mesh or a TOML file",
         "design",
     )
 
 
-def of(settings: Mapping[str, Any], flags: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
-    """Values by --set and by flags of their own, each a key's flag and value.
+def of(settings: Mapping[str, Any], fields: Mapping[str, tuple[str, Any]], things: Sequence[str]) -> Inputs:
+    """Values by keys, and by fields of their own, each a key's field and value.
 
     `things` are those whose keys a job takes: some of design, scene, printer. Raises InputError for keys of others,
     for a key with two values, and for one within another.
     """
-    values = {key: value for key, (_, value) in flags.items()}
-    names = {key: f"{flag} {value}" for key, (flag, value) in flags.items()}
+    values = {key: value for key, (_, value) in fields.items()}
+    names = {key: f"‹{field}=›{value}" for key, (field, value) in fields.items()}
     for key, value in settings.items():
-        name = f"--set {key[:60]}"
+        name = f"‹set› {key[:60]}"
         if thing_of(key) not in things:
             known = " and the ".join(things)
-            told = f"--set {key[:60]}: this command takes no {thing_of(key)}; it has keys of the {known}"
+            told = f"‹set› {key[:60]}: this command takes no {thing_of(key)}; it has keys of the {known}"
             raise InputError(told, key)
         for other, first in names.items():
             if other == key or _within(key, other) or _within(other, key):
@@ -270,7 +270,7 @@ def pool_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterato
 
     if dask is not None:
         if workers is not None:
-            raise InputError(f"--workers {workers}: not with --dask, which has its own", "workers")
+            raise InputError(f"‹workers=›{workers}: not with ‹dask›, which has its own", "workers")
         with worker_pool.dask(dask) as pool:
             yield pool
     elif few and workers is None:

@@ -1,13 +1,13 @@
 """Requests: what a job is asked for. Its command and its function for Python are made of the fields.
 
 A field has a type, a default, limits and a `Flag`, which has the help. Its validator reads what a shell gives, a text,
-and what Python gives; a value that means nothing is told by its flag. Options that several requests share are here.
+and what Python gives; an error about a value names its field. Options that several requests share are here.
 """
 
 import errno
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
@@ -18,6 +18,7 @@ from walkergen import inputs
 from walkergen.errors import InputError
 from walkergen.files import assignments, config, plain, reading, words
 from walkergen.files.progress import Expect, Progress, unheard
+from walkergen.spelling import for_call, for_shell
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units
@@ -112,6 +113,16 @@ class Request(BaseModel):
         request._shell = shell
         return request
 
+    @classmethod
+    def as_flags(cls, text: str) -> str:
+        """Return a text whose fields are the flags of the request's command."""
+        return for_shell(text, {field: spelled(cls, field) for field in cls.model_fields})
+
+    @classmethod
+    def as_arguments(cls, text: str, given: Iterable[str] = ()) -> str:
+        """Return a text whose fields are Python's arguments, also of keys that the given ones set."""
+        return for_call(text, {key: name for name in given if (key := flag(cls, name).sets)})
+
     reports: ClassVar[bool] = True
     """False of a job that has no report: a server."""
 
@@ -132,14 +143,13 @@ class Request(BaseModel):
 
         So do flags with `more` values, by keys.
         """
-        flags = dict(more)
+        fields = dict(more)
         for name in type(self).model_fields:
             value = getattr(self, name)
             if (key := flag(type(self), name).sets) and value is not None:
-                flags[key] = spelled(type(self), name), value
-        fields = {"design", "scene", "printer"} & set(type(self).model_fields)
-        things = [thing for thing in ("design", "scene", "printer") if thing in fields]
-        own = inputs.of(getattr(self, "set", {}), flags, things)
+                fields[key] = name, value
+        things = [thing for thing in ("design", "scene", "printer") if thing in type(self).model_fields]
+        own = inputs.of(getattr(self, "set", {}), fields, things)
         return own._replace(notes=self._notes, asks=self._shell)
 
     @property
@@ -152,8 +162,8 @@ class Request(BaseModel):
         for name in fields:
             value = getattr(self, name)
             if value != type(self).model_fields[name].get_default(call_default_factory=True):
-                shown = "" if value is True else f" {plain.line(str(value))[:60]}"
-                raise InputError(f"{spelled(type(self), name)}{shown}: {why}; leave it out", name)
+                seen = f"‹{name}›" if value is True else f"‹{name}=›{plain.line(str(value))[:60]}"
+                raise InputError(f"{seen}: {why}; leave it out", name)
 
 
 def flag(request: type[Request], name: str) -> Flag:
@@ -176,7 +186,7 @@ def _explained(request: type[Request], mistake: Any) -> str:
         of_field = config.allowed((name,), request)  # type: ignore[arg-type]  # it reads the fields alone
         rule = ((FORMS | config.FORMS).get(kind) or of_field or mistake["msg"]).replace("'", "")
     shown = plain.line(repr(value) if isinstance(value, str) else str(value))[:60]
-    return f"{spelled(request, name)} {shown}: {rule}"
+    return f"‹{name}=›{shown}: {rule}"
 
 
 def _number(text: object) -> float:
@@ -278,7 +288,7 @@ def parse_settings(value: Any) -> dict[str, Any]:
         key, word = assignments.split(text)
         new = assignments.value_of(word)
         if key in settings and repr(settings[key]) != repr(new):
-            raise InputError(f"--set {key[:60]}: given twice: leave one of them out", key)
+            raise InputError(f"‹set› {key[:60]}: given twice: leave one of them out", key)
         settings[key] = new
     return settings
 

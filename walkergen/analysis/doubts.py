@@ -39,7 +39,7 @@ def of_scale(share: float | None) -> str:
     """
     if share is None:
         return (
-            "the scale's error is not known and in no number: give the scale with its error, as --mm-per-px 0.05+-0.001"
+            "the scale's error is not known and in no number: give the scale with its error, as ‹mm_per_px=›0.05+-0.001"
         )
     if not share:
         return ""

@@ -112,7 +112,7 @@ def analyse(
     lag_s = max(LAG_S, shortest) if lag_s is None else lag_s
     if not 0.999 * shortest <= lag_s < shortest * (longest - 1):
         raise InputError(
-            f"--lag-ms {1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
+            f"‹lag_ms=›{1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
             f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
         )
     if found is not None:

@@ -103,7 +103,7 @@ def _given(text: str) -> _Given:
         kind = next((kind for kind, known in kinds if unit in known), "")
         if not kind or kind in held:
             raise InputError(
-                f"--unit {plain.line(text)[:40]}: must be a unit of places ({', '.join((*LENGTHS, PIXEL))}), of times "
+                f"‹unit=›{plain.line(text)[:40]}: must be a unit of places ({', '.join((*LENGTHS, PIXEL))}), of times "
                 f"({', '.join((*TIMES, 'frame'))}), of headings ({', '.join(ANGLES)}), or one of each, as cm,deg",
                 "unit",
             )
@@ -116,7 +116,7 @@ def _own(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
     headed = "y" in source.table.values
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
-        raise InputError(f"--y-down: {path} {y}; leave it out")
+        raise InputError(f"‹y_down›: {path} {y}; leave it out")
     _refuse_own_units(path, source, units, given, "t_s and x_mm")
     tracks = sampling.timed(path, source.table, "t_s")
     return tracks._replace(scale_se=_scale_se(path, source.table))
@@ -124,10 +124,10 @@ def _own(path: Path, source: Source, units: Units, given: _Given) -> Tracks:
 
 def _refuse_own_units(path: Path, source: Source, units: Units, given: _Given, own: str) -> None:
     """Raise InputError for units of a file that states its own."""
-    for flag, value in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px), ("--unit", units.unit or None)):
+    for field, value in (("fps", units.fps), ("mm_per_px", units.mm_per_px), ("unit", units.unit or None)):
         if value is not None:
             shown = value if isinstance(value, str) else f"{value:g}"
-            raise InputError(f"{flag} {shown}: {path} has its own {own}; leave it out")
+            raise InputError(f"‹{field}=›{shown}: {path} has its own {own}; leave it out")
 
 
 def _refuse_other_units(path: Path, source: Source, given: _Given) -> None:
@@ -139,7 +139,7 @@ def _refuse_other_units(path: Path, source: Source, given: _Given) -> None:
     ):
         named = source.named.get(what)
         if named and unit in known and named.unit in known and unit != named.unit:
-            raise InputError(f"--unit {unit}: {path} has its own {named.name} in {named.unit}; leave it out")
+            raise InputError(f"‹unit=›{unit}: {path} has its own {named.name} in {named.unit}; leave it out")
 
 
 def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, bool, tuple[str, ...]]:
@@ -152,7 +152,7 @@ def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[flo
     if times is None or not np.isfinite(times).any() or unit == "frame":
         return _rate(path, source, units), False, ()
     if frames and units.fps is not None:
-        told = () if named is None else (f"times are those of frames by --fps, not of {named.name}",)
+        told = () if named is None else (f"times are those of frames by ‹fps›, not of {named.name}",)
         return _rate(path, source, units), False, told
     assert named is not None
     if unit:
@@ -162,7 +162,7 @@ def _clock(path: Path, source: Source, units: Units, given: _Given) -> tuple[flo
     if counted:
         if units.fps is None:
             raise InputError(
-                f"{path}: {named.name} holds whole numbers without a unit; give --unit s (or ms), or --fps "
+                f"{path}: {named.name} holds whole numbers without a unit; give ‹unit=›s (or ms), or ‹fps› "
                 "where it counts frames"
             )
         return _rate(path, source, units), False, (f"{named.name} is taken to count frames",)
@@ -173,7 +173,7 @@ def _timed(
     path: Path, source: Source, units: Units, seconds: float, said: tuple[str, ...]
 ) -> tuple[float, bool, tuple[str, ...]]:
     if units.fps is not None:
-        raise InputError(f"--fps {units.fps:g}: {path} has its own {source.named['time'].name}; leave it out")
+        raise InputError(f"‹fps=›{units.fps:g}: {path} has its own {source.named['time'].name}; leave it out")
     return seconds, True, said
 
 
@@ -181,14 +181,14 @@ def _rate(path: Path, source: Source, units: Units) -> float:
     """Frames per second of a file that counts frames."""
     if units.fps is None:
         pixels = units.mm_per_px is None and source.named["x"].unit in ("", PIXEL) and not units.unit
-        more = " and pixels; give --fps and --mm-per-px (or --unit mm if these are mm)" if pixels else "; give --fps"
+        more = " and pixels; give ‹fps› and ‹mm_per_px› (or ‹unit=›mm if these are mm)" if pixels else "; give ‹fps›"
         raise InputError(f"{path}: counts frames{more}")
-    return _within("--fps", units.fps)
+    return _within("fps", units.fps)
 
 
-def _within(flag: str, value: float) -> float:
+def _within(field: str, value: float) -> float:
     if not LEAST_UNIT <= value <= LARGEST_UNIT:
-        raise InputError(f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
+        raise InputError(f"‹{field}=›{value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}")
     return value
 
 
@@ -202,19 +202,19 @@ def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[fl
     if unit in LENGTHS:
         if units.mm_per_px is not None:
             raise InputError(
-                f"--mm-per-px {units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave it out"
+                f"‹mm_per_px=›{units.mm_per_px:g}: {path} has its own {named.name} in {unit}; leave it out"
             )
-        told = "by --unit" if given.length else f"as {named.name} says"
+        told = "by ‹unit›" if given.length else f"as {named.name} says"
         return LENGTHS[unit], f"places are in {unit}, {told}"
     if units.mm_per_px is not None:
-        return _within("--mm-per-px", units.mm_per_px), ""
+        return _within("mm_per_px", units.mm_per_px), ""
     if unit == PIXEL or (by_frame and not unit):
         raise InputError(
-            f"{path}: counts pixels; give --mm-per-px, the millimetres per pixel (or --unit mm if x and y are in mm)"
+            f"{path}: counts pixels; give ‹mm_per_px›, the millimetres per pixel (or ‹unit=›mm if x and y are in mm)"
         )
     raise InputError(
-        f"{path}: {named.name} has no unit; give --unit mm (or cm, m, in), or --mm-per-px for pixels"
-        + ("; Pogotrack's files are in cm and degrees: --unit cm,deg" if "theta" in source.table.values else "")
+        f"{path}: {named.name} has no unit; give ‹unit=›mm (or cm, m, in), or ‹mm_per_px› for pixels"
+        + ("; Pogotrack's files are in cm and degrees: ‹unit=›cm,deg" if "theta" in source.table.values else "")
     )
 
 
@@ -229,7 +229,7 @@ def _angle(path: Path, source: Source, given: _Given) -> tuple[float, str]:
     if largest > TURN and _beyond_turns(source.table):
         raise InputError(
             f"{path}: {named.name} has no unit and reaches {words.number(largest, 4)}, more than a turn in radians; "
-            "give --unit deg or --unit rad (beside that of places: --unit mm,deg), or call it theta_deg or theta_rad"
+            "give ‹unit=›deg or ‹unit=›rad (beside that of places: ‹unit=›mm,deg), or call it theta_deg or theta_rad"
         )
     if largest > TURN:
         return 1.0, f"{named.name} is taken as radians, whole turns counted"
@@ -251,10 +251,10 @@ def _down(source: Source, units: Units) -> str:
     if source.y_down:
         return f"y counts rows downward, as {source.program} does: turned over"
     if units.y_down:
-        return "y counts rows downward, by --y-down: turned over"
+        return "y counts rows downward, by ‹y_down›: turned over"
     if source.program:
         return f"y grows upward, as in {source.program}"
-    return "y is taken to grow upward: for rows of a picture give --y-down, which turns the sign of turning"
+    return "y is taken to grow upward: for rows of a picture give ‹y_down›, which turns the sign of turning"
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:

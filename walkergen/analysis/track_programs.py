@@ -96,7 +96,7 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
     try:
         named = track_columns.of(names)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{path}: {error.text}") from None
     several = track_columns.pairs(names)
     if several and "x" not in named:
         if {*several} in track_columns.BOXES[("particle" not in named) :]:
@@ -152,7 +152,7 @@ def _number_anew(values: dict[str, Array], clusters: Array) -> str:
 
 def _warnings(program: str) -> tuple[str, ...]:
     if program == "TRex":
-        return ("TRex's cm are such only where its cm_per_pixel was set: else give --unit px and --mm-per-px",)
+        return ("TRex's cm are such only where its cm_per_pixel was set: else give ‹unit=›px and ‹mm_per_px›",)
     return ()
 
 

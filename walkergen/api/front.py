@@ -5,7 +5,7 @@
 
 import ast
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from inspect import Parameter, Signature, getdoc, getsourcefile
 from pathlib import Path
 from textwrap import indent
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
 from walkergen.commands import COMMANDS, request_of
+from walkergen.spelling import spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request
@@ -59,7 +60,8 @@ def function(name: str) -> Callable[..., Any]:
         progress = values.pop("progress", None)
         from walkergen.files.progress import silent
 
-        return request.asked(values).run(progress or silent)
+        with spelled_by(partial(request.as_arguments, given=values)):
+            return request.asked(values).run(progress or silent)
 
     call.__name__ = call.__qualname__ = name
     call.__module__ = "walkergen"

@@ -129,7 +129,7 @@ def refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
     The last comes with what helps, and says whether `trouble` draws it.
     """
-    mistaken = error if isinstance(error, InputError) else InputError(str(error))
+    mistaken = error if isinstance(error, InputError) else InputError(error.text)
     keys, remedies = mistaken.keys, mistaken.remedies
     texts = [line.removeprefix(f"{documents.SOURCE}: ") for line in mistaken.fault.splitlines()]
     mistakes: list[dict[str, Any]] = [

@@ -11,6 +11,7 @@ from walkergen.app import children, sentences
 from walkergen.app.document import SOURCE, Document
 from walkergen.errors import WalkergenError
 from walkergen.files.progress import stretch
+from walkergen.spelling import for_shell
 
 if TYPE_CHECKING:
     from walkergen.files.progress import Progress
@@ -37,7 +38,7 @@ def main() -> int:
         else:
             _simulate(document.design(), document.ground())
     except WalkergenError as error:
-        for line in str(error).splitlines():
+        for line in for_shell(error.text).splitlines():
             print(f"error: {line.removeprefix(f'{SOURCE}: ')}", file=sys.stderr)
         return 2
     return 0

@@ -129,7 +129,7 @@ def title(name: str) -> str:
 def plain(text: str) -> str:
     """Text without keys of files and flags of a shell: keys in words, clauses with a flag left out."""
     clauses = re.split(r"(?<=[;:,.]) ", text)
-    kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|`|walkergen ", clause)]
+    kept = [clause for clause in clauses if not re.search(r"(?<![\w-])--?[a-z][\w-]+|[`‹]|walkergen ", clause)]
     text = re.sub(r"[;:,]$", "", " ".join(kept or clauses))
     for key, menu in MENUS.items():
         text = text.replace(key, menu)

@@ -122,7 +122,7 @@ def _is_away(host: str) -> bool:
         return True
     if address.is_unspecified:
         raise InputError(
-            f"--host {host or repr(host)}: stands for every address of this machine: give the one "
+            f"‹host=›{host or repr(host)}: stands for every address of this machine: give the one "
             "that the other device shall call"
         )
     return not address.is_loopback
@@ -142,8 +142,8 @@ def _listening(host: str, port: int) -> socket.socket:
         listening.close()
         reason = getattr(error, "strerror", None) or "is no address"
         if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
-            advice = f"--port {port}: {reason}: give another port, or 0 for any that is free"
+            advice = f"‹port=›{port}: {reason}: give another port, or 0 for any that is free"
         else:
-            advice = f"--host {host[:80]}: {reason}: give an address of this machine, or none"
+            advice = f"‹host=›{host[:80]}: {reason}: give an address of this machine, or none"
         raise InputError(advice) from None
     return listening

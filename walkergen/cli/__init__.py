@@ -18,6 +18,7 @@ from walkergen.cli.layout import HELP_OPTIONS, Group
 from walkergen.commands import COMMANDS
 from walkergen.errors import OutputError, WalkergenError
 from walkergen.files import plain
+from walkergen.spelling import for_shell, spelled_by
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -99,7 +100,8 @@ def main(commands: typer.Typer | Callable[[], None] = command_line) -> None:
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
     # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    code = _run(commands, lost)
+    with spelled_by(for_shell):
+        code = _run(commands, lost)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
     if code == INTERRUPTED:
         streams.leave(INTERRUPTED)

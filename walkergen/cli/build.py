@@ -16,6 +16,7 @@ from walkergen.cli import show, streams
 from walkergen.cli.layout import Command, epilog
 from walkergen.files import words
 from walkergen.files.progress import silent
+from walkergen.spelling import spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request
@@ -69,18 +70,8 @@ def function(name: str, request: "type[Request]") -> Callable[..., None]:
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
         given = {field: value for field, value in values.items() if value not in (None, [])}
-        asked = request.asked(given, shell=True)
-        if not request.reports:
-            asked.run(silent)
-            streams.leave(0)  # what was being made for a page may take long, and nobody waits for it
-        with show.progress(name, wanted=not quiet, hear=asked.hear) as progress:
-            report = asked.run(progress)
-        assert report is not None
-        if not quiet:
-            show.notes(asked.notes)
-        show.report(report, json, quiet)
-        if report.code:
-            raise typer.Exit(report.code)
+        with spelled_by(request.as_flags):
+            _run(name, request.asked(given, shell=True), json, quiet)
 
     parameters = [_parameter(request, field) for field in request.model_fields]
     parameters += [
@@ -92,6 +83,20 @@ def function(name: str, request: "type[Request]") -> Callable[..., None]:
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     command.__doc__ = getdoc(request)
     return command
+
+
+def _run(name: str, asked: "Request", json: bool, quiet: bool) -> None:
+    """Run a request, show its report and exit with its code."""
+    if not asked.reports:
+        asked.run(silent)
+        streams.leave(0)  # what was being made for a page may take long, and nobody waits for it
+    with show.progress(name, wanted=not quiet, hear=asked.hear) as progress:
+        report = asked.run(progress)
+    assert report is not None
+    show.notes([] if quiet else asked.notes)
+    show.report(report, json, quiet)
+    if report.code:
+        raise typer.Exit(report.code)
 
 
 def _parameter(request: "type[Request]", field: str) -> Parameter:

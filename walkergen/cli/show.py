@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
+from walkergen.errors import spell
 from walkergen.files import plain
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
 def notes(lines: Sequence[str]) -> None:
     """Print what was read, on the error stream, a line each."""
     for line in lines:
-        print(f"note: {plain.plain(line)}", file=sys.stderr)
+        print(f"note: {plain.plain(spell(line))}", file=sys.stderr)
 
 
 def text(line: str) -> None:
@@ -82,10 +83,8 @@ def text(line: str) -> None:
 
 FIRST_S, NEXT_S = 5.0, 15.0
 """Time (s) after which a job first says how far it is, and then again, where there is no bar."""
-
 WORTH_TELLING_S = 2.0
 """Time (s) below which a job is over before anybody has read how long it will take."""
-
 
 HONEST = 0.05
 """Share that must be done before the time left is told by the pace."""
@@ -106,7 +105,7 @@ class Clock:
             return
         self._ends = time.monotonic() + expected.seconds
         if expected.seconds >= WORTH_TELLING_S:
-            note = f"; {expected.note}" if expected.note else ""
+            note = f"; {spell(expected.note)}" if expected.note else ""
             print(f"{self.title}: {_about(expected.seconds)}{note}", file=sys.stderr, flush=True)
 
     def note(self, done: int, total: int) -> None:

@@ -107,11 +107,11 @@ def check(path: Path) -> None:
     """Raise InputError when a file's suffix names no format, or one whose package is missing."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} "
+            f"‹trajectory=›{str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} "
             "(extended XYZ for OVITO, GSD for HOOMD-blue and OVITO)"
         )
     if path.suffix.lower() == ".gsd":
-        extras.require("crowd", f"--trajectory {str(path)[:80]!r}")
+        extras.require("crowd", f"‹trajectory=›{str(path)[:80]!r}")
 
 
 def writable() -> tuple[str, ...]:

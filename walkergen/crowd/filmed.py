@@ -50,7 +50,7 @@ class Asked(NamedTuple):
 
 def asked(dish: str, body: str | None, middle: str | None, others: Sequence[Path]) -> Asked:
     """Crowd from a person's words, as in "disc:120", "24x8", "60,60". Raises InputError."""
-    ground = dishes.parse(dish, "--dish")
+    ground = dishes.parse(dish, "‹dish›")
     return Asked(ground, _contours(body), _middle(middle), tuple(others))
 
 
@@ -93,7 +93,7 @@ def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
     """Film of a file of tracks, about the middle of the dish."""
     read = track_files.read(path, units)
     if read.lane:
-        raise InputError(f"--dish: {path} has walkers in a lane; a crowd runs on a plane")
+        raise InputError(f"‹dish›: {path} has walkers in a lane; a crowd runs on a plane")
     made = film.of_tracks(read, crowd.dish, crowd.contours)
     made = made._replace(x=made.x - crowd.middle[0], y=made.y - crowd.middle[1])
     seen = np.isfinite(made.x)
@@ -102,8 +102,8 @@ def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
         x, y = (round(0.5 * float(np.nanmin(part) + np.nanmax(part)), 3) for part in (made.x, made.y))
         centre = f"{x + crowd.middle[0]:.4g},{y + crowd.middle[1]:.4g}"
         raise InputError(
-            f"--dish {crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie beyond "
-            f"its walls; give --middle X,Y (mm), the place of its middle: that of the tracks is "
+            f"‹dish=›{crowd.dish.words}: {100 * beyond:.3g} % of the places in {path} lie beyond "
+            f"its walls; give ‹middle=›X,Y (mm), the place of its middle: that of the tracks is "
             f"{centre}"
         )
     return made
@@ -118,7 +118,7 @@ def _contours(body: str | None) -> tuple[Array, ...]:
         return tuple(seen_above.outline_of(templates.load(body, "walkers", Design)))
     if len(sizes) > 2 or not all(size is not None and LEAST <= size <= LARGEST for size in sizes):
         raise InputError(
-            f"--body {plain.line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
+            f"‹body=›{plain.line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
             f"disc, as 20, or a walker, mm, in {LEAST:g}..{LARGEST:g}"
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
@@ -134,6 +134,6 @@ def _middle(middle: str | None) -> tuple[float, float]:
         return 0.0, 0.0
     numbers = [words.value(word) for word in middle.split(",")]
     if len(numbers) != 2 or any(n is None or abs(n) > LARGEST for n in numbers):
-        raise InputError(f"--middle {plain.line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}")
+        raise InputError(f"‹middle=›{plain.line(middle)[:40]}: must be X,Y in mm, as 60,55, within ±{LARGEST:g}")
     x, y = (float(number or 0.0) for number in numbers)
     return x, y

@@ -93,7 +93,7 @@ def check(packing: float) -> None:
     """Refuse packings at which nobody knows whether cards hold. Raises InputError."""
     if round(packing, 2) > DENSEST:
         raise InputError(
-            f"packing {packing:.3g}: {TESTED}; take fewer walkers, a larger --arena, designs for cards or --write-only"
+            f"packing {packing:.3g}: {TESTED}; take fewer walkers, a larger ‹arena›, designs for cards or ‹write_only›"
         )
 
 

@@ -44,7 +44,7 @@ def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None,
     if total > MOST:
         raise InputError(
             f"{total} walkers: a crowd in space has at most {MOST}; of more of them take "
-            "--model flat, with a card of the walker (`walkergen crowd --card`)"
+            "‹model=›flat, with a card of the walker (`walkergen crowd --card`)"
         )
     return jobs.checked(Job(scene, tuple(kinds), rate_hz, "space"))
 

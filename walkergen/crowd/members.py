@@ -23,7 +23,7 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     """
     whole = columns.whole(value, MOST) if isinstance(value, str) else value
     if isinstance(whole, int) and not isinstance(whole, bool):
-        return check(whole, f"--count {whole}")
+        return check(whole, f"‹count=›{whole}")
     pairs: list[tuple[str, Any]] = []
     if isinstance(value, Mapping):
         pairs = [(str(name), count) for name, count in value.items()]
@@ -41,7 +41,7 @@ def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
     counts = dict(pairs)
     if len(counts) < len(pairs):
         raise ValueError("names a design twice; add its numbers up")
-    check(sum(counts.values()), f"--count {','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
+    check(sum(counts.values()), f"‹count=›{','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
     return counts
 
 

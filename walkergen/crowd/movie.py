@@ -67,15 +67,13 @@ class _Bodies(NamedTuple):
     drawn: PolyCollection
 
 
-def check(path: Path, source: str) -> None:
-    """Raise InputError, which begins with `source`, for a suffix that names no form, and for an MP4
-    without ffmpeg.
-    """
+def check(path: Path) -> None:
+    """Raise InputError for a suffix that names no form, and for an MP4 without ffmpeg."""
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise InputError(f"{source} {str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
+        raise InputError(f"‹movie=›{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
     if suffix == ".mp4" and animation.program() is None:
-        raise InputError(f"{source} {str(path)[:80]!r}: {animation.WITHOUT}; name a .gif instead")
+        raise InputError(f"‹movie=›{str(path)[:80]!r}: {animation.WITHOUT}; name a .gif instead")
 
 
 def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, progress: Progress) -> int:
@@ -84,7 +82,7 @@ def write(path: Path, film: CrowdFilm, title: str, colour: Colour, fps: int, pro
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
     MP4 a fifth of it. Raises InputError as `check` does.
     """
-    check(path, "movie")
+    check(path)
     suffix = path.suffix.lower()
     if suffix == ".png":
         output.write(path, still(film, title, colour))

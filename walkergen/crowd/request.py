@@ -108,9 +108,9 @@ class CrowdRequest(request.Request):
         """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
         if self.card:
             crowds = "count", "packing", "model", "rate_hz", "threads", "write_only", "movie"
-            self.refuse("is of a crowd, not of --card", *crowds)
+            self.refuse("is of a crowd, not of ‹card›", *crowds)
             return self._card(progress)
-        self.refuse("is for --card", "tracks", "fps", "mm_per_px", "unit", "y_down")
+        self.refuse("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
         return self._crowd(progress)
 
     def _crowd(self, progress: Progress) -> "Report":
@@ -121,12 +121,12 @@ class CrowdRequest(request.Request):
         from walkergen.points import expected
 
         if self.movie is not None:
-            crowd_movie.check(self.movie, "--movie")
+            crowd_movie.check(self.movie)
         counts = list(self.count.values()) if isinstance(self.count, dict) else None
         if counts is not None and self.design is not None:
-            raise InputError(f"--count {self.count}: names the designs: leave DESIGN out", "count")
+            raise InputError(f"‹count=›{self.count}: names the designs: leave ‹design› out", "count")
         total = sum(counts) if counts else self.count
-        given = self.inputs({} if total is None else {"scene.crowd.count": ("--count", total)})
+        given = self.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
         sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER]
         designs = [] if self._is_flat(sources) else self._designs(given, sources)
         ground = request.ground(self.scene, designs, request.PLANE)
@@ -164,7 +164,7 @@ class CrowdRequest(request.Request):
             name = sources[cards.index(True)]
             raise InputError(f"{name}: is a card, which model flat alone knows: give designs, or cards for all")
         if self.model == "flat" or self.write_only:
-            flag = "--model flat" if self.model == "flat" else "--write-only"
+            flag = "‹model=›flat" if self.model == "flat" else "‹write_only›"
             raise InputError(
                 f"{flag}: needs the card of {sources[0]}: `walkergen crowd {sources[0]} --card` writes one, "
                 "card.json; give its path in place of the design",
@@ -184,7 +184,7 @@ class CrowdRequest(request.Request):
         from walkergen.crowd import in_plane
         from walkergen.crowd.cards import card
 
-        why = "a card was measured with its own: make another card (--card)"
+        why = "a card was measured with its own: make another card (‹card›)"
         self.refuse(why, "tilt", "legs")
         settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]
         given.refuse([*settled, "scene.run.step_us"], f"{why}, or leave it out")
@@ -209,7 +209,7 @@ class CrowdRequest(request.Request):
         scene = given.scene(request.ground(self.scene, [walker], request.PLANE))
         asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
         if self.tracks is None:
-            self.refuse("is for --tracks of a film", "fps", "mm_per_px", "unit", "y_down")
+            self.refuse("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
             result = make.of_design(scene, walker, self.arena is not None, progress)
             return make.write(result, asked, self.out or make.folder_of(walker), self.pictures)
         self.refuse("a film tells nothing of walls", "arena")

@@ -109,13 +109,13 @@ def checked(job: Job) -> Job:
     """Return a job. Raises InputError for kinds of one name, an accepted error, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
-        raise InputError(f"--count: two designs are called {max(names, key=names.count)!r}: rename one")
+        raise InputError(f"‹count›: two designs are called {max(names, key=names.count)!r}: rename one")
     run = job.scene.run
     simplest.refuse(job.scene, "is of one walker's speed, and a crowd has all that its scene calls for")
     if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
         raise InputError(
-            f"--rate-hz {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
-            "of a run at least: raise --rate-hz or --seconds"
+            f"‹rate_hz=›{job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
+            "of a run at least: raise ‹rate_hz› or ‹seconds›"
         )
     check(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
     return job

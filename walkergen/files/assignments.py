@@ -24,11 +24,11 @@ def split(text: str) -> tuple[str, str]:
     key, sign, value = (part.strip() for part in text.partition("="))
     if len(text) > MOST_LETTERS:
         raise InputError(
-            f"--set {text[:60]!r}...: {len(text)} letters; at most {MOST_LETTERS}: write long values into the TOML file"
+            f"‹set› {text[:60]!r}...: {len(text)} letters; at most {MOST_LETTERS}: write long values into the TOML file"
         )
     if not sign or not value or not KEY.fullmatch(key):
         raise InputError(
-            f"--set {text[:60]!r}: write KEY=VALUE with a key of the TOML file, as in "
+            f"‹set› {text[:60]!r}: write KEY=VALUE with a key of the TOML file, as in "
             "legs.tilt_deg=12, legs[2].friction=0.1 or scene.drive.gamma=2.2"
         )
     return re.sub(r"\[0+(?=[0-9])", "[", key), value
@@ -44,8 +44,8 @@ def value_of(text: str) -> Any:
     except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
-                f"--set ...={text[:60]!r}: no list or table of TOML, in which words have "
-                f"quotes; in a shell quote all: --set 'family.legs=[\"braced\"]'"
+                f"‹set› ...={text[:60]!r}: no list or table of TOML, in which words have "
+                f"quotes; in a shell quote all: ‹set› 'family.legs=[\"braced\"]'"
             ) from None
         return text
     return data["value"] if len(data) == 1 else text
@@ -61,7 +61,7 @@ def check(key: str, model: type[Section], source: str, prefix: str = "") -> None
         raise InputError(f"{source}: {reason}")
 
 
-def read(path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:
+def read(path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
     """Contents of a TOML file in which these keys have other values, as if they stood in it.
 
     Files that values name are found from the folder that walkergen runs in. Raises InputError, or
@@ -72,7 +72,7 @@ def read(path: Path, model: type[Model], values: Mapping[str, Any], source: str 
 
 
 def with_data(
-    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set", prefix: str = ""
+    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "‹set›", prefix: str = ""
 ) -> tuple[Model, dict[str, Any]]:
     """As `read`, with the data that the contents were validated from, for `assigned`."""
     data, text = contents(path, model)
@@ -95,11 +95,11 @@ def _mended(
     try:
         return assigned(model.model_construct(), data, values, source, prefix)
     except InputError as other:
-        alone, beside = ([line.partition(": ")[2] for line in str(each).splitlines()] for each in (error, other))
+        alone, beside = ([line.partition(": ")[2] for line in each.text.splitlines()] for each in (error, other))
         raise (error if alone == beside else other) from None
 
 
-def changed(section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = "") -> Model:
+def changed(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
     """Validated copy of a file's contents with other values of these keys.
 
     Raises InputError, or GeometryError, with a line for every mistake, which begins with `source`
@@ -120,7 +120,7 @@ def assigned(section: Model, data: dict[str, Any], values: Mapping[str, Any], so
         try:
             _put(data, key.split("."), _plain(value))
         except InputError as error:
-            raise InputError(f"{source}: {prefix}{key}: {error}", prefix + key) from None
+            raise InputError(f"{source}: {prefix}{key}: {error.text}", prefix + key) from None
     return validate(section.without_stale_keys(data, values), type(section), source, prefix=prefix)
 
 

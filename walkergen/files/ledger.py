@@ -96,7 +96,7 @@ def _locked(path: Path) -> int:
             if not lock(file):
                 raise InputError(
                     f"{str(path.parent)!r}: another walkergen writes there; wait for it, or give "
-                    "another folder by --out"
+                    "another folder by ‹out›"
                 )
             with contextlib.suppress(FileNotFoundError):  # its last user has just removed it
                 if os.path.samestat(os.fstat(file), path.lstat()):

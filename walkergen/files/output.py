@@ -28,7 +28,7 @@ LEDGER = ".walkergen"
 LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 TEMPORARY = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
-NOT_OURS = "not as walkergen wrote it: left alone; move it away, or give another --out"
+NOT_OURS = "not as walkergen wrote it: left alone; move it away, or give another ‹out›"
 MOST_SEALED = 500_000_000
 """Largest file that can be sealed, bytes."""
 
@@ -126,7 +126,7 @@ def _is_empty(status: os.stat_result) -> bool:
 def refused(path: Path, error: Exception) -> OutputError:
     """Error, in words, for a file or folder that the system does not let us write."""
     reason = getattr(error, "strerror", None) or str(error)
-    return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another --out")
+    return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another ‹out›")
 
 
 GROWING = "growing"
@@ -313,7 +313,7 @@ def _files_of(facts: dict[str, Any]) -> dict[str, str]:
 
 
 def _distrusted(path: Path, why: str) -> OutputError:
-    return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another --out")
+    return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another ‹out›")
 
 
 def _is_inside(folder: Path, name: str) -> bool:

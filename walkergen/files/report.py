@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from walkergen.errors import InputError
+from walkergen.errors import InputError, spell, spell_all
 from walkergen.files import tables, words
 
 if TYPE_CHECKING:
@@ -114,21 +114,21 @@ class Table:
     def __iter__(self) -> Iterator[dict[str, Any]]:
         """Rows, each with its values by the keys."""
         for row in self.rows:
-            yield dict(zip(self.keys, row, strict=True))
+            yield dict(zip(self.keys, spell_all(tuple(row)), strict=True))
 
     def __getitem__(self, key: str) -> "npt.NDArray[Any]":
         """Values of a key, None as NaN among numbers. Raises KeyError that names the keys."""
         if key not in self.keys:
             raise KeyError(f"no column {key!r}; columns: {', '.join(self.keys)}")
         at = list(self.keys).index(key)
-        return array_of([row[at] for row in self.rows])
+        return array_of([spell_all(row[at]) for row in self.rows])
 
     def __repr__(self) -> str:
         return f"<{self.title or 'table'}: {len(self)} rows of {', '.join(self.keys)}>"
 
     def csv(self) -> str:
         """Comma-separated values with every digit."""
-        return tables.csv_text(self.keys, self.rows)
+        return spell(tables.csv_text(self.keys, self.rows))
 
     def rich(self, markdown: bool = False) -> "RichTable":
         """Table for the terminal, or one to be made Markdown of; without headings no header."""
@@ -149,14 +149,14 @@ class Table:
             justify: Literal["left", "right"] = "right" if column.right else "left"
             made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
         for row in self._read():
-            made.add_row(*(literally(column.cell(row)) for column in columns))
+            made.add_row(*(literally(spell(column.cell(row))) for column in columns))
         return made
 
     def below(self, markdown: bool = False) -> list[str]:
         """Lines below the table: what its columns mean, each that is seen, and its notes."""
         meanings = dict.fromkeys(column.meaning for column in self._seen(markdown))
         legend = "; ".join(filter(None, meanings))
-        return [*([legend] if legend else []), *self.notes]
+        return [*([spell(legend)] if legend else []), *map(spell, self.notes)]
 
     def _seen(self, markdown: bool) -> list[Column]:
         """Columns of a page, or those that a terminal has room for."""
@@ -166,7 +166,7 @@ class Table:
         """Lines of text: rows of names and values as they are, of other tables their number."""
         if not self.columns or any(column.heading for column in self.columns):
             return [f"{self.name}: {len(self)} rows"]
-        return [": ".join(column.cell(row) for column in self.columns) for row in self._read()]
+        return [spell(": ".join(column.cell(row) for column in self.columns)) for row in self._read()]
 
     def _read(self) -> Sequence[Any]:
         """Rows that people read."""
@@ -190,7 +190,7 @@ class Table:
             for row in self._read()[:MOST_SHOWN]
         ]
         head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
-        body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+        body = "".join("<tr>" + "".join(f"<td>{escape(spell(cell))}</td>" for cell in row) + "</tr>" for row in rows)
         more = len(self._read()) - MOST_SHOWN
         notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
@@ -255,6 +255,11 @@ class Report:
     code: int = 0
     """Exit code of a command that shows this: 130 where it was interrupted."""
 
+    def __post_init__(self) -> None:
+        """Spell the fields that texts name."""
+        for name in ("caption", "lines", "warnings", "errors", "facts"):
+            object.__setattr__(self, name, spell_all(getattr(self, name)))
+
     @property
     def table(self) -> Table:
         """First of the tables."""
@@ -318,8 +323,7 @@ class Report:
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
-        told = [line for table in self.tables for line in table.in_short()]
-        return "\n".join([self.title, *told, *self._said()])
+        return "\n".join([self.title, *(line for one in self.tables for line in one.in_short()), *self._said()])
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]

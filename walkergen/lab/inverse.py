@@ -82,18 +82,18 @@ class Answer(NamedTuple):
 
 
 def measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
-    """Measured number as the options --measured and --measured-sd give it; None without. Raises InputError.
+    """Measured number with its standard error, as a request gives them; None without. Raises InputError.
 
     Both must be at least LEAST and at most `most`.
     """
     if value is None and sd is None:
         return None
-    options = (("--measured", value), ("--measured-sd", sd))
+    options = (("measured", value), ("measured_sd", sd))
     for (name, number), (other, missing) in (options, options[::-1]):
         if missing is None:
-            raise InputError(f"{name} {number:g}: needs {other} as well, the number's standard error")
+            raise InputError(f"‹{name}=›{number:g}: needs ‹{other}› as well, the number's standard error")
         if number is not None and not LEAST <= number <= most:
-            raise InputError(f"{name} {number:g}: must be >= {LEAST:g} and <= {most:g}")
+            raise InputError(f"‹{name}=›{number:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
     return Measured(Quantity("measured", "", float(value), float(sd)), tries)

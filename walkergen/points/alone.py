@@ -61,9 +61,9 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     """Refuse groups that do not go with a model. Raises InputError."""
     for name in ("persistence", "alignment", "impacts"):
         if name in keep and model == PREDICTION:
-            raise InputError(f"--keep {name}: needs a simulation: --model space")
+            raise InputError(f"‹keep=›{name}: needs a simulation: ‹model=›space")
     if "printability" in keep and printer is None:
-        raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
+        raise InputError("‹keep=›printability: needs a printer: ‹printer=›prusa-mk3s")
 
 
 def title(model: str) -> str:
@@ -109,7 +109,7 @@ def evaluate(point: Point) -> Record:
         else:
             record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
             if row.speed_mm_s is None:
-                record |= went(Went.OK, f"{row.note}: --model space")
+                record |= went(Went.OK, f"{row.note}: ‹model=›space")
         record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             record |= {name: getattr(row, name.replace("predicted", "speed")) for name in MORE["spread"]}

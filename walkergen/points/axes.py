@@ -78,7 +78,7 @@ class Space(NamedTuple):
 def parse(text: str) -> Axis | Span:
     """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
     key, value = assignments.split(text)
-    return of_text(key, value, f"--set {text[:60]!r}")
+    return of_text(key, value, f"‹set› {text[:60]!r}")
 
 
 def of_text(key: str, value: str, source: str) -> Axis | Span:
@@ -135,7 +135,7 @@ def check(axes: Sequence[Axis | Span]) -> None:
     keys = [entry.key for entry in axes]
     for key in keys:
         if keys.count(key) > 1:
-            raise InputError(f"--set {key}: given {keys.count(key)} times; write its values once")
+            raise InputError(f"‹set› {key}: given {keys.count(key)} times; write its values once")
 
 
 def _split(text: str) -> list[str]:

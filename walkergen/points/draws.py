@@ -74,7 +74,7 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     few runs end well.
     """
     if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
-        raise InputError(f"--draws {draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
+        raise InputError(f"‹draws=›{draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
     drawn = simulated(scene, design, draws, progress)
     result = analyse(drawn.inputs, drawn.values, drawn.halves, drawn.outcomes, scene.run.seed)
     ends = widened(result.bounds_mm_s, result.speed_mm_s, drawn.by_step_mm_s)
@@ -103,7 +103,7 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     inputs = uncertain.inputs(scene, design, uncertain.SPACE)
     if not inputs:
         raise InputError(
-            "--uncertain: design and scene have no standard deviation above 0 that a simulation "
+            "‹uncertain›: design and scene have no standard deviation above 0 that a simulation "
             "reads; set one, for instance contact.restitution_sd"
         )
     values = uncertain.draws(inputs, draws, scene.run.seed)
@@ -112,7 +112,7 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
     if good.sum() < FEWEST_DRAWS:
         raise InputError(
-            f"--uncertain: {good.sum()} of {draws} runs ended well, {FEWEST_DRAWS} are needed; "
+            f"‹uncertain›: {good.sum()} of {draws} runs ended well, {FEWEST_DRAWS} are needed; "
             "`simulate` without it says how they end"
         )
     halves = np.array([_halves(point) for point, well in zip(points, good, strict=True) if well])

@@ -74,7 +74,7 @@ class Kind(Protocol):
 def kind_of(model: str) -> str:
     """Kind of the points of a model. Raises InputError for a model that is not known."""
     if model not in EVERY:
-        raise InputError(f"--model {model[:30]!r}: must be one of {', '.join(EVERY)}")
+        raise InputError(f"‹model=›{model[:30]!r}: must be one of {', '.join(EVERY)}")
     return ALONE if model in MODELS else model
 
 
@@ -88,7 +88,7 @@ def named(kind: str) -> Kind:
     try:
         return cast(Kind, import_module(KINDS[kind]))
     except ModuleNotFoundError as error:
-        raise InputError(f"--model {kind}: {error.name} is not installed: pip install 'walkergen[{kind}]'") from error
+        raise InputError(f"‹model=›{kind}: {error.name} is not installed: pip install 'walkergen[{kind}]'") from error
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
@@ -96,7 +96,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     kind = named(kind_of(model))
     for name in keep:
         if name not in kind.GROUPS:
-            raise InputError(f"--keep {name[:30]!r}: must be one of {', '.join(kind.GROUPS)}")
+            raise InputError(f"‹keep=›{name[:30]!r}: must be one of {', '.join(kind.GROUPS)}")
     kind.check(keep, model, printer)
 
 

@@ -75,7 +75,7 @@ def went(how: Went, words: str = "") -> Record:
 
 def refused(error: WalkergenError) -> Record:
     """Record of a point that cannot be built or simulated."""
-    reason = " ".join(str(error).split())[:300]
+    reason = " ".join(error.text.split())[:300]
     return went(Went.REFUSED, f"{Went.REFUSED}: {reason}") | {REASON: reason}
 
 

@@ -47,13 +47,13 @@ class Request(NamedTuple):
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
         kinds.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
-            raise InputError(f"--error {self.wanted}: the prediction has no runs: --model space")
+            raise InputError(f"‹error=›{self.wanted}: the prediction has no runs: ‹model=›space")
         if self.wanted is not None and not self.kind.MEETS_ERRORS:
-            raise InputError(f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs")
+            raise InputError(f"‹error=›{self.wanted}: is of the speed of one walker: set scene.run.runs")
         for key in self.space.keys:
-            check(key, f"--set {key}")
+            check(key, f"‹set› {key}")
             if kinds.kind_of(self.model) == ALONE:
-                check_alone(key, f"--set {key}")
+                check_alone(key, f"‹set› {key}")
         for axis in self.space.axes:
             for value in axis.values:
                 if isinstance(value, (str, bool, list, dict)):
@@ -70,7 +70,7 @@ class Request(NamedTuple):
     def _check_form(self, key: str, value: Any) -> None:
         """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
         try:
-            changed(self.design, self.scene, {key: value}, "--set", self.data)
+            changed(self.design, self.scene, {key: value}, "‹set›", self.data)
         except GeometryError:  # of parts that cannot be built: with other values of other keys they may
             return
         except InputError as error:
@@ -121,7 +121,7 @@ def changed(
     design: Design,
     scene: Scene,
     values: Mapping[str, Any],
-    source: str = "--set",
+    source: str = "‹set›",
     data: Mapping[str, Any] | None = None,
 ) -> tuple[Design, Scene]:
     """Design and scene with other values of dotted keys; those of the scene begin with "scene.".

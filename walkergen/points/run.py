@@ -25,7 +25,7 @@ MOST_AHEAD = 4096
 
 ENDED = (
     "a worker process ended at once, as when the memory is full: what was finished is "
-    "kept; the same command goes on, with fewer --workers ({})"
+    "kept; the same command goes on, with fewer ‹workers› ({})"
 )
 
 Asked = Point | Record

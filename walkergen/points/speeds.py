@@ -43,7 +43,7 @@ def predict(
         record = short.kept(walker) or (None if model == "known" else short.simulated(walker, progress))
         if record is None:
             return prediction.row_of(
-                design, mass, scene, mode, None, f"to be simulated by predict or --simulate: {reason}"
+                design, mass, scene, mode, None, f"to be simulated by predict or ‹simulate›: {reason}"
             )
         left_out = f"; left out: {record['left_out']}" if record["left_out"] else ""
         falls, note = float(record["falls"] or 0.0), f"simulated, since {reason}{left_out}"

@@ -25,9 +25,9 @@ def parse(text: str) -> Tolerance:
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
     value = words.value(text.rstrip(" ").removesuffix(unit))
     if not unit or value is None or value <= 0.0:
-        raise InputError(f"--error {text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
+        raise InputError(f"‹error=›{text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
     relative = unit == "%"
     low, high = UNITS[unit]
     if not low <= value <= high:
-        raise InputError(f"--error {text[:30]!r}: must lie in {low:g}..{high:g} {unit}")
+        raise InputError(f"‹error=›{text[:30]!r}: must lie in {low:g}..{high:g} {unit}")
     return Tolerance(0.01 * value if relative else value, relative)

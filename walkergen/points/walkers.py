@@ -111,13 +111,13 @@ def to_error(
     contradicts itself or the design, and for an observable that no run gives, or that the step does not resolve.
     """
     if of not in observables.NAMES:
-        raise InputError(f"--of {of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
+        raise InputError(f"‹of=›{of[:60]!r}: must be one of {', '.join(observables.NAMES)}")
     if of != SPEED and not wanted.relative:
-        raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
+        raise InputError(f"‹error=›{wanted}: only a mean speed is in mm/s; write a share: 5%")
     until = error_of_speed(wanted, walker.shaken) if of == SPEED else Error(wanted, of)
     results = _short(walker, Told(until, expect), progress, threads)
     if results.step_errors[of].error is None:
-        raise InputError(f"--error {wanted}: {of} is {results.step_errors[of].reason}")
+        raise InputError(f"‹error=›{wanted}: {of} is {results.step_errors[of].reason}")
     value = results.summary.speed_mm_s if of == SPEED else results.values[of]
     return Met(results, of, _half_width(results, of), until.allowed(value))
 

@@ -47,7 +47,7 @@ def local(workers: int | None = None) -> Iterator[WorkerPool]:
     """Processes of this machine, one for each core by default; ended whatever happens."""
     count = cores() if workers is None else workers
     if not 1 <= count <= MOST_WORKERS:
-        raise InputError(f"--workers {count}: must lie in 1..{MOST_WORKERS}")
+        raise InputError(f"‹workers=›{count}: must lie in 1..{MOST_WORKERS}")
     context = multiprocessing.get_context("spawn")
     executor = ProcessPoolExecutor(count, mp_context=context, initializer=begin)
     try:
@@ -96,7 +96,7 @@ def dask(address: str) -> Iterator[WorkerPool]:
     Raises InputError when dask is not installed, the scheduler is not reached, there is no worker,
     or a worker has another version of walkergen, or none.
     """
-    extras.require("cluster", "--dask")
+    extras.require("cluster", "‹dask›")
     from distributed import Client
 
     host, port = _place(address)
@@ -105,11 +105,11 @@ def dask(address: str) -> Iterator[WorkerPool]:
         client = Client(f"tcp://{host}:{port}", timeout=ANSWER_S, set_as_default=False)
     except Exception as error:  # of what answers nonsense dask raises anything
         reason = str(error).partition("\n")[0][:200] or "no answer"
-        raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {reason}") from None
+        raise InputError(f"‹dask=›{address[:80]!r}: no scheduler answers there: {reason}") from None
     try:
         threads = client.nthreads()
         if not threads:
-            raise InputError(f"--dask {address[:80]!r}: the scheduler has no worker; start some")
+            raise InputError(f"‹dask=›{address[:80]!r}: the scheduler has no worker; start some")
         check(_digests(client))
         yield WorkerPool(client.get_executor(pure=False, retries=3), sum(threads.values()))
     finally:
@@ -121,7 +121,7 @@ def _place(address: str) -> tuple[str, int]:
     scheme, _, rest = address.rpartition("://")
     host, _, port = rest.rpartition(":")
     if scheme not in ("", "tcp") or not host or not re.fullmatch("[0-9]{1,5}", port):
-        raise InputError(f"--dask {address[:80]!r}: write tcp://HOST:PORT, the scheduler's address")
+        raise InputError(f"‹dask=›{address[:80]!r}: write tcp://HOST:PORT, the scheduler's address")
     return host, int(port)
 
 
@@ -163,6 +163,6 @@ def check(digests: dict[str, str]) -> None:
         if reply != digest():
             what = "another version of walkergen" if len(reply) == 16 else reply[:120]
             raise InputError(
-                f"--dask: worker {worker} has {what}, this machine {digest()}: install the same "
+                f"‹dask›: worker {worker} has {what}, this machine {digest()}: install the same "
                 f"walkergen there, for Python {sys.version_info.major}.{sys.version_info.minor}"
             )

@@ -158,7 +158,7 @@ def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[
             places = " and ".join(_shown(piece.mean(axis=0)) for piece in pieces[:2])
             raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
     except GeometryError as error:
-        raise type(error)(f"{source}: {error}") from None
+        raise type(error)(f"{source}: {error.text}") from None
     every = np.vstack(pieces)
     middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
     return [

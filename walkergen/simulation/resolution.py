@@ -53,7 +53,7 @@ TURNING = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
     "at one setting of 14 twice as large"
 )
-COARSE = "not resolved by this step: --step {own:.2g} or less is"
+COARSE = "not resolved by this step: ‹step=›{own:.2g} or less is"
 
 
 class StepError(NamedTuple):

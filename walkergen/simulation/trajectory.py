@@ -32,8 +32,8 @@ def check(scene: Scene, interval: float, runs: int = 1) -> None:
     wanted = runs * scene.run.seconds / interval
     if wanted > MOST_SAMPLES:
         what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
-        fewer = "" if runs == 1 else ", --runs"
-        raise InputError(f"{what} of {wanted:.3g} samples; at most {MOST_SAMPLES}: lower --rate-hz{fewer} or --seconds")
+        fewer = "" if runs == 1 else ", ‹runs›"
+        raise InputError(f"{what} of {wanted:.3g} samples; at most {MOST_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
 
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:

@@ -190,7 +190,7 @@ class Design(WalkerSpec):
         if self.weighed.leg_mass_g is not None and chosen not in ([self.kind], [None]):
             raise GeometryError(
                 f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg; "
-                f"make one kind only (--legs {self.kind}) or remove the key"
+                f"make one kind only (‹legs=›{self.kind}) or remove the key"
             )
         variants: list[Design] = []
         problems: dict[str, list[str]] = {}
@@ -199,7 +199,7 @@ class Design(WalkerSpec):
                 try:
                     variants.append(self.variant(tilt_deg=tilt, kind=kind))
                 except GeometryError as error:
-                    for line in str(error).splitlines():
+                    for line in error.text.splitlines():
                         problems.setdefault(line, []).append(f"{tilt:g}")
         if problems:
             raise GeometryError(

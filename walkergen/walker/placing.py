@@ -163,7 +163,7 @@ def find_placement(body_key: str, legs_key: str) -> Placement:
     try:
         return _placed(body, legs)
     except GeometryError as error:
-        mistake = UnplacedError(f"legs.place: {error}", "legs.place", helps=partial(_remedies, body_key, legs_key))
+        mistake = UnplacedError(f"legs.place: {error.text}", "legs.place", helps=partial(_remedies, body_key, legs_key))
         mistake.body, mistake.legs = body, legs
         raise mistake from None
 

@@ -122,11 +122,11 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
                 for quantity, value in values.items():
                     masses[part][quantity].append(value)
         except InputError as error:
-            problems.append(f"{path}:{line}: {error}")
+            problems.append(f"{path}:{line}: {error.text}")
     if problems:
         raise InputError("\n".join(problems))
     if others and not masses:
-        raise InputError(f"{path}: no masses of the walkers of --tilt and --legs, only of others")
+        raise InputError(f"{path}: no masses of the walkers of ‹tilt› and ‹legs›, only of others")
     if not masses:
         raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
     return {
@@ -295,7 +295,7 @@ def _part_of(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> 
     listed = list(dict.fromkeys(parts.values()))
     near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
     hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(listed[:3])} ..."
-    raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
+    raise InputError(f"part {name[:60]!r} is not among those of ‹tilt› and ‹legs›; {hint}")
 
 
 def _another(name: str, members: Sequence[Design]) -> bool:

@@ -88,7 +88,7 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
     }
     for what, number in needed.values():
         if number.value is None:
-            raise InputError(f"the {what} is not known: {number.refused}; --runs 16, or more tracks")
+            raise InputError(f"the {what} is not known: {number.refused}; ‹runs=›16, or more tracks")
     numbers: dict[str, Any] = {
         field: _known(field, number, motion.runs)
         for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]

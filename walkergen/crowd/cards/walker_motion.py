@@ -77,7 +77,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Prog
     if scene.arena.kind != "plane":
         raise InputError(
             f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
-            f"--scene {PLANE}, or --set scene.arena.kind=plane"
+            f"‹scene=›{PLANE}, or ‹set› scene.arena.kind=plane"
         )
     own, ended = _runs(scene, design, mass, progress)
     note = (

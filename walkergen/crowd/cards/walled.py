@@ -43,7 +43,7 @@ class Walled(NamedTuple):
 def check(dish: Dish) -> None:
     """Raise InputError for a dish without walls."""
     if dish.kind == "periodic":
-        raise InputError(f"--arena {dish.words}: has no walls; give disc:120 or ring:160,60")
+        raise InputError(f"‹arena=›{dish.words}: has no walls; give disc:120 or ring:160,60")
 
 
 def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Quantity, progress: Progress) -> Walled:
@@ -57,7 +57,7 @@ def simulated(scene: Scene, design: Design, mass: MassProperties, speed: Quantit
     place = 0.5 * dish.sizes[0] - reach - FREE_MM - max(speed.number, 0.0) * LANDED_S
     within = 0.5 * dish.sizes[1] if dish.kind == "ring" else -0.5 * dish.sizes[0]
     if place - reach < within or min(dish.box) < 2.0 * (reach + FREE_MM):
-        raise InputError(f"--arena {dish.words}: too small for a walker that reaches {reach:.3g} mm: give a larger one")
+        raise InputError(f"‹arena=›{dish.words}: too small for a walker that reaches {reach:.3g} mm: give a larger one")
     seconds = min(scene.run.seconds, LONGEST_S)
     kept = scene.run.model_copy(update={"discard_seconds": LANDED_S, "seconds": seconds})
     scene = scene.model_copy(update={"run": kept})

@@ -34,7 +34,7 @@ def read(path: Path, walkers: int, frames: int) -> Frames:
                 if numbers is None:
                     raise OutputError(
                         f"{str(path)!r}: ends in frame {frame + 1} of {frames}: was the disk full? "
-                        "Free space, or lower --rate-hz"
+                        "Free space, or lower ‹rate_hz›"
                     )
                 steps[frame], poses[frame] = numbers
     except OSError as error:

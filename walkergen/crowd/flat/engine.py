@@ -169,13 +169,13 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     reasons = [found[0] for found in map(ERROR.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
-        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower --rate-hz")
+        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower ‹rate_hz›")
     if reason:
         return InputError(f"LAMMPS gave up: {reason}")
     if code < 0:
         named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
         if named == "SIGXFSZ":
-            return OutputError("LAMMPS could not write its dump: the file is too large; lower --rate-hz")
+            return OutputError("LAMMPS could not write its dump: the file is too large; lower ‹rate_hz›")
         return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 
@@ -213,8 +213,8 @@ def _installed() -> Engine:
         if program:
             environment = {**os.environ, "OMP_NUM_THREADS": "1"}
             return Engine(program, environment, shutil.which("mpirun"))
-    extras.require("crowd", "--model flat")
-    raise InputError(f"--model flat: LAMMPS has no program `lmp` here; {_advice()}")
+    extras.require("crowd", "‹model=›flat")
+    raise InputError(f"‹model=›flat: LAMMPS has no program `lmp` here; {_advice()}")
 
 
 def _launcher(engine: Engine, ranks: int) -> str:

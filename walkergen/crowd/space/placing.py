@@ -202,5 +202,5 @@ def _too_dense(count: int, packing: float, reached: float | None) -> InputError:
     dense = "" if reached is None else f" beyond {reached:.2f} at most"
     return InputError(
         f"crowd.packing = {packing:.2f}: {number} no room{dense} in this dish; give fewer "
-        "(--count, --packing), or a larger dish (--arena)"
+        "(‹count›, ‹packing›), or a larger dish (‹arena›)"
     )

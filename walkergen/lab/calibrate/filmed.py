@@ -47,7 +47,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     if moving > 1:
         raise InputError(
             f"{name}: {moving} tracks that move: must be one, of the part that slides: cut the "
-            "film by track --frames and --region"
+            "film by track ‹frames› and ‹region›"
         )
     times, places = seen[int(ways.argmax())]
     if len(times) < FEWEST:
@@ -58,7 +58,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
     if abs(change) > max(STEADY * along, SURE * change_error):
         raise InputError(
             f"{name}: the friction seems to change by {abs(change) / along:.2g} along the way: "
-            "does the film begin before the slide, or go on after it? Cut it by track --frames"
+            "does the film begin before the slide, or go on after it? Cut it by track ‹frames›"
         )
     value = math.tan(angle) - gained / along
     by_angle = (1.0 - gained / GRAVITY * math.sin(angle)) / math.cos(angle) ** 2 * angle_error

@@ -82,7 +82,7 @@ def _bent(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: 
     notes += specimens.notes(rough, material.youngs_modulus_gpa)
     chosen = strips if job.by == "both" else specimens.only(strips, job.by)
     if not chosen:
-        raise InputError(f"--by {job.by}: no strip has readings of that kind")
+        raise InputError(f"‹by=›{job.by}: no strip has readings of that kind")
     fit, points = modulus.fit(chosen, density), modulus.points(strips, density)
     return Bent(fit, points, job.by, modulus.ring_over_bend(strips, density), modulus.offset(strips, density))
 
@@ -146,7 +146,7 @@ def _on_strips(bent: Bent) -> list[str]:
         )
         notes.append(
             f"the ring tells {excess:+.0f} ± {sd:.0f} % against the weights: "
-            f"{cause}; legs swing as fast as the ring or faster: --by ring takes it alone"
+            f"{cause}; legs swing as fast as the ring or faster: ‹by=›ring takes it alone"
         )
     if (offset := bent.offset) is not None and offset.within(0.0, 0.0) is Verdict.DISAGREE:
         added, sd = offset.pair
@@ -199,6 +199,6 @@ def _missing(
         notes.append("no flight_s of the walker: no restitution")
     elif drop is None:
         notes.append(
-            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or flatter (--roll-deg)"
+            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or flatter (‹roll_deg›)"
         )
     return notes

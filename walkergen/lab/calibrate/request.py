@@ -111,7 +111,7 @@ class CalibrateRequest(request.Request):
         if self.plate is not None:
             return self._shaken(self.plate)
         if self.what is None:
-            raise InputError("WHAT: name a filled form, plate or drop; or --plate FILE", "what")
+            raise InputError("‹what›: name a filled form, plate or drop; or ‹plate=›FILE", "what")
         what = self.what if self.what in ("drop", "plate") else WHOLE
         for field, owners in OWN.items():
             if what not in owners:
@@ -131,7 +131,7 @@ class CalibrateRequest(request.Request):
         from walkergen.lab.calibrate import make, shaken
         from walkergen.lab.report import written
 
-        self.refuse("is not of --plate", "what", *(name for name in OWN if name != "scene"))
+        self.refuse("is not of ‹plate›", "what", *(name for name in OWN if name != "scene"))
         given = self.inputs()
         job = make.Job(given.one(self.design, self.tilt, self.legs), given.scene(self.scene), 0.0, 2, self.pictures)
         report = shaken.calibrate(path, job.design, job.scene, output.results(path, self.out, "calibrate"))
@@ -168,7 +168,7 @@ class CalibrateRequest(request.Request):
         from walkergen.lab.calibrate.make import Job
 
         if self.movie is not None and self.movie.suffix.lower() != ".gif":
-            told = f"--movie {str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
+            told = f"‹movie=›{str(self.movie)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "movie")
         walker = given.one(self.design, self.tilt, self.legs)
         seen = inverse.measured(self.measured, self.measured_sd, self.tries, 1.0)

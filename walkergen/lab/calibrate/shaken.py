@@ -89,7 +89,7 @@ class Sines(NamedTuple):
 def calibrate(path: Path, design: Design, scene: Scene, folder: Path | None) -> LabReport:
     """Report of what a recording tells of the plate, with the scene that has it. Raises InputError."""
     if scene.drive.kind == "motor":
-        raise InputError(f"--plate {path}: the plate of a scene with a motor is still; take a scene with a plate")
+        raise InputError(f"‹plate=›{path}: the plate of a scene with a motor is still; take a scene with a plate")
     recording = accelerometer.read(path)
     rows, notes = measure(recording, scene, str(path))
     settings: dict[str, Any] = {row.key: _short(row.number) for row in rows if row.key and row.number.known}
@@ -140,7 +140,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
     if hinted >= NYQUIST * rate:
         raise InputError(
             f"{source}: {rate:.0f} samples a second: the scene's drive of {hinted:g} Hz is at half of them or beyond, "
-            "where it looks like another; record faster, or say the drive: --set scene.drive.frequency_hz=HZ"
+            "where it looks like another; record faster, or say the drive: ‹set› scene.drive.frequency_hz=HZ"
         )
     upward, sideways, gravity = _turned(recording)
     frequency, error = _frequency(recording, upward, source)

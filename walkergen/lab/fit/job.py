@@ -49,12 +49,12 @@ class Job(NamedTuple):
         for text in self.fix:
             name, _, number = (word.strip(" ") for word in text.partition("="))
             if name not in ranges:
-                raise InputError(f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
+                raise InputError(f"‹fix› {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}")
             value, (low, high) = words.value(number), ranges[name]
             if value is None:
-                raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number")
+                raise InputError(f"‹fix› {text[:60]!r}: {number[:30]!r} is not a number")
             if not low <= value <= high:
-                raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
+                raise InputError(f"‹fix› {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
             values[name] = value
         return values
 

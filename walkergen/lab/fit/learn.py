@@ -120,7 +120,7 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
     if table.se is None and model != "prediction":
         raise InputError(
             f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
-            "errors: add them (walkergen analyse gives them), or leave --model out"
+            "errors: add them (walkergen analyse gives them), or leave ‹model› out"
         )
     braced = np.array([kind == "braced" for kind in table.legs])
     if braced.all():
@@ -166,7 +166,7 @@ def _ahead(
     missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MOST_SETTINGS:
         raise InputError(
-            f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most {MOST_SETTINGS} together"
+            f"‹predict›: {len(missing)} tilts beside {len(settings)} measured ones; at most {MOST_SETTINGS} together"
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 

@@ -103,11 +103,11 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
     if not free:
-        raise InputError("--fix: nothing is left to fit; leave one of them free")
+        raise InputError("‹fix›: nothing is left to fit; leave one of them free")
     if dof < 1:
         raise InputError(
             f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
-            f"at least {len(free) + 1}, or fix some: --fix restitution=0.8; without --model "
+            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8; without ‹model› "
             "theory, which knows no priors, any number will do"
         )
     if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
@@ -292,7 +292,7 @@ def _notes(
         names = ", ".join(together[:-1]) + f" and {together[-1]}"
         evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
         notes.append(
-            f"{names} cannot be told apart {evidence}: fix one, --fix {together[0]}=..."
+            f"{names} cannot be told apart {evidence}: fix one, ‹fix› {together[0]}=..."
             if any(map(vague, together))
             else f"{names} are strongly correlated {evidence}: quote them together"
         )

@@ -134,7 +134,7 @@ def unknown(
             parameters.append(Parameter(name, inputs[key], False))
     if not parameters:
         raise InputError(
-            "--fix: nothing is left to learn; leave one of them free, or take --prior flat where "
+            "‹fix›: nothing is left to learn; leave one of them free, or take ‹prior=›flat where "
             "the scene's standard deviations are 0"
         )
     printed = tuple(inputs[name] for name in PRINTED if name in inputs)
@@ -146,7 +146,7 @@ def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scen
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
     values = {KEYS[name]: value for name, value in fixed.items()}
     if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY, uncertain.MOMENT} & set(values)):
-        raise InputError(f"--fix: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
+        raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
     scene, design, _ = uncertain.applied(scene, design, values)
     return scene, design
 

@@ -107,7 +107,7 @@ def _chain(
         if sampler.iteration >= LONGEST:
             raise InputError(
                 f"the posterior did not converge in {LONGEST} steps (correlation time {time:.0f} "
-                "of them): hold a parameter, --fix NAME=VALUE, or take --prior scene"
+                "of them): hold a parameter, ‹fix› NAME=VALUE, or take ‹prior=›scene"
             )
         done = sampler.iteration
         progress("learning", done, max(3 * CHUNK, 2 * done))

@@ -76,9 +76,9 @@ class FitRequest(request.Request):
         from walkergen.lab.fit.job import Job
 
         if self.model == "theory":
-            self.refuse("--model theory has none", "predict", "prior", "seed")
+            self.refuse("‹model=›theory has none", "predict", "prior", "seed")
         else:
-            self.refuse(f"a mode of the theory; --model {self.model} has none", "mode")
+            self.refuse(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
         given = self.inputs()
         design, scene = given.design(self.design), given.scene(self.scene)
         job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)

@@ -54,8 +54,8 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
             known = surrogate.of(scene, design, solids.mass_of(design), within_goal=False)
         except UnknownError as error:
             raise InputError(
-                f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "
-                "--model space, or leave that tilt out"
+                f"{design.name}, tilt {setting.tilt:g} deg: {error.text}: learn from simulated speeds, "
+                "‹model=›space, or leave that tilt out"
             ) from None
         by_setting.append(Tabled(setting, known, names))
     return by_setting

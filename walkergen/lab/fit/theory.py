@@ -27,7 +27,7 @@ DECIMALS = 12
 """Decimals of fitted numbers in scene.toml: what lies beyond is the search's rounding."""
 
 OF_THEORY = (
-    "this is the theory's contact, with which theory_mm_s meets the speeds; without --model theory "
+    "this is the theory's contact, with which theory_mm_s meets the speeds; without ‹model=›theory "
     "fit learns that by which speeds are predicted"
 )
 """Note on what a fitted contact is good for."""
@@ -60,7 +60,7 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
     if not design.alike:
         raise InputError(
             f"{design.name}: the theory's mean over two equal feet is fitted, and its legs are "
-            "not two equal ones: learn from simulated speeds, --model space"
+            "not two equal ones: learn from simulated speeds, ‹model=›space"
         )
     held = job.held
     seen = measured.read(path, design.kind, scene.drive.peak_speed)

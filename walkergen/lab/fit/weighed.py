@@ -67,7 +67,7 @@ def sample(
         root = np.asarray(np.linalg.cholesky(spread))
     raise InputError(
         f"the posterior did not converge: {len(every)} draws are worth {worth:.0f} independent "
-        "ones: hold a parameter, --fix NAME=VALUE, or take --prior scene"
+        "ones: hold a parameter, ‹fix› NAME=VALUE, or take ‹prior=›scene"
     )
 
 

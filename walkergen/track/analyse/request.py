@@ -88,7 +88,7 @@ class AnalyseRequest(request.Request):
             try:
                 return self._measured(path, progress)
             except InputError as error:  # a person knows nothing of that file
-                raise InputError(str(error).replace(str(path), NAME), "tracks") from None
+                raise InputError(error.text.replace(str(path), NAME), "tracks") from None
 
     def _walls(self) -> "Dish | None":
         """Dish whose walls are told; an endless one where there are none."""
@@ -101,9 +101,9 @@ class AnalyseRequest(request.Request):
         from walkergen.files import output
 
         if self.dish is None:
-            self.refuse("is of a crowd: give --dish, or", "body", "middle", "runs")
+            self.refuse("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
         else:
-            self.refuse("is of single walkers, not of a --dish", "lag_ms", "arena", "descent_deg")
+            self.refuse("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
         units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
         folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
         if self.dish is None:

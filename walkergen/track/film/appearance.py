@@ -120,7 +120,7 @@ def learn(samples: Sequence[Grey], dark: bool | None, threshold: float | None, w
         raise InputError(
             f"no walker found: nothing {what} differs from the ground by {look.threshold:.3g} of "
             f"255 steps and is {THINNEST:g} pixels wide (widest: {look.width:.3g}): try "
-            "--threshold, --walkers or --region"
+            "‹threshold›, ‹walkers› or ‹region›"
         )
     local = ground(picture, look.dark, min(BESIDE * (width or look.width), widest))
     look = _seen(few, look._replace(ground=local), threshold)

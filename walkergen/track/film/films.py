@@ -204,7 +204,7 @@ def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
     times = float(unit) * (ticks - ticks[0]) if lines else np.zeros(0)
     if film.pictures or len(times) < 2 or not (np.diff(times) > 0).all():
         if filmed_fps is None:
-            raise InputError(f"{film.path}: does not say when its frames were taken; give --fps")
+            raise InputError(f"{film.path}: does not say when its frames were taken; give ‹fps›")
         return Clock(np.arange(len(times)) / filmed_fps, filmed_fps, True, len(times) / filmed_fps)
     played = (len(times) - 1) / times[-1]
     for rate in (film.fps, played):

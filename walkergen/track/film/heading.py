@@ -55,7 +55,7 @@ def of(walker: Seen, by: By) -> Headed:
         how = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
         return Headed(unwrapped(np.where(seen, mark, np.nan)), how)
     if elongation < LONG:
-        return _unknown(walker, f"{elongation:.2f} times as long as wide: mark the front, --heading mark")
+        return _unknown(walker, f"{elongation:.2f} times as long as wide: mark the front, ‹heading=›mark")
     theta = np.full(len(axis), np.nan)
     for part in _parts(walker.frames, axis):
         followed = np.unwrap(axis[part], period=math.pi)

@@ -50,7 +50,7 @@ class Lens(NamedTuple):
         """Lens for pictures of another size. Raises InputError for those of another shape."""
         if abs(width * self.height / (height * self.width) - 1.0) > ASPECT:
             raise InputError(
-                f"--lens: calibrated with pictures of {self.width} x {self.height}, the film has "
+                f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
                 f"{width} x {height}: film the checkerboard as you film walkers"
             )
         along, down = width / self.width, height / self.height
@@ -83,7 +83,7 @@ class Lens(NamedTuple):
         off = np.hypot(*(np.asarray(again).reshape(-1, 2) - seen.reshape(-1, 2)).T)
         if not (off < FOLDS_PX).all():
             raise InputError(
-                f"--lens: its distortion is off by {np.nanmax(off):.2g} pixels where walkers are: "
+                f"‹lens›: its distortion is off by {np.nanmax(off):.2g} pixels where walkers are: "
                 "calibrate with a checkerboard that reaches the edges of the picture"
             )
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
@@ -134,7 +134,7 @@ def read(path: Path) -> Lens:
     """Lens of a file. Raises InputError for what is missing, or no lens."""
     data = reading.json_of(path, MOST_BYTES)
     if not isinstance(data, dict):
-        raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see --help")
+        raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")
     width, height = (_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
     matrix = _numbers(data, "camera_matrix", path, (9,))
     distortion = _numbers(data, "distortion_coefficients", path, COUNTS)

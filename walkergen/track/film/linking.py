@@ -57,7 +57,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     """
     blobs = [blob for frame in frames for blob in frame]
     if not blobs:
-        raise InputError(f"no walker found in {len(frames)} frames: try --threshold, --width or --region")
+        raise InputError(f"no walker found in {len(frames)} frames: try ‹threshold›, ‹width› or ‹region›")
     areas = np.array([blob.area for blob in blobs])
     area = typical(areas)
     lengths = np.array([blob.length for blob in blobs])
@@ -77,7 +77,7 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
         raise InputError(
             f"no walker found for {least:.3g} frames in a row, of {len(frames)}: what was found "
             f"jumps by more than {REACH * length:.3g} pixels a frame, or vanishes: film faster, or "
-            "try --threshold, --width or --region"
+            "try ‹threshold›, ‹width› or ‹region›"
         )
     return Linked(
         good,

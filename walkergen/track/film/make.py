@@ -47,7 +47,7 @@ def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unm
     check(options)
     film = films.about(path)
     if film.pictures and options.fps is None:
-        raise InputError(f"{path}: pictures do not say when they were taken; give --fps, how many a second")
+        raise InputError(f"{path}: pictures do not say when they were taken; give ‹fps›, how many a second")
     part = part_of(film, options.region)
     found: Unmarked | Marked
     lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
@@ -60,7 +60,7 @@ def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unm
             found, told = read, marked_doubts.of(tracked, read)
         return tracked, found, told._replace(notes=[*_taken(film), *told.notes])
     except InputError as error:
-        raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
+        raise error if str(path) in error.text else InputError(f"{path}: {error.text}") from None
 
 
 def _taken(film: Film) -> list[str]:
@@ -74,35 +74,35 @@ def _taken(film: Film) -> list[str]:
     if film.aspect != 1:
         notes.append(
             f"Pixels of {film.aspect.numerator}:{film.aspect.denominator} were made square: frames of {film.width} x "
-            f"{film.height}, in which --region, --width and --mm-per-px count."
+            f"{film.height}, in which ‹region›, ‹width› and ‹mm_per_px› count."
         )
     return notes
 
 
 def check(options: Options) -> None:
     """Raise InputError for wishes that contradict each other or are out of range."""
-    for flag, value, most in (
-        ("--mm-per-px", options.mm_per_px, LARGEST),
-        ("--length", options.length_mm, LARGEST),
-        ("--fps", options.fps, LARGEST),
-        ("--threshold", options.threshold, 255.0),
-        ("--width", options.width_px, 1e5),
-        ("--marker-mm", options.marker_mm, LARGEST),
+    for field, value, most in (
+        ("mm_per_px", options.mm_per_px, LARGEST),
+        ("length", options.length_mm, LARGEST),
+        ("fps", options.fps, LARGEST),
+        ("threshold", options.threshold, 255.0),
+        ("width", options.width_px, 1e5),
+        ("marker_mm", options.marker_mm, LARGEST),
     ):
         if value is not None and not LEAST <= value <= most:
-            raise InputError(f"{flag} {value:g}: must be a number in {LEAST:g}..{most:g}")
-    for flag, name, names in (
-        ("--walkers", options.walkers, SIDES),
-        ("--heading", options.heading, heading.BY),
-        ("--markers", options.markers, MARKERS),
+            raise InputError(f"‹{field}=›{value:g}: must be a number in {LEAST:g}..{most:g}")
+    for field, name, names in (
+        ("walkers", options.walkers, SIDES),
+        ("heading", options.heading, heading.BY),
+        ("markers", options.markers, MARKERS),
     ):
         if name is not None and name not in names:
-            raise InputError(f"{flag} {name[:30]!r}: must be one of {', '.join(names)}")
+            raise InputError(f"‹{field}=›{name[:30]!r}: must be one of {', '.join(names)}")
     _check_scale(options)
     first, last = options.frames
     if first < 0 or (last is not None and last <= first):
         raise InputError(
-            f"--frames {first}:{'' if last is None else last}: counts from 0, the first before the "
+            f"‹frames=›{first}:{'' if last is None else last}: counts from 0, the first before the "
             "last: 25:100, or 25: up to the end"
         )
 
@@ -111,23 +111,23 @@ def _check_scale(options: Options) -> None:
     """Raise InputError unless one thing tells the scale: markers, which tell more, or a length."""
     if options.markers is None:
         if options.marker_mm is not None:
-            raise InputError("--markers is not given: leave --marker-mm out")
+            raise InputError("‹markers› is not given: leave ‹marker_mm› out")
         if (options.mm_per_px is None) == (options.length_mm is None):
             raise InputError(
-                "the scale: give either --mm-per-px, millimetres per pixel, or --length, the length of a walker in mm"
+                "the scale: give either ‹mm_per_px›, millimetres per pixel, or ‹length›, the length of a walker in mm"
             )
         return
     beside = {
-        "--mm-per-px": options.mm_per_px,
-        "--length": options.length_mm,
-        "--walkers": options.walkers,
-        "--threshold": options.threshold,
-        "--width": options.width_px,
-        "--heading": None if options.heading == Options().heading else options.heading,
+        "mm_per_px": options.mm_per_px,
+        "length": options.length_mm,
+        "walkers": options.walkers,
+        "threshold": options.threshold,
+        "width": options.width_px,
+        "heading": None if options.heading == Options().heading else options.heading,
     }
-    for flag, value in beside.items():
+    for field, value in beside.items():
         if value is not None:
-            raise InputError(f"--markers {options.markers} tells it: leave {flag} out")
+            raise InputError(f"‹markers=›{options.markers} tells it: leave ‹{field}› out")
 
 
 def part_of(film: Film, region: tuple[int, int, int, int] | None) -> Box:
@@ -140,7 +140,7 @@ def part_of(film: Film, region: tuple[int, int, int, int] | None) -> Box:
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
     if min(width, height) < SMALLEST or not inside:
         raise InputError(
-            f"--region {left},{top},{width},{height}: left, top, width, height in pixels must lie "
+            f"‹region=›{left},{top},{width},{height}: left, top, width, height in pixels must lie "
             f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more "
             "wide"
         )

@@ -158,7 +158,7 @@ def _none(mirrored: list[int], count: int) -> str:
         )
     return (
         f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} "
-        "pixels wide or more, sharp, in a white rim; of walkers without: leave --markers out"
+        "pixels wide or more, sharp, in a white rim; of walkers without: leave ‹markers› out"
     )
 
 

@@ -69,7 +69,7 @@ def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
     sides = [walker.size_px for walker in tracked.walkers]
     pixels = " to ".join(dict.fromkeys(words.number(side, 3) for side in (min(sides), max(sides))))
     yield (
-        f"Markers {size} wide, black frame included (--marker-mm), {pixels} pixels in the picture: "
+        f"Markers {size} wide, black frame included (‹marker_mm›), {pixels} pixels in the picture: "
         f"{words.number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
         f"{words.number(100.0 * tracked.mm_per_px_se / flat.mm_per_px, 2)} %; {tracked.clock.in_words}."
     )
@@ -110,7 +110,7 @@ def _bent(found: Marked) -> Iterator[str]:
         yield (
             f"markers are {100.0 * abs(bend.share):.2g} % {size} {bend.away_px:.0f} pixels from "
             "the picture's middle than in it, and so are all lengths there: the lens bends: "
-            "calibrate it, and give --lens"
+            "calibrate it, and give ‹lens›"
         )
     if flat.residual_px > CROOKED:
         yield (

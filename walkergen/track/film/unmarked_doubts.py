@@ -116,12 +116,12 @@ def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iter
     if pull > PULLED:
         yield (
             f"shadows are taken for walkers, and pull at their centres by {length(pull)}: light from all sides, "
-            "or give a higher --threshold"
+            "or give a higher ‹threshold›"
         )
     if size.change > max(LARGER, SURE * size.error):
         yield (
             f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
-            "lengths with them: the camera does not look straight down, or its lens bends (--lens)"
+            "lengths with them: the camera does not look straight down, or its lens bends (‹lens›)"
         )
     if size.scatter > UNSTEADY:
         yield (
@@ -131,7 +131,7 @@ def _seen(tracked: Tracked, found: Unmarked, pull: float, size: "Sizes") -> Iter
     if found.still:
         yield (
             f"nothing moves in {found.still} of {tracked.looked} frames: if the film holds its last "
-            "picture, leave it out with --frames"
+            "picture, leave it out with ‹frames›"
         )
 
 

@@ -42,7 +42,7 @@ class CheckRequest(request.Request):
         from walkergen.jobs.make.check import make
         from walkergen.printing import findings
 
-        self.refuse("is for --weigh", "density", "scale")
+        self.refuse("is for ‹weigh›", "density", "scale")
         given = self.inputs()
         members, counts = given.batch(given.design(self.design), self.tilt, self.legs, self.copies, whole=True)
         report = make.check(members, counts, given.printer(self.printer))
@@ -58,6 +58,6 @@ class CheckRequest(request.Request):
         from walkergen.walker.spec import MESHES
 
         if not isinstance(self.design, (str, Path)) or Path(self.design).suffix.lower() not in MESHES:
-            raise InputError(f"--weigh: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESHES)}", "design")
-        self.refuse("not with --weigh", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
+            raise InputError(f"‹weigh›: {str(self.design)[:60]!r} is no mesh: give one, {', '.join(MESHES)}", "design")
+        self.refuse("not with ‹weigh›", "tilt", "legs", "printer", "text", "mirror", "set", "copies", "strict")
         return weigh_report.of(weighing.weigh(path, self.density, self.scale), path, self.density, self.scale)

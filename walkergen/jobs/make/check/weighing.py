@@ -50,9 +50,9 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     3MF file may hold several objects, each one body; any other file is one body. Raises InputError
     for what cannot be read or is not sound.
     """
-    for flag, value, most in (("--density", density_g_cm3, 100.0), ("--scale", scale_mm, 1e6)):
+    for name, value, most in (("density", density_g_cm3, 100.0), ("scale", scale_mm, 1e6)):
         if not 1e-6 <= value <= most:
-            raise InputError(f"{flag} {value:g}: must lie in 1e-06..{most:g}")
+            raise InputError(f"‹{name}=›{value:g}: must lie in 1e-06..{most:g}")
     source = str(path)[-80:]
     loaded = meshes.load(path, source)
     several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
@@ -75,7 +75,7 @@ def _doubt(side_mm: float) -> list[str]:
     """What is to be said of a size that no walker has."""
     if units.SMALLEST < side_mm <= units.LARGEST:
         return []
-    return [f"the longest side is {side_mm:.4g} mm: in another unit? --scale is its length, mm: 25.4 for inches"]
+    return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
 
 
 def principal(tensor: Array) -> tuple[Array, Array]:

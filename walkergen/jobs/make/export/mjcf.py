@@ -96,7 +96,7 @@ def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
         raise InputError(f"{forcing(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
     for effect in resolved.effects:
         if effect.on and effect.switch and effect.name not in ALLOWED:
-            away = f"--set 'scene.{forcing(effect.switch, False)}'"
+            away = f"‹set› 'scene.{forcing(effect.switch, False)}'"
             raise InputError(f"{effect.name} ({effect.reason}): MJCF leaves it out; write {away}")
     return plan
 

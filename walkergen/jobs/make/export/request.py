@@ -67,23 +67,23 @@ class ExportRequest(request.Request):
         single = self.out is not None and ENDING.fullmatch(self.out.suffix) is not None
         moving = self.out.suffix.lower() == make.MODEL if self.out and single else make.MJCF in self.format
         if self.scene is not None and not moving:
-            raise InputError(f"--scene {str(self.scene)[:60]}: only --format {make.MJCF} has a scene", "scene")
+            raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} has a scene", "scene")
         if self.sweep is not None:
             from walkergen.jobs.make.export import swept
 
-            self.refuse("not with --sweep, whose file says it", "design", "tilt", "legs", "caps", "set")
+            self.refuse("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
             if single or moving:
-                raise InputError("--sweep: writes meshes and drawings, numbered, into a folder", "sweep")
+                raise InputError("‹sweep›: writes meshes and drawings, numbered, into a folder", "sweep")
             return swept.write(self.sweep, self.format, self.out, progress)
         given = self.inputs()
         if not moving:
-            given.refuse(given.of("scene"), f"only --format {make.MJCF} has a scene")
+            given.refuse(given.of("scene"), f"only ‹format=›{make.MJCF} has a scene")
         design = given.design(self.design)
         scene = given.scene(request.ground(self.scene, [design])) if moving else None
         members = inputs.capped(given.members(design, self.tilt, self.legs, whole=False), self.caps)
         if self.out is not None and single:
             self.refuse(f"{self.out} says the format of one file", "format", "caps")
             if len(members) > 1:
-                raise InputError(f"--out {self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
+                raise InputError(f"‹out=›{self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
             return make.one(members[0], self.out, scene)
         return make.make(members, self.format, self.out or Path("out") / design.name, progress, scene)

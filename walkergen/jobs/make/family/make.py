@@ -138,7 +138,7 @@ def drawn(error: GeometryError, path: Path | None) -> GeometryError:
 
     with Folder(path, "") as folder:
         folder.write("trouble.png", figures.png(trouble.figure(error), 100))
-    return GeometryError(f"{error}; drawn in {path / 'trouble.png'}", *error.keys)
+    return GeometryError(f"{error.text}; drawn in {path / 'trouble.png'}", *error.keys)
 
 
 def _taken(design: Design) -> bytes | None:

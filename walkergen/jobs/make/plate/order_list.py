@@ -37,7 +37,7 @@ def read(path: Path) -> tuple[list[Design], list[int]]:
         try:
             count, member = _copies(row["copies"]), shelf.member(row, line)
         except InputError as error:
-            problems += [f"{path}:{line}: {text}" for text in str(error).splitlines()]
+            problems += [f"{path}:{line}: {text}" for text in error.text.splitlines()]
             continue
         name = names.part(member, member.name)
         members.setdefault(name, member)

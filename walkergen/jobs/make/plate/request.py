@@ -63,11 +63,11 @@ class PlateRequest(request.Request):
 
         given = self.inputs()
         if self.orders is not None:
-            why = f"--orders {str(self.orders)[:80]!r} names it"
+            why = f"‹orders=›{str(self.orders)[:80]!r} names it"
             self.refuse(why, "design", "tilt", "legs", "copies")
             if "copies" in self.model_fields_set:  # 1, as by default, may not be what the list says
-                raise InputError(f"--copies {self.copies}: {why}; leave it out", "copies")
-            given.refuse(given.of("design"), "--orders names designs; leave it out")
+                raise InputError(f"‹copies=›{self.copies}: {why}; leave it out", "copies")
+            given.refuse(given.of("design"), "‹orders› names designs; leave it out")
             members, counts = order_list.read(self.orders)
             name = output.named_after(self.orders)
         else:

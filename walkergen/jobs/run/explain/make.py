@@ -97,7 +97,7 @@ def explain(
         tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
         facts=_facts(rows, found) | (simple.facts if found is not None else {}),
         lines=[
-            *([] if whole else [f"off: {', '.join(row.effect for row in off)}; --all: why, and what sizes mean"]),
+            *([] if whole else [f"off: {', '.join(row.effect for row in off)}; ‹all›: why, and what sizes mean"]),
             *([] if found is None or not measure else [found.advice]),
             *_accepted(simple, found is not None),
         ],
@@ -131,7 +131,7 @@ def _accepted(simple: Simplest, measured: bool) -> list[str]:
         return []
     key = f"run.accepted_error = {simple.accepted:g}"
     if not measured:
-        return [f"{key}: what it leaves out is measured; leave --no-cost out"]
+        return [f"{key}: what it leaves out is measured; leave ‹cost=False› out"]
     return [key, *(f"{name}: {value}" for name, value in simple.lines)]
 
 

@@ -168,7 +168,7 @@ def _both(walker: Walker, chosen: Sequence[Variant]) -> Variant | None:
 def _advice(change: Change, level: float) -> str:
     share, faster = f"{100.0 * level:g} %", words.number(1.0 / change.cpu.number, 2)
     told = f"the speed changes by less than {share}, {faster} times as fast"
-    return f"leave out {change.effect}: {told} (simulate --effects auto:{100.0 * level:g}%)"
+    return f"leave out {change.effect}: {told} (simulate ‹effects=›auto:{100.0 * level:g}%)"
 
 
 def rows(measured: Measured) -> list[Row]:

@@ -114,14 +114,14 @@ def plan(
     """Make a job, with defaults for all that is None. Raises InputError."""
     if fps not in FPS:
         rates = ", ".join(str(rate) for rate in FPS)
-        raise InputError(f"--fps {fps}: must be one of {rates} (a GIF counts in 1/100 s)")
-    for flag, value in (("--seconds", seconds), ("--periods", periods), ("--slow", slow)):
+        raise InputError(f"‹fps=›{fps}: must be one of {rates} (a GIF counts in 1/100 s)")
+    for name, value in (("seconds", seconds), ("periods", periods), ("slow", slow)):
         if value is not None and not LEAST <= value <= LARGEST:
-            raise InputError(f"{flag} {value:g}: must lie in {LEAST:g}..{LARGEST:g}")
+            raise InputError(f"‹{name}=›{value:g}: must lie in {LEAST:g}..{LARGEST:g}")
     if len(members) > MOST_LANES:
         raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
     if seconds is not None and periods is not None:
-        raise InputError("--seconds and --periods: both say how long; leave one of them out")
+        raise InputError("‹seconds› and ‹periods›: both say how long; leave one of them out")
     seen = _view(members, scene, view)
     single = len(members) == 1 and seen != "above"
     if periods is not None:
@@ -134,7 +134,7 @@ def plan(
     if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
         raise InputError(
             f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
-            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change --seconds, --slow or --fps"
+            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
         )
     return job
 
@@ -145,9 +145,9 @@ def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
         return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
     chosen = next((view for view in VIEWS if view == wanted), None)
     if chosen is None:
-        raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(VIEWS)}")
+        raise InputError(f"‹view=›{wanted[:30]!r}: must be one of {', '.join(VIEWS)}")
     if chosen == "perspective" and len(members) > 1:
-        raise InputError(f"--view perspective: shows one walker, seen {len(members)}")
+        raise InputError(f"‹view=›perspective: shows one walker, seen {len(members)}")
     return chosen
 
 

@@ -49,7 +49,7 @@ class MovieRequest(request.Request):
         from walkergen.points import simplest
 
         if self.out is not None and self.out.suffix.lower() != ".gif":
-            told = f"--out {str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
+            told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
             raise InputError(told, "out")
         given = self.inputs()
         design = given.design(self.design)

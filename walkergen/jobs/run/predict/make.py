@@ -54,5 +54,5 @@ def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
         return prediction.shares(member.design, member.mass, scene)
     except UnknownError as reason:
         raise InputError(
-            f"--uncertain: {member.name}: {reason}: `simulate --uncertain` tells of such walkers"
+            f"‹uncertain›: {member.name}: {reason}: `simulate --uncertain` tells of such walkers"
         ) from None

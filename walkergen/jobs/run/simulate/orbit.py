@@ -48,7 +48,7 @@ def of(point: Results, progress: Progress) -> Orbit | None:
     try:
         drawn = draws.simulated(short, walker.design, DRAWS, progress)
     except InputError as error:
-        return Orbit(kind, 0, None, str(error))
+        return Orbit(kind, 0, None, error.text)
     ends = draws.bounds(drawn.halves.mean(axis=1), draws.statistical_error(drawn.halves))
     mean = float(drawn.halves.mean())
     return Orbit(kind, len(drawn.halves), draws.widened(ends, mean, drawn.by_step_mm_s))

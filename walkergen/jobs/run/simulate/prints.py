@@ -69,9 +69,9 @@ def rows(spread: Uncertain) -> Iterator[tuple[str, str | Quantity]]:
     scatter, step = spread.between_prints_mm_s or None, spread.by_step_mm_s
     yield "mean over prints", Quantity("mean", "mm_s", spread.speed_mm_s, spread.speed_se_mm_s)
     yield "a print", f"{words.span(low1, high1, 3)} mm/s (68 %), {words.span(low2, high2, 3)} (95 %)"
-    short = "not resolved by runs so short; longer --seconds would"
+    short = "not resolved by runs so short; longer ‹seconds› would"
     yield "deviation, print to print", Quantity("deviation", "mm_s", scatter, 0.0, refused="" if scatter else short)
-    unknown = "not known: see `simulate` without --uncertain" if step is None else ""
+    unknown = "not known: see `simulate` without ‹uncertain›" if step is None else ""
     yield "error by the step", Quantity("step", "mm_s", step, 0.0, refused=unknown)
     yield "error of each short run", Quantity("statistical", "mm_s", spread.statistical_mm_s, 0.0)
     outcomes = ", ".join(f"{count} x {name}" for name, count in spread.outcomes.items())
@@ -91,7 +91,7 @@ def notes(spread: Uncertain) -> Iterator[str]:
     if spread.statistical_mm_s > spread.between_prints_mm_s:
         yield (
             "runs so short scatter more than prints do: half of the variance is taken out of the "
-            "bounds, which are too wide; longer --seconds narrows them"
+            "bounds, which are too wide; longer ‹seconds› narrows them"
         )
     else:
         yield "the statistical error of short runs is taken out of the bounds"

@@ -115,7 +115,7 @@ def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
         name="simulate",
         title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
         tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
-        lines=[] if whole else ["--all: how it turns and spreads, impacts, contact, power"],
+        lines=[] if whole else ["‹all›: how it turns and spreads, impacts, contact, power"],
         facts=_facts(simulated, scene),
         warnings=simulated.point.warnings,
         figures=_figures(simulated, design),

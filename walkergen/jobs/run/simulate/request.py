@@ -74,20 +74,20 @@ class SimulateRequest(request.Request):
             trajectories.check(self.trajectory)
         given = self.inputs()
         if self.uncertain:
-            self.refuse("not with --uncertain", "error", "trajectory", "effects")
-            given.refuse(("scene.run.runs",), "not with --uncertain; leave one of them out")
+            self.refuse("not with ‹uncertain›", "error", "trajectory", "effects")
+            given.refuse(("scene.run.runs",), "not with ‹uncertain›; leave one of them out")
         else:
-            self.refuse("only --uncertain writes a folder", "out")
+            self.refuse("only ‹uncertain› writes a folder", "out")
         if self.error is not None:
-            given.refuse(CHOSEN, "--error chooses it; leave one of them out")
+            given.refuse(CHOSEN, "‹error› chooses it; leave one of them out")
         else:
-            self.refuse("names what --error is about; give --error as well, or", "of")
+            self.refuse("names what ‹error› is about; give ‹error› as well, or", "of")
         design = given.design(self.design)
         own = {"scene.run.seconds": UNCERTAIN_SECONDS} if self.uncertain else {}
         scene = given.scene(request.ground(self.scene, [design]), own)
         members = given.members(design, self.tilt, self.legs, whole=False)
         if len(members) > 1:
-            why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs, or"
+            why = f"means one walker, seen {len(members)}: give one ‹tilt› and one kind of ‹legs›, or"
             self.refuse(why, "trajectory", "error", "uncertain")
             return self._several(scene, members, progress)  # type: ignore[return-value]
         if self.uncertain:
@@ -147,7 +147,7 @@ class SimulateRequest(request.Request):
         from walkergen.simulation.experiments import Walker
         from walkergen.walker import solids
 
-        simplest.refuse(scene, "is of a mean speed, and --uncertain asks how far prints lie apart")
+        simplest.refuse(scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart")
         walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
         self._expect(lambda: expected.of_runs([walker]))
         measured = draws.measure(scene, design, self.draws, progress)

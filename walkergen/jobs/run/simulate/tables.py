@@ -56,7 +56,7 @@ def _of_prints(simulated: Simulated) -> str:
     row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
     if low is None or high is None:
-        return "predict tells, or --uncertain"
+        return "predict tells, or ‹uncertain›"
     return f"{low:.1f} to {high:.1f} mm/s (95 %), by what is not known of contact and print"
 
 
@@ -67,7 +67,7 @@ def over_prints(orbit: Orbit) -> str:
     low2, low1, high1, high2 = orbit.bounds_mm_s
     return (
         f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %), by "
-        f"{orbit.draws} draws of what design and scene do not know; --uncertain tells which does it"
+        f"{orbit.draws} draws of what design and scene do not know; ‹uncertain› tells which does it"
     )
 
 

@@ -111,7 +111,7 @@ def check(path: Path) -> None:
     """Raise InputError when a file's suffix names no format."""
     if path.suffix.lower() not in FORMATS:
         raise InputError(
-            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (xyz for OVITO, nc for xarray)"
+            f"‹trajectory=›{str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (xyz for OVITO, nc for xarray)"
         )
 
 

@@ -61,7 +61,7 @@ class Ask(NamedTuple):
         )
         for key in self.constants:
             if kinds.kind_of(self.model) == ALONE:
-                check_alone(key, f"--set {key}")
+                check_alone(key, f"‹set› {key}")
         request.check()
         return request
 
@@ -155,13 +155,13 @@ def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> t
     if sample is None:
         for span in spans:
             raise InputError(
-                f"--set {span.key}={span.low:g}:{span.high:g}: write FIRST:LAST:STEP, or give "
-                "--sample sobol:256 to sample between the two"
+                f"‹set› {span.key}={span.low:g}:{span.high:g}: write FIRST:LAST:STEP, or give "
+                "‹sample=›sobol:256 to sample between the two"
             )
         return Space(varied), fixed
-    samples = sample_of(sample, spans, seed, f"--sample {sample[:30]!r}")
+    samples = sample_of(sample, spans, seed, f"‹sample=›{sample[:30]!r}")
     if not spans:
-        raise InputError(f"--sample {sample}: no key to sample: --set KEY=LOW:HIGH")
+        raise InputError(f"‹sample=›{sample}: no key to sample: ‹set› KEY=LOW:HIGH")
     return Space(varied, samples), fixed
 
 

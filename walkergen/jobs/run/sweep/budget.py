@@ -62,11 +62,11 @@ def spend(request: Request, seconds: float, store: Store, pool: WorkerPool | Non
 def check(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
     if request.model == PREDICTION:
-        raise InputError("--budget: predictions have no runs to add: --model space")
+        raise InputError("‹budget›: predictions have no runs to add: ‹model=›space")
     if not request.kind.MEETS_ERRORS:
-        raise InputError("--budget: is for speeds of one walker: set scene.run.runs of crowds")
+        raise InputError("‹budget›: is for speeds of one walker: set scene.run.runs of crowds")
     if request.space.points > MOST_POINTS:
-        raise InputError(f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget")
+        raise InputError(f"‹budget›: {request.space.points} points; at most {MOST_POINTS} share a budget")
 
 
 def _doubled(point: Asked, times: int) -> Asked:

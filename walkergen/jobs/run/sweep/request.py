@@ -90,7 +90,7 @@ class SweepRequest(request.Request):
         ask = self._ask()
         points = ask.request() if self.wish is None else ask.request_for_wish()
         if self.budget is not None:
-            self.refuse("not with --budget, which adds runs until it is spent", "error")
+            self.refuse("not with ‹budget›, which adds runs until it is spent", "error")
         folder = self.folder(Path("out") / "sweeps" / ask.name())
         few = not self._shell or (points.model == PREDICTION and points.space.points <= FEW_POINTS)
         with closing(Store()) as store, inputs.pool_of(few, self.workers, self.dask) as pool:
@@ -102,7 +102,7 @@ class SweepRequest(request.Request):
 
             if not self.yes and points.space.points > cost.UNASKED:
                 raise InputError(
-                    f"{cost.in_words(estimate(), points.space.points)}; give --yes to begin, or take fewer points",
+                    f"{cost.in_words(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
                     "yes",
                 )
             self._expect(lambda: Expected(self.budget) if self.budget else _time(estimate()))
@@ -118,14 +118,14 @@ class SweepRequest(request.Request):
         from walkergen.points.tolerance import parse
 
         if self.file is not None:
-            self.refuse("not with --file, which says it", "design", "set", "scene", "printer", "error", "sample")
+            self.refuse("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
             return ask.of_file(self.file)
         pairs = self.set.items() if isinstance(self.set, Mapping) else ()
         entries = [_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
         space, constants = ask.space_of(entries, self.sample, self.seed)
         wanted = None if self.error is None else parse(self.error)
         sources = self.design, self.scene, self.printer
-        return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "--set")
+        return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
 
 
 def _time(cost: "Cost | None") -> Expected | None:
@@ -138,7 +138,7 @@ def _entry(key: str, values: Any) -> "Axis | Span":
     from walkergen.points import axes
 
     if isinstance(values, str):
-        return axes.of_text(key, values, f"--set {key}={values[:60]!r}")
+        return axes.of_text(key, values, f"‹set› {key}={values[:60]!r}")
     if isinstance(values, Mapping):
         raise InputError(f"{key}: a table seen: give a list of values", key)
     listed = list(values) if isinstance(values, Iterable) else [values]

@@ -109,12 +109,12 @@ def read(path: Path) -> SweepFile:
             try:
                 varied.append((_axis if table == "grid" else _span)(key, value, place))
             except InputError as mistake:
-                mistakes.append(str(mistake))
+                mistakes.append(mistake.text)
     try:
         error = tolerance.parse(contents.error) if contents.error is not None else None
     except InputError as mistake:
         place = config.where(("error",), str(path), text)
-        mistakes.append(f"{place}: error: {str(mistake).removeprefix('--error ')}")
+        mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
     if mistakes:
         more = len(mistakes) - config.MOST_MISTAKES
         tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
@@ -187,7 +187,7 @@ def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
             try:
                 request.check(key, place)
             except InputError as mistake:
-                yield str(mistake)
+                yield mistake.text
             if key in seen:
                 yield f"{place}: is in [{seen[key]}] too: remove one of them"
             seen[key] = table

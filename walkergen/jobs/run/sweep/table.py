@@ -86,7 +86,7 @@ def changed(path: Path) -> list[int]:
     if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT, CHECK]:
         raise InputError(
             f"{path}: is no table of a sweep (its last columns are not point, check): "
-            "move it away, or give another --out"
+            "move it away, or give another ‹out›"
         )
     return [number for number, line in enumerate(lines, start=2) if not _sound(line)]
 

@@ -56,7 +56,7 @@ def find_in_cells(estimate: Estimate, candidates: Sequence[Candidate], wanted: T
     choice = choose(candidates, wanted.value)
     if choice is None:
         least = words.number(100.0 * candidates[-1].bias / BIAS_PART, 2)
-        why = f"below {least} % the shipped cells know no step: simulate --error {wanted} finds its own"
+        why = f"below {least} % the shipped cells know no step: simulate ‹error=›{wanted} finds its own"
         return Answer(wanted, "-", None, None, None, estimate.known, why), None
     known = LAW if choice.error < estimate.law.floor else estimate.known
     known_to = "" if estimate.cell else f", to a factor of {shipped.SCALED_WITHIN:g}"
@@ -78,7 +78,7 @@ def describe(estimate: Estimate) -> list[str]:
         "measured": "this walker on this plate was measured: speed, scatter and cost are its own",
         "scaled": "scaled from the paper's walker on its plate at tilts of 1 to 30 deg and restitutions of 0.5 to 0.9, "
         "by the plate and what a second of this one gives: its scatter is known to a factor of "
-        f"{shipped.SCALED_WITHIN:g}, as cells are from neighbours; --budget measures it, simulate --error meets it",
+        f"{shipped.SCALED_WITHIN:g}, as cells are from neighbours; ‹budget› measures it, simulate ‹error› meets it",
     }[estimate.known]
     return [
         known,

@@ -50,7 +50,7 @@ class Candidate(NamedTuple):
     @property
     def flags(self) -> str:
         """Options of the command line that select the step."""
-        return "own step" if self.step_us is None else f"--step {self.step_us:g}"
+        return "own step" if self.step_us is None else f"‹step=›{self.step_us:g}"
 
     def scatter(self, cpu_s: Array) -> Array:
         """Return the error from the scatter of the fewest runs in a time; infinite where the time is too short."""

@@ -136,7 +136,7 @@ def mark_accepted(rows: Sequence[Answer], accepted: float | None) -> tuple[list[
     within = [row.error.value for row in rows if row.error.value <= accepted * (1.0 + 1e-9)]
     if not within:
         why = f"run.accepted_error = {accepted:g}: no error of the table is within it"
-        return list(rows), [f"{why}: simulate --error {100.0 * accepted:g}%"]
+        return list(rows), [f"{why}: simulate ‹error=›{100.0 * accepted:g}%"]
     return [row._replace(accepted=row.error.value == max(within)) for row in rows], []
 
 

@@ -81,8 +81,8 @@ class AccuracyRequest(request.Request):
             return make.study(design, scene, (), 0.0, folder, progress)
         if scene.drive.kind == "motor":
             raise InputError(
-                f"{scene.name}: ladders are measured on a plate, and this walker has a motor: without --budget and "
-                "--only the answer is scaled"
+                f"{scene.name}: ladders are measured on a plate, and this walker has a motor: without ‹budget› and "
+                "‹only› the answer is scaled"
             )
         only = list(dict.fromkeys(self.only or LADDERS))
         self._expect(lambda: Expected(self._budget_s))
@@ -91,7 +91,7 @@ class AccuracyRequest(request.Request):
         if least_s is None:
             return report
         warning = (
-            f"--budget {words.budget(self._budget_s)}: too short for {','.join(only)}, which took "
-            f"{words.budget(least_s)}, the least that gives error bars here; --only takes fewer"
+            f"‹budget=›{words.budget(self._budget_s)}: too short for {','.join(only)}, which took "
+            f"{words.budget(least_s)}, the least that gives error bars here; ‹only› takes fewer"
         )
         return replace(report, warnings=[warning, *report.warnings])

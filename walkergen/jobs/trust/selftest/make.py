@@ -27,7 +27,7 @@ def choose(only: str | None) -> list[Case]:
         names = [case.name for case in catalogue.CASES]
         near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
         hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
-        raise InputError(f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}")
+        raise InputError(f"‹only=›{str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}")
     return cases
 
 
