@@ -394,7 +394,14 @@ REFUSED = {
     ),
     "predict": (
         lambda words: wg.predict(PAPER, **words),
-        [({"scene": PAPER}, "scene: Design seen: must be a Scene, the name of a template")],
+        [
+            ({"scene": PAPER}, "scene: Design seen: must be a Scene, the name of a template"),
+            ({"tilt": 200}, "^tilt=200:"),
+        ],
+    ),
+    "simulate": (
+        lambda words: wg.simulate(PAPER, LANE, **{**SHORT, **words}),
+        [({"runs": 0}, "^runs=0: must be"), ({"error": "5%"}, r"^seconds=0\.2: error chooses it")],
     ),
     "analyse": (
         lambda tracks: wg.analyse(tracks, fps=100, mm_per_px=1),
@@ -409,10 +416,10 @@ REFUSED = {
         lambda words: wg.family(PAPER, "out", pictures=False, **words),
         [
             *(
-                ({"copies": copies}, "^--copies ")
+                ({"copies": copies}, "^copies=")
                 for copies in (0, True, 2.5, 10**9, {}, {10: -1}, {"x": 1}, {math.nan: 1})
             ),
-            ({"copies": {10: 1}, "tilt": [5]}, "^--copies: names the tilts: leave --tilt out"),
+            ({"copies": {10: 1}, "tilt": [5]}, "^copies: names the tilts: leave tilt out"),
         ],
     ),
     "sweep": (

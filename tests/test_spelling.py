@@ -1,6 +1,7 @@
 """Texts name fields once: a command spells them as flags, Python as arguments, and no other file spells a flag."""
 
 import ast
+import json
 import re
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import command_line
+from walkergen.cli import command_line, show
 from walkergen.commands import COMMANDS, request_of
 from walkergen.errors import FIELD, InputError, for_python, spell, spell_all
 from walkergen.files.report import Report, Table, every
@@ -58,21 +59,31 @@ def test_an_error_keeps_the_spelling_of_the_door_that_it_leaves_by():
     assert left.value.text == TEXT
 
 
-def test_a_report_is_spelled_where_it_is_made():
-    def made():
-        table = Table("rows", [(1.5, "‹tilt›")], ("speed", "note"), every(("speed", "note"), ("note",)), "", ["‹legs›"])
-        return Report(name="a", title="A", tables=[table], facts={"n": [(1, "‹tilt›")]}, lines=["‹runs=›3"])
-
-    report = made()
-    assert (report.lines, report.facts) == (["runs=3"], {"n": [(1, "tilt")]})
+def test_files_have_pythons_names_and_a_terminal_has_flags(capsys):
+    table = Table("rows", [(1.5, "‹tilt›")], ("speed", "note"), every(("speed", "note"), ("note",)), "", ["‹legs›"])
+    report = Report(name="a", title="A", tables=[table], facts={"n": [(1, "‹tilt›")]}, lines=["‹runs=›3"])
+    for text in (report.markdown(), repr(report), report._repr_html_()):
+        assert "runs=3" in text
+        assert "‹" not in text
     assert report.table["note"].tolist() == ["tilt"]
     assert list(report.table) == [{"speed": 1.5, "note": "tilt"}]
-    assert report.table.csv().split() == ["speed,note", "1.5,tilt"]
-    for text in (report.markdown(), repr(report), report._repr_html_()):
-        assert "‹" not in text
+    page, rows = report.markdown(), report.table.csv()
+    assert rows.split() == ["speed,note", "1.5,tilt"]
     with spelled_by(for_shell):
-        assert made().lines == ["--runs 3"]
-        assert "- --legs" in made().markdown()
+        assert (report.markdown(), report.table.csv()) == (page, rows)
+        show.report(report, json=False, quiet=False)
+        show.report(report, json=True, quiet=False)
+    table, _, facts = capsys.readouterr().out.partition("{")
+    assert "--tilt" in table
+    assert "--legs\n--runs 3\n" in table
+    assert json.loads("{" + facts) == {"n": [[1, "--tilt"]]}
+
+
+def test_reports_of_functions_name_arguments():
+    report = wg.simulate(tilt=10, seconds=0.05, runs=1)
+    assert report.lines
+    assert "--" not in "".join(report.lines)
+    assert "‹" not in repr(report.facts) + "".join(report.lines)
 
 
 def test_spelling_leaves_data_as_they_are():

@@ -5,6 +5,7 @@
 
 import ast
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, partial
 from inspect import Parameter, Signature, getdoc, getsourcefile
 from pathlib import Path
@@ -14,12 +15,15 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
 from walkergen.commands import COMMANDS, request_of
+from walkergen.errors import spell_all
 from walkergen.spelling import spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request
 FUNCTIONS = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
 """Commands that are functions of Python too."""
+
+TEXTS = ("caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
 
 HEADER = """\
 # Made of the requests by `python -m walkergen.api.front`
@@ -61,7 +65,8 @@ def function(name: str) -> Callable[..., Any]:
         from walkergen.files.progress import silent
 
         with spelled_by(partial(request.as_arguments, given=values)):
-            return request.asked(values).run(progress or silent)
+            report = request.asked(values).run(progress or silent)
+        return report and replace(report, **{name: spell_all(getattr(report, name)) for name in TEXTS})
 
     call.__name__ = call.__qualname__ = name
     call.__module__ = "walkergen"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
-from walkergen.errors import spell
+from walkergen.errors import spell, spell_all
 from walkergen.files import plain
 
 if TYPE_CHECKING:
@@ -47,10 +47,10 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
     tables, letters; None: the terminal's.
     """
     for warning in result.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
+        print(f"warning: {spell(warning)}", file=sys.stderr)
     folder = {} if result.folder is None else {"folder": str(result.folder)}
     if json:
-        _as_json({**result.facts, **folder})
+        _as_json({**spell_all(result.facts), **folder})
     elif not quiet:
         if result.caption:
             text(result.caption)
@@ -65,7 +65,7 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
         if folder:
             print(f"written into {result.folder}/")
     for error in result.errors:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {spell(error)}", file=sys.stderr)
 
 
 def notes(lines: Sequence[str]) -> None:
@@ -78,7 +78,7 @@ def text(line: str) -> None:
     """Print a paragraph, broken between words where the terminal ends."""
     from rich.console import Console
 
-    Console(highlight=False).print(plain.plain(line), markup=False)
+    Console(highlight=False).print(plain.plain(spell(line)), markup=False)
 
 
 FIRST_S, NEXT_S = 5.0, 15.0

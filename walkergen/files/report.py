@@ -11,7 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from walkergen.errors import InputError, spell, spell_all
+from walkergen.errors import InputError, for_python, spell, spell_all
 from walkergen.files import tables, words
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class Table:
 
     def csv(self) -> str:
         """Comma-separated values with every digit."""
-        return spell(tables.csv_text(self.keys, self.rows))
+        return tables.csv_text(self.keys, self.rows)
 
     def rich(self, markdown: bool = False) -> "RichTable":
         """Table for the terminal, or one to be made Markdown of; without headings no header."""
@@ -145,18 +145,19 @@ class Table:
             pad_edge=not headed,
             show_header=headed,
         )
+        said = str if markdown else spell
         for column in columns:
             justify: Literal["left", "right"] = "right" if column.right else "left"
             made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
         for row in self._read():
-            made.add_row(*(literally(spell(column.cell(row))) for column in columns))
+            made.add_row(*(literally(said(column.cell(row))) for column in columns))
         return made
 
     def below(self, markdown: bool = False) -> list[str]:
         """Lines below the table: what its columns mean, each that is seen, and its notes."""
         meanings = dict.fromkeys(column.meaning for column in self._seen(markdown))
         legend = "; ".join(filter(None, meanings))
-        return [*([spell(legend)] if legend else []), *map(spell, self.notes)]
+        return [line if markdown else spell(line) for line in filter(None, [legend, *self.notes])]
 
     def _seen(self, markdown: bool) -> list[Column]:
         """Columns of a page, or those that a terminal has room for."""
@@ -190,12 +191,12 @@ class Table:
             for row in self._read()[:MOST_SHOWN]
         ]
         head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
-        body = "".join("<tr>" + "".join(f"<td>{escape(spell(cell))}</td>" for cell in row) + "</tr>" for row in rows)
+        body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
         more = len(self._read()) - MOST_SHOWN
         notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        return table + "".join(f"<p>{escape(note)}</p>" for note in notes)
+        return for_python(table + "".join(f"<p>{escape(note)}</p>" for note in notes))
 
 
 def table(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
@@ -255,11 +256,6 @@ class Report:
     code: int = 0
     """Exit code of a command that shows this: 130 where it was interrupted."""
 
-    def __post_init__(self) -> None:
-        """Spell the fields that texts name."""
-        for name in ("caption", "lines", "warnings", "errors", "facts"):
-            object.__setattr__(self, name, spell_all(getattr(self, name)))
-
     @property
     def table(self) -> Table:
         """First of the tables."""
@@ -284,7 +280,7 @@ class Report:
             parts += [tables.as_markdown(each.rich(markdown=True))]
             parts += ["\n".join(f"- {line}" for line in each.below(markdown=True))]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
-        return "\n\n".join(part for part in parts if part) + "\n"
+        return for_python("\n\n".join(part for part in parts if part) + "\n")
 
     def write(self, folder: "Folder", pictures: bool) -> None:
         """Write a CSV file a table, the page, and the figures as PNG and PDF."""
@@ -328,9 +324,9 @@ class Report:
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
         parts += [each._repr_html_() for each in self.shown()]
-        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())])
+        return for_python("".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())]))
 
     def _said(self) -> Iterator[str]:
         """Lines and warnings."""
-        yield from self.lines
-        yield from (f"warning: {warning}" for warning in self.warnings)
+        yield from map(spell, self.lines)
+        yield from (f"warning: {spell(warning)}" for warning in self.warnings)

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.errors import for_python
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -26,13 +28,13 @@ FORMULA = re.compile(r"'*[=+\-@\t\r]")
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
     """Comma-separated values under a header: every digit of a number, nothing for None.
 
-    Text that a spreadsheet would run has an apostrophe before it, which `unquoted` takes away.
+    Text that a spreadsheet would run has an apostrophe before it, which `unquoted` takes away. Fields are Python's.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(map(quoted, header))
     writer.writerows(map(quoted, line) for line in lines)
-    return text.getvalue()
+    return for_python(text.getvalue())
 
 
 def quoted(cell: Any) -> Any:

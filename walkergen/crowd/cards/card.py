@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from walkergen.errors import InputError
+from walkergen.errors import InputError, for_python
 from walkergen.files import config, reading
 from walkergen.files.config import Fraction, Friction, Name, Section
 from walkergen.numerics.quantity import Quantity
@@ -198,4 +198,4 @@ def read(path: Path) -> Card:
 def to_json(card: Card) -> bytes:
     """Card as it is written: equal cards give equal bytes."""
     data: dict[str, Any] = card.model_dump(mode="json")
-    return (json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

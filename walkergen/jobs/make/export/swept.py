@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from walkergen.errors import OutputError, WalkergenError, spell
+from walkergen.errors import OutputError, WalkergenError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
@@ -43,7 +43,7 @@ def write(path: Path, formats: Sequence[str], folder: Path | None, progress: Pro
             except OutputError:
                 raise
             except WalkergenError as error:
-                reason, refused = " ".join(spell(error.text.removeprefix("‹set›: ")).split()), refused + 1
+                reason, refused = " ".join(error.text.removeprefix("‹set›: ").split()), refused + 1
             rows.append((number, *values, reason))
             progress(name, number, count)
         target.write(PARTS, csv_text(("number", *keys, "refused"), rows).encode())
