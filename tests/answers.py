@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from walkergen.cli import show
+from walkergen.errors import for_python
 from walkergen.files.report import Report
 
 
@@ -24,8 +25,9 @@ def assert_every_form(report, capsys):
     json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     show.report(report, json=False, quiet=False, width=80)
     assert "nan" not in capsys.readouterr().out.lower().split()
-    assert report.markdown().startswith(f"# {report.title}\n")
-    assert repr(report).startswith(report.title)
+    title = for_python(report.title)
+    assert report.markdown().startswith(f"# {title}\n")
+    assert repr(report).startswith(title)
     html = report._repr_html_()
     assert ElementTree.fromstring(f"<div>{html}</div>").tag == "div"
     assert all(table._repr_html_() in html for table in report.shown())

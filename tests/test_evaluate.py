@@ -152,7 +152,7 @@ def test_a_point_that_cannot_be_says_why_on_one_line():
 
 
 def test_printability_needs_a_printer():
-    with pytest.raises(InputError, match=r"^--keep printability: needs a printer"):
+    with pytest.raises(InputError, match=r"^keep=printability: needs a printer"):
         kinds.check(("printability",), "prediction", None)
 
 

@@ -10,14 +10,13 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import command_line, show
-from walkergen.commands import COMMANDS, request_of
-from walkergen.errors import FIELD, InputError, for_python, spell, spell_all
+from walkergen.commands import COMMANDS, for_call, for_shell, request_of
+from walkergen.errors import FIELD, InputError, for_python, spell, spell_all, spelled_by
 from walkergen.files.report import Report, Table, every
-from walkergen.spelling import for_call, for_shell, spelled_by
 
 PACKAGE = Path(wg.__file__).parent
 
-DOORS = ("cli/", "commands.py", "spelling.py", "app/document.py", "app/effects.py", "app/taking.py", "app/crowding.py")
+DOORS = ("cli/", "commands.py", "app/document.py", "app/effects.py", "app/taking.py", "app/crowding.py")
 """Files that make or read command lines."""
 
 SLICERS = ("printing/slicer.py", "printing/sheet.py")

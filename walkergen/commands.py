@@ -1,7 +1,14 @@
-"""Commands: under which heading of the help each stands, where its request is, and examples."""
+"""Commands: under which heading of the help each stands, where its request is, and examples.
 
+Here is too how a command and a function of Python spell the fields that texts name: --mm-per-px and mm_per_px.
+"""
+
+import re
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, NamedTuple
+
+from walkergen.errors import FIELD, SOURCE, for_python
 
 
 class Command(NamedTuple):
@@ -137,3 +144,23 @@ def request_of(name: str) -> Any:
     """Request of a command, a class of `walkergen.request.Request`."""
     module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
     return getattr(module, f"{name.capitalize()}Request")
+
+
+KEY = re.compile(rf"{SOURCE}: ([\w.]+) = ")
+
+
+def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
+    """Return a text whose fields are flags; `names` are those that are not the field's name with dashes."""
+
+    def flag(found: re.Match[str]) -> str:
+        name, value = found.groups()
+        if value == "=False":
+            return f"--no-{name.replace('_', '-')}"
+        return (names or {}).get(name, f"--{name.replace('_', '-')}") + (" " if value else "")
+
+    return FIELD.sub(flag, text.replace(SOURCE, SOURCE[1:-1]))
+
+
+def for_call(text: str, sets: Mapping[str, str]) -> str:
+    """Return a text whose fields are Python's arguments; `sets` are the arguments of a call that set keys of files."""
+    return for_python(KEY.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text))

@@ -14,7 +14,8 @@ value: --tilt 12 or tilt=12. ‹cost=False› is --no-cost. A text is spelled wh
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cached_property, partial
 from typing import Any, NamedTuple, Self
 
@@ -84,6 +85,19 @@ class WalkergenError(Exception):
     def __str__(self) -> str:
         """Text, with fields as the user of this process writes them."""
         return self.spelling(self.text)
+
+
+@contextmanager
+def spelled_by(spelling: Spelling) -> Iterator[None]:
+    """Spell fields in another way while a block runs, in all threads, and in errors that leave it."""
+    DOORS.append(spelling)
+    try:
+        yield
+    except WalkergenError as error:
+        error.spelling = spelling
+        raise
+    finally:
+        DOORS.remove(spelling)
 
 
 class InputError(WalkergenError):

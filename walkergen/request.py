@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError, field_validator
 
 from walkergen import inputs
+from walkergen.commands import for_call, for_shell
 from walkergen.errors import InputError
 from walkergen.files import assignments, config, plain, reading, words
 from walkergen.files.progress import Expect, Progress, unheard
-from walkergen.spelling import for_call, for_shell
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units

@@ -15,15 +15,14 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
 from walkergen.commands import COMMANDS, request_of
-from walkergen.errors import spell_all
-from walkergen.spelling import spelled_by
+from walkergen.errors import spell_all, spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request
 FUNCTIONS = tuple(name for name in COMMANDS if name in walkergen.__all__ and name != "templates")
 """Commands that are functions of Python too."""
 
-TEXTS = ("caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
+TEXTS = ("title", "caption", "facts", "lines", "warnings", "errors")  # of a report, which name arguments
 
 HEADER = """\
 # Made of the requests by `python -m walkergen.api.front`

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from walkergen.app import children, sentences
 from walkergen.app.document import SOURCE, Document
+from walkergen.commands import for_shell
 from walkergen.errors import WalkergenError
 from walkergen.files.progress import stretch
-from walkergen.spelling import for_shell
 
 if TYPE_CHECKING:
     from walkergen.files.progress import Progress

@@ -15,10 +15,9 @@ from typer.main import get_command
 from walkergen import __version__
 from walkergen.cli import build, streams
 from walkergen.cli.layout import HELP_OPTIONS, Group
-from walkergen.commands import COMMANDS
-from walkergen.errors import OutputError, WalkergenError
+from walkergen.commands import COMMANDS, for_shell
+from walkergen.errors import OutputError, WalkergenError, spelled_by
 from walkergen.files import plain
-from walkergen.spelling import for_shell, spelled_by
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""

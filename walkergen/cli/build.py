@@ -14,9 +14,9 @@ from typer.main import get_command, get_group
 from walkergen import commands
 from walkergen.cli import show, streams
 from walkergen.cli.layout import Command, epilog
+from walkergen.errors import spelled_by
 from walkergen.files import words
 from walkergen.files.progress import silent
-from walkergen.spelling import spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request

@@ -319,7 +319,8 @@ class Report:
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
-        return "\n".join([self.title, *(line for one in self.tables for line in one.in_short()), *self._said()])
+        lines = [self.title, *(line for one in self.tables for line in one.in_short()), *self._said()]
+        return for_python("\n".join(lines))
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
