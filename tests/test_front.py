@@ -257,12 +257,24 @@ def test_plots_that_are_not_there_are_named():
 SPEEDS = "tilt_deg,speed_mm_s,speed_se_mm_s\n5,60,1\n10,62,1\n20,25,1\n30,8,1\n"
 
 
+FORM = """part,measured,reading,error,unloaded_mm,weight_g,at_mm
+strip_1,thickness_mm,0.8,0.02,,,
+strip_1,width_mm,5,0.05,,,
+strip_1,free_length_mm,60,0.5,,,
+strip_1,swings_20_s,0.33,0.01,,,
+block,slides_deg,14,1,,,
+"""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("known", [{}, {"model": "theory", "fix": {"restitution": 0.8}}])
-def test_a_fit_has_the_scene_that_it_writes(tmp_path, known):
-    (tmp_path / "in.csv").write_text(SPEEDS, encoding="utf-8")
-    found = wg.fit(tmp_path / "in.csv", **known, out=tmp_path / "fit", pictures=False)
-    assert found.scene.contact == wg.load(tmp_path / "fit" / "scene.toml", "scene").contact
+@pytest.mark.parametrize(
+    ("call", "known"),
+    [(wg.fit, {}), (wg.fit, {"model": "theory", "fix": {"restitution": 0.8}}), (wg.calibrate, {"by": "ring"})],
+)
+def test_what_was_measured_has_the_scene_that_it_writes(tmp_path, call, known):
+    (tmp_path / "in.csv").write_text(FORM if "by" in known else SPEEDS, encoding="utf-8")
+    found = call(tmp_path / "in.csv", **known, out=tmp_path / "out", pictures=False)
+    assert found.scene.contact == wg.load(found.folder / "scene.toml", "scene").contact
 
 
 def test_a_sweep_is_the_commands(run, tmp_path):
