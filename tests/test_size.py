@@ -32,7 +32,7 @@ LIMITS = {
     "benchmarks": 2740,
     "docs": 630,
     "evidence": 7080,
-    "tests": 39040,
+    "tests": 39050,
 }
 
 
