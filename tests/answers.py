@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from walkergen.cli import show
-from walkergen.errors import for_python
+from walkergen.errors import WalkergenError, for_python
 from walkergen.files.report import Report
 
 
@@ -15,6 +15,14 @@ def assert_one_line(error):
     (line,) = str(error).splitlines()
     assert line.isprintable()
     assert 10 < len(line) < 400
+
+
+def refused(run, *words):
+    """Run words that are refused, and return the line that says why."""
+    result = run(*words)
+    assert isinstance(result.exception, WalkergenError), (words, result.output, result.exception)
+    assert_one_line(result.exception)
+    return str(result.exception)
 
 
 def assert_every_form(report, capsys):

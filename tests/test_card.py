@@ -9,6 +9,7 @@ import runpy
 import numpy as np
 import pymunk
 import pytest
+from answers import refused
 from inertial_tracks import Inertial, tracks
 
 from walkergen.analysis import motion
@@ -46,12 +47,6 @@ def design(name="koumakis2016"):
 
 
 COMMAND = ("crowd", "--card")
-
-
-def refused(run, *words):
-    result = run(*words)
-    assert isinstance(result.exception, WalkergenError), (words, result.output, result.exception)
-    return str(result.exception)
 
 
 def csv_of(own):

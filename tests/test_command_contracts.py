@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 import rendered_films
 import typer
-from answers import assert_every_form, assert_one_line
+from answers import assert_every_form, refused
 from synthetic_tracks import film
 
 import walkergen as wg
@@ -102,9 +102,7 @@ def test_a_file_that_is_missing_is_one_clear_line_and_nothing_is_written(run, tm
     request, own = request_of(name), flag(request_of(name), field)
     required = ["none.csv"] if any(info.is_required() for info in request.model_fields.values()) else []
     words = ["none.toml"] if own.argument else [*required, spelled(request, field), "none.toml"]
-    result = run(name, *words)
-    assert isinstance(result.exception, WalkergenError), result.output
-    assert_one_line(result.exception)
+    refused(run, name, *words)
     assert not list(tmp_path.iterdir())
 
 

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 import typer
+from answers import refused
 
 from walkergen import inputs
 from walkergen.cli import command_line, main
-from walkergen.errors import InputError, WalkergenError
+from walkergen.errors import InputError
 from walkergen.files import assignments, templates
 from walkergen.points import walkers
 from walkergen.scene import Scene
@@ -41,16 +42,6 @@ OUTSIDE = {
     "printer": ("printer.margin_mm=-9", "printer.margin_mm = -9: must be a number >= 0"),
 }
 PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
-
-
-def refused(run, *words):
-    """One clear line of the user's error; nothing written."""
-    result = run(*words)
-    assert isinstance(result.exception, WalkergenError), (words, result.output, result.exception)
-    (line,) = str(result.exception).splitlines()
-    assert len(line) < 400
-    assert line.isprintable()
-    return line
 
 
 def predicted(run, *words):
