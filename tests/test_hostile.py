@@ -183,6 +183,6 @@ def test_whole_numbers_that_nothing_could_print_are_not_read(text):
 )
 def test_values_of_python_of_any_type_are_refused_in_a_line(name, field, value):
     required = {"speeds": "speeds.csv"} if name == "fit" else {}
-    with pytest.raises(InputError, match=f"^--{field} ") as refused:
+    with pytest.raises(InputError, match=f"^{field}=") as refused:
         request_of(name).asked({**required, field: value})
     assert "\n" not in str(refused.value)
