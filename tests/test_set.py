@@ -230,8 +230,8 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
         same = set(row) & set(alone)
         assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
         assert {key: row[key] for key in same} == {key: alone[key] for key in same}
-        told = predicted(run, "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8")
-        (known,) = json.loads(told)["rows"]
+        told = run("predict", "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8", "--json")
+        (known,) = json.loads(told.stdout)["rows"]
         assert row["theory_mm_s"] == known["theory_mm_s"]
         assert row["predicted_mm_s"] == known["speed_mm_s"]
     table = run("simulate", "--legs", "braced", "--tilt", "5,10", *SHORT[:-1]).stdout
