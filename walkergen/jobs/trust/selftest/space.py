@@ -73,7 +73,7 @@ def _held() -> Iterator[Check]:
     for contact in CONTACTS:
         title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         for free in (True, False):
-            plan = in_space(drive=shaken(1.8), contact=contact, effects={"roll_and_yaw": free})
+            plan = in_space(drive=shaken(1.8), contact=contact, effects={"on" if free else "off": ["roll_and_yaw"]})
             state = plan.start(0.05, 4e-3, 1.0)
             state[[V_X, W_Z]] = 12.0, 0.7
             advance(plan, state, LANDED if free else 0.2)
