@@ -20,9 +20,8 @@ import numpy.typing as npt
 from walkergen.drive import GRAVITY
 from walkergen.numerics.kernels import kernel
 from walkergen.scene import Scene
+from walkergen.theory import tensors as inverse_mass
 from walkergen.theory.impact import impact
-from walkergen.theory.tensors import InverseMass
-from walkergen.theory.tensors import feet as tensors_of
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
 from walkergen.walker.planar import in_plane
@@ -83,7 +82,7 @@ def body_world(
     inertia: float,
     feet: tuple[Point, Point],
     scene: Scene,
-    tensors: tuple[InverseMass, ...] | None = None,
+    tensors: tuple[inverse_mass.InverseMass, ...] | None = None,
     corners: tuple[Point, ...] = (),
 ) -> World:
     """Return the world of a body on two feet (g, mm) and the plate and contact of a scene.
@@ -93,7 +92,7 @@ def body_world(
     """
     amplitude, omega = scene.drive.amplitude, scene.drive.omega
     if tensors is None:
-        tensors = tuple(InverseMass(*_rigid(mass, inertia, foot)) for foot in feet)
+        tensors = tuple(inverse_mass.rigid(mass, inertia, np.asarray(foot)) for foot in feet)
     back, front = ((float(H.xx), float(H.xy), float(H.yy)) for H in tensors)
     tolerance = 64 * np.finfo(float).eps * (max(math.hypot(*point) for point in (*feet, *corners)) + amplitude)
     snap = 4.0 * math.sqrt(2.0 * (GRAVITY + amplitude * omega**2) * tolerance)
@@ -109,7 +108,7 @@ def walker_world(scene: Scene, design: Design, mass: MassProperties) -> World:
     ends = np.array([(x, y) for x in (-0.5, 0.5) for y in (-0.5, 0.5)]) * (size.length, size.thickness)
     corners = tuple((float(x), float(y)) for x, y in from_centre(design.limbs, mass, ends))
     back, front = ((float(x), float(y)) for x, y in (leg.foot for leg in flat.mass.legs))
-    return body_world(float(mass.M), float(mass.J), (back, front), scene, tensors_of(flat.mass), corners)
+    return body_world(float(mass.M), float(mass.J), (back, front), scene, inverse_mass.feet(flat.mass), corners)
 
 
 def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0) -> Array:

@@ -13,9 +13,8 @@ from matplotlib.text import Text
 
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, rounded_down, to_scale
-from walkergen.jobs.run.movie.footage import pace
 from walkergen.jobs.run.movie.impacts import largest_impulse, legend, strongest, style_of
-from walkergen.jobs.run.movie.shot import Array, Shot, feet, outline, turned
+from walkergen.jobs.run.movie.shot import Array, Shot, feet, outline, pace, turned
 from walkergen.shapes.outlines import area
 
 WIDTH, TALLEST = 900, 760

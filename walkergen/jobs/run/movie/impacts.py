@@ -9,8 +9,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
 from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, Place
-from walkergen.jobs.run.movie.footage import Array, Impact, pace
-from walkergen.jobs.run.movie.shot import Shot
+from walkergen.jobs.run.movie.shot import Array, Impact, Shot, pace
 from walkergen.theory.impact import Kind
 
 Dashes = str | tuple[float, tuple[float, ...]]
@@ -44,8 +43,8 @@ STYLES = {
     Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
 }
 
-FEET: tuple[tuple[str, str, Dashes], ...] = (("back foot", "#222222", "-"), ("front foot", "#AA4499", (0, (4, 1.5))))
-"""Name, colour and line of either foot."""
+FIRST_TWO = ("#222222", "#AA4499")
+"""Colours of the first two feet."""
 
 FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
 """Colours of feet beyond two, from the first of them on, again and again."""
@@ -53,12 +52,12 @@ FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
 
 def colour_of(foot: int) -> str:
     """Colour of a foot by its number."""
-    return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
+    return FIRST_TWO[foot] if foot < len(FIRST_TWO) else FURTHER[(foot - len(FIRST_TWO)) % len(FURTHER)]
 
 
 def colours(feet: int) -> tuple[str, ...]:
     """Colours that a movie of a walker on so many feet needs whole."""
-    named = max(feet, len(FEET))
+    named = max(feet, len(FIRST_TWO))
     return (*(style.colour for style in STYLES.values()), *dict.fromkeys(colour_of(foot) for foot in range(named)))
 
 

@@ -9,17 +9,14 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Expect, Expected, Progress, unheard
-from walkergen.jobs.run.movie.footage import Title, pace
-from walkergen.jobs.run.movie.shot import Shot, shot_of
+from walkergen.jobs.run.movie.shot import Shot, Title, pace, shot_of
 from walkergen.scene import Scene
 from walkergen.simulation import poses
 from walkergen.simulation.effects import walls
 from walkergen.simulation.effects.effect import Case
-from walkergen.simulation.plan import Plan, Release, prepare
-from walkergen.simulation.run import Outcome
+from walkergen.simulation.plan import Release, prepare
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
 
 if TYPE_CHECKING:
     from walkergen.files.animation import Draw
@@ -208,29 +205,21 @@ def _counted(job: Job, progress: Progress) -> Iterator[Design]:
 
 
 def shoot(job: Job, design: Design, every: int) -> Shot:
-    """Simulate the ensemble's first run, with `every` poses for a frame."""
-    mass, prepared, interval = _prepared(job, design, every)
-    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
-    _check(design, len(shot.times), every, shot.poses.outcome)
-    return shot
+    """Simulate the ensemble's first run, with `every` poses for a frame.
 
-
-def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Plan, float]:
-    """Masses, plan of a run as long as the movie, and time between its poses, s."""
+    Raises InputError for a run that ended before its second frame.
+    """
     interval = 1.0 / (job.fps * job.slow * every)
     # Half an interval more, so that rounding cannot lose the last pose.
     seconds = ((job.frames - 1) * every + 0.5) * interval
     run = job.scene.run.model_copy(update={"seconds": seconds})
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
-    prepared = prepare(scene, design, mass)
-    return mass, prepared._replace(release=job.release), interval
-
-
-def _check(design: Design, frames: int, every: int, outcome: Outcome) -> None:
-    """Raise InputError when a run ended before its second frame."""
-    if frames <= every:
-        raise InputError(f"{title(design)}: the run ended before the second frame ({outcome.value})")
+    prepared = prepare(scene, design, mass)._replace(release=job.release)
+    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
+    if len(shot.times) <= every:
+        raise InputError(f"{title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")
+    return shot
 
 
 def title(design: Design) -> Title:

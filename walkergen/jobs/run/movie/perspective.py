@@ -13,7 +13,6 @@ from matplotlib.text import Text
 from walkergen.files.animation import Draw, Pixels
 from walkergen.files.canvas import BODY, INK, PLATE, SMALL, Canvas, Place, rounded_up
 from walkergen.jobs.run.movie import raster
-from walkergen.jobs.run.movie.footage import Impact
 from walkergen.jobs.run.movie.impacts import (
     AFTERGLOW_S,
     LONGEST_STILL,
@@ -29,7 +28,7 @@ from walkergen.jobs.run.movie.impacts import (
     strongest,
 )
 from walkergen.jobs.run.movie.raster import Camera
-from walkergen.jobs.run.movie.shot import Array, Shot
+from walkergen.jobs.run.movie.shot import Array, Impact, Shot
 
 MAIN = Place(10, 272, 780, 262)
 CLOSE = Place(12, 12, 484, 214)

@@ -7,13 +7,13 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
+from walkergen.jobs.run.movie.shot import point_in_mesh
 from walkergen.scene import Scene
 from walkergen.simulation import poses
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import from_centre
 
 RATE = 2000.0
 """Poses a second: a hundredth of real time shows every bounce."""
@@ -29,9 +29,7 @@ def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
     motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
     if len(motion.times) < 2:
         raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
-    O = -from_centre(design.limbs, mass, np.zeros(2))  # noqa: E741  (the paper's name)
-    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
-    return _packed(motion, O) | {"words": _words(motion, scene, names.part(design))}
+    return _packed(motion, point_in_mesh(design, mass)) | {"words": _words(motion, scene, names.part(design))}
 
 
 def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741

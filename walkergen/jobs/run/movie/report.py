@@ -1,8 +1,8 @@
 """Report of a film: what its walkers did, and where it lies."""
 
 from walkergen.files.report import Report
-from walkergen.jobs.run.movie.footage import pace
 from walkergen.jobs.run.movie.make import Job, Made
+from walkergen.jobs.run.movie.shot import pace
 
 
 def of(job: Job, film: Made) -> Report:

@@ -1,19 +1,61 @@
-"""Shot of one run in space for a movie: the printed mesh, its poses and the landings."""
+"""Shot of one run in space for a movie: the printed mesh, its poses and the landings; its title and pace in words."""
 
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.run.movie.footage import Impact, Title, impact_of
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.impact import Kind
 from walkergen.walker import seen_above, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
 
 Array = npt.NDArray[np.float64]
+
+
+class Impact(NamedTuple):
+    """Impact of a foot on the plate."""
+
+    time: float
+    """Time since the first pose, s."""
+    foot: int
+    """Number of the corner that hits the plate."""
+    impulse: Array
+    """Impulse on the foot, shape (2,), g mm/s."""
+    kind: Kind
+
+
+def impact_of(event: Array) -> Impact:
+    """Impact of a row of the simulation's events (see `record.Events`)."""
+    time, foot, along, upward, _, _, kind = event
+    return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
+
+
+class Title(NamedTuple):
+    """Words by which a picture tells its walker from others."""
+
+    design: str
+    tilt: str
+    """Tilt of its legs with its unit."""
+    kind: str
+
+    @property
+    def legs(self) -> str:
+        """Tilt and kind of its legs."""
+        return f"{self.tilt} {self.kind}"
+
+    def __str__(self) -> str:
+        return f"{self.design}, {self.tilt}, {self.kind}"
+
+
+def pace(slow: float) -> str:
+    """Pace of a movie in words; `slow` seconds of it show one second of the run."""
+    if slow == 1.0:
+        return "real time"
+    return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
 
 
 class Shot(NamedTuple):
@@ -73,9 +115,7 @@ class Shot(NamedTuple):
 
 def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """What a run in space shows, in the terms of the picture."""
-    mesh = solids.build(design).seen
-    O = -from_centre(design.limbs, mass, np.zeros(2))  # noqa: E741  (the paper's name)
-    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
+    mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
@@ -85,6 +125,11 @@ def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) ->
         poses=poses,
         impacts=tuple(map(impact_of, poses.landings)),
     )
+
+
+def point_in_mesh(design: Design, mass: MassProperties) -> Array:
+    """Point O of a walker, which poses follow, in the frame of its mesh, shape (3,), mm."""
+    return np.array([*-from_centre(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
 
 
 def outline(shot: Shot, at: int) -> list[Array]:
