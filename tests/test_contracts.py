@@ -199,7 +199,7 @@ def test_a_plate_of_two_lies_apart_on_the_bed_and_its_3mf_reads_back(name):
     printer, members = load("printers", name), [PAPER, PAPER.variant(kind="braced")]
     built = [solids.build(design) for design in members]
     layout = plates.arrange(members, built, [1, 1], printer)
-    files = dict(plates.files(layout, "plate", pictures=False))
+    files = dict(plates.files(layout, "plate", draw=None))
     (data,) = (data for file, data in files.items() if file.endswith(".3mf"))
     found = threemf.read(data)
     assert found.sound

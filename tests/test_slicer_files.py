@@ -32,7 +32,7 @@ def files_of(printer: Printer = MK3S, copies: tuple[int, int] = (2, 3), **more: 
     members = PAPER.members((5.0, 10.0), ["flexible"])
     built = [solids.build(design) for design in members]
     made = plates.arrange(members, built, copies, printer)
-    return made, dict(plates.files(made, "p", pictures=False, **more))
+    return made, dict(plates.files(made, "p", draw=None, **more))
 
 
 @every_printer

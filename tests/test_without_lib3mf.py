@@ -39,7 +39,7 @@ def volume(mesh):
 @pytest.mark.usefixtures("missing")
 def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
     found = arranged([2, 1])
-    files = dict(plates.files(found, "plate", pictures=False))
+    files = dict(plates.files(found, "plate", draw=None))
     assert not [name for name in files if name.endswith(".3mf")]
     (name,) = [name for name in files if name.endswith(".stl")]
     assert f"`{name}`" in files[name.replace("_1.stl", ".md")].decode()
@@ -78,7 +78,7 @@ def test_3mf_is_read_without_it(monkeypatch):
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
         lambda: wg.export(PAPER, tmp_path / "one.3mf"),
-        lambda: dict(plates.files(arranged([1, 1]), "plate", False, prusaslicer=True)),
+        lambda: dict(plates.files(arranged([1, 1]), "plate", None, prusaslicer=True)),
     ):
         with pytest.raises(InputError, match=r"^3MF: lib3mf is not installed .* use STL") as told:
             ask()

@@ -61,6 +61,14 @@ THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
 @figures.style({})
+def pictures(
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str
+) -> tuple[bytes, bytes]:
+    """Draw the map of one plate and its thumbnail: two PNG files."""
+    view = printer, members, meshes, plate
+    return png(*view, title), thumbnail(*view)
+
+
 def png(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
     """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
 

@@ -1,6 +1,6 @@
 """Plates of walkers as files: 3MF with a thumbnail, a picture that names every part, a CSV map."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from walkergen.files.tables import csv_text
@@ -11,6 +11,9 @@ from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.solids import Solids
+
+DrawPlate = Callable[[Printer, Sequence[Design], Sequence[Mesh], packing.Plate, str], tuple[bytes, bytes]]
+"""Function that draws a plate, of this title: its map and its thumbnail, PNG both."""
 
 COMMON_FILES = 5
 """Number of files of a layout apart from those of each plate."""
@@ -111,13 +114,13 @@ def places(layout: Layout) -> list[Place]:
     return rows
 
 
-def files(layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False) -> Iterator[tuple[str, bytes]]:
+def files(layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
     PrusaSlicer, with printer and filament where it is loaded alone, and STEM_PRINTER_print.ini
     without these; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
-    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with pictures STEM_PRINTER_NUMBER.png as well,
+    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with `draw` STEM_PRINTER_NUMBER.png as well,
     and the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
     export.for_prusaslicer.
     """
@@ -129,12 +132,9 @@ def files(layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False) 
     for number, plate in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None
-        if pictures:
-            from walkergen.printing import plate_map
-
-            view = layout.printer, layout.members, meshes, plate
-            yield f"{name}.png", plate_map.png(*view, name)
-            thumbnail = plate_map.thumbnail(*view)
+        if draw:
+            picture, thumbnail = draw(layout.printer, layout.members, meshes, plate, name)
+            yield f"{name}.png", picture
         suffix, data = packing.plate_file(plate, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer)
         yield f"{name}{suffix}", data
 

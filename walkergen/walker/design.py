@@ -20,6 +20,7 @@ from walkergen.walker import resolve
 from walkergen.walker.body import Shape, Size
 from walkergen.walker.fittings import Marks
 from walkergen.walker.limbs import Kind, Legs, Limb
+from walkergen.walker.readers import load_readers
 from walkergen.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, with_one_body
 
 SHORT = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
@@ -37,10 +38,8 @@ class Design(WalkerSpec):
         data = with_one_body(data)
         if data.get("stance") != "as built":
             return data
-        from walkergen.walker import stance
-
         follow = data.get("leg_tilt_deg")
-        return stance.level(data, DEFAULT_TILT_DEG if follow is None else follow)
+        return load_readers().stand_level(data, DEFAULT_TILT_DEG if follow is None else follow)
 
     @model_validator(mode="after")
     def _buildable(self) -> Self:
@@ -86,7 +85,7 @@ class Design(WalkerSpec):
     def notes(self) -> tuple[str, ...]:
         """What was made of the body's file, and the legs that were found for it, a line each."""
         notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
-        return (*notes, f"{self.name}: {resolve.placement_of(self).words}") if self.placed else tuple(notes)
+        return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
 
     def with_numbered_legs(self) -> "Design":
         """Return the design whose legs that were found stand where they are by numbers, which a person can change."""
@@ -217,9 +216,7 @@ class Design(WalkerSpec):
         """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
         if self.marks.blank:
             return ""
-        from walkergen.walker.marks import word
-
-        return word(self.marks, self.family.tilt_deg, self.tilt_deg)
+        return load_readers().mark_text(self.marks, self.family.tilt_deg, self.tilt_deg)
 
     @property
     def unmarked(self) -> "Design":

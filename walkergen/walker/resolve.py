@@ -1,14 +1,13 @@
 """Resolve what a person wrote of a walker: the shape of its body, its legs where they stand, and what hinders them.
 
-This alone reads drawings and meshes and places legs. Readers and legs of other bodies than rectangles are imported
-where a walker has them.
+This alone reads drawings and meshes and places legs, by the readers that `readers.py` loads for bodies other than
+rectangles.
 """
 
 import itertools
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +15,9 @@ from walkergen.errors import GeometryError, Remedy
 from walkergen.walker.body import Body, Shape, Size, rectangle
 from walkergen.walker.fittings import place_problems
 from walkergen.walker.limbs import Legs, Limb, limb_of, pair_of
+from walkergen.walker.readers import load_readers
 from walkergen.walker.sections import section_of
 from walkergen.walker.spec import WalkerSpec
-
-if TYPE_CHECKING:
-    from walkergen.walker.placing import Placement
 
 LEVEL_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
@@ -34,9 +31,7 @@ def shape_of(body: Body) -> Shape:
     """Return the shape of a body. Raises GeometryError, and InputError for files."""
     if body.plain:
         return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
-    from walkergen.walker import forming
-
-    return forming.shape_of(body)
+    return load_readers().shape_of(body)
 
 
 def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
@@ -49,7 +44,8 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         assert isinstance(legs, Legs)
         return shape.whole.limbs(legs.kind, shape.size.depth)
     if spec.placed:
-        return placement_of(spec).limbs
+        assert isinstance(legs, Legs)
+        return load_readers().place_legs(spec.body.key, legs.model_dump_json())
     depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
     if isinstance(legs, Legs):
         limbs = pair_of(legs, depth, bottom)
@@ -57,17 +53,13 @@ def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
         limbs = tuple(limb_of(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
     if spec.body.plain or spec.body.flat:
         return limbs
-    from walkergen.walker import landing
-
-    return landing.meet_body(spec.body.key, limbs)
+    return load_readers().meet_body(spec.body.key, limbs)
 
 
-def placement_of(spec: WalkerSpec) -> "Placement":
-    """Return where legs that are found for the body stand. Raises UnplacedError where none do."""
-    from walkergen.walker import placing
-
+def describe_placement(spec: WalkerSpec) -> str:
+    """Return in words where legs that are found for the body stand. Raises UnplacedError where none do."""
     assert isinstance(spec.legs, Legs)
-    return placing.find_placement(spec.body.key, spec.legs.model_dump_json())
+    return load_readers().describe_placement(spec.body.key, spec.legs.model_dump_json())
 
 
 def tilt_deg_of(spec: WalkerSpec) -> float:
@@ -102,19 +94,15 @@ def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
     """What helps two equal legs that do not stand where they were put: that they place themselves."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
-    from walkergen.walker import placing
-
-    return placing.auto(spec.body, spec.legs)
+    return load_readers().suggest_placement(spec.body, spec.legs)
 
 
 def _unmarkable(spec: WalkerSpec, size: Size) -> list[str]:
     """Reasons why the body cannot bear its marks, one line each."""
-    from walkergen.walker.marks import problems
-
     marks, (length, thickness, depth) = spec.marks, size
     if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
         marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
-    unfit = problems(marks, spec.family.tilt_deg, tilt_deg_of(spec), (length, thickness, depth))
+    unfit = load_readers().mark_problems(marks, spec.family.tilt_deg, tilt_deg_of(spec), (length, thickness, depth))
     if spec.body.plain or (spec.letters and spec.body.flat):
         return unfit
     key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"

@@ -22,6 +22,7 @@ from walkergen.walker import mass
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb, Polygon
 from walkergen.walker.mass import LegMass, MassProperties, SolidMass, Spatial
+from walkergen.walker.readers import load_readers
 from walkergen.walker.sections import section_of
 
 if TYPE_CHECKING:
@@ -87,9 +88,7 @@ def _cap(design: Design, body: Mesh) -> Mesh | None:
     """Cap on a body; None without. Raises GeometryError."""
     if design.cap is None:
         return None
-    from walkergen.walker import caps
-
-    return caps.on_body(design.cap, body, design.size.depth)
+    return load_readers().put_cap(design.cap, body, design.size.depth)
 
 
 def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
@@ -142,14 +141,12 @@ def _cut(whole: "CutWalker", design: Design) -> Solids:
 def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
     from walkergen.shapes import joining
-    from walkergen.walker import landing
 
-    ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
-    weighed = None if design.letters else landing.weighed(design.body.key)
+    readers = load_readers()
+    ground, limbs, depth = readers.solid_of(design.body.key), design.limbs, design.size.depth
+    weighed = None if design.letters else readers.mass_of(design.body.key)
     if design.letters:
-        from walkergen.walker import engraving
-
-        ground = joining.ready(engraving.cut_letters(ground.mesh, design))
+        ground = joining.ready(readers.cut_letters(ground.mesh, design))
     sections = _sections(limbs, foot_segments)
     bars = _bars(limbs, sections, depth)
     legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
@@ -399,15 +396,11 @@ def _body_profile(design: Design) -> Polygon:
     corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     if design.marks.blank:
         return corners
-    from walkergen.walker import engraving
-
-    return engraving.add_notches(design, corners)
+    return load_readers().add_notches(design, corners)
 
 
 def _engraved(design: Design) -> list[Polygon]:
     """Pockets in the side of a body, about its middle: its digits or its text."""
     if design.marks.blank:
         return []
-    from walkergen.walker import engraving
-
-    return engraving.engraved_profiles(design)
+    return load_readers().engraved_profiles(design)

@@ -89,6 +89,11 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     )
     tell(layout.findings)
     refuse(layout.findings, job.strict)
+    draw = None
+    if job.pictures:
+        from walkergen.printing import plate_map  # brings matplotlib
+
+        draw = plate_map.pictures
     with Folder(path) as folder:
         walkers: list[Member] = []
         every = members.predicted(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
@@ -96,7 +101,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
             walkers.append(member)
             progress(member.name, len(walkers), steps)
-        for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
+        for name, data in plates.files(layout, "family", draw, job.prusaslicer):
             folder.write(f"plates/{name}", data)
         parts = [*(member.name for member in walkers), *weights.carried(job.design)]
         weights.write_template(path, parts)  # people's: not in the manifest

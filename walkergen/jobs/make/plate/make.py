@@ -105,12 +105,17 @@ def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequenc
     tell(findings)
     refuse(findings, order.strict)
     steps = sum(plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
+    draw = None
+    if order.pictures:
+        from walkergen.printing import plate_map  # brings matplotlib
+
+        draw = plate_map.pictures
     of_caps = list(caps.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:
         # A manifest a printer, so that plates for one do not sweep away those for another.
         with Folder(folder / "plates", f"plate_{layout.printer.name}.json") as target:
-            for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
+            for name, data in plates.files(layout, "plate", draw, order.prusaslicer):
                 target.write(name, data)
                 paths.append(target.path / name)
                 progress(name, len(paths), steps)
