@@ -1,7 +1,7 @@
 """Compiled kernels: in wheels by `make wheel`, and in the cache of who installs an editable copy.
 
 Those of a wheel are the ones that the commands below compile, for any CPU of a kind; they lie in
-walkergen/kernels, and `walkergen/numerics/shipped.py` says when they are used. A build with
+walkergen/kernels, and `walkergen/core/numerics/shipped.py` says when they are used. A build with
 WALKERGEN_KERNELS=all or =first makes one. `pip install -e .` compiles the first simulation's for
 this machine, as that simulation would do, unless WALKERGEN_KERNELS=none is set.
 """
@@ -66,7 +66,7 @@ def warm(root: Path) -> None:
 def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]) -> None:
     """Compile what the commands need for CPUs of this kind, and write it with its manifest."""
     sys.path.insert(0, str(root))
-    from walkergen.numerics import kernels, shipped
+    from walkergen.core.numerics import kernels, shipped
 
     own = shipped.kind(kernels.digest())
     if not own.cpu:
@@ -95,7 +95,7 @@ def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]
 
 def _gathered(cache: Path, folder: Path, package: Path) -> dict[str, str]:
     """Copy entries of the package's rooms out of a cache; their sums by their names."""
-    from walkergen.numerics import shipped
+    from walkergen.core.numerics import shipped
 
     rooms = {shipped.subpath(room): room for room in package.rglob("*") if room.is_dir()}
     sums = {}

@@ -30,20 +30,20 @@ from typing import NamedTuple
 import numpy as np
 
 import walkergen
-from walkergen.errors import GeometryError, InputError
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.files.tables import csv_text
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.theory import uncertain
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.files.tables import csv_text
-from walkergen.lab.fit import learn
-from walkergen.lab.fit.job import Job
+from walkergen.guests.lab.fit import learn
+from walkergen.guests.lab.fit.job import Job
 from walkergen.points import draws as prints
 from walkergen.points import speeds as speed_of
 from walkergen.points import walkers
-from walkergen.scene import Scene
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.plan import prepare
-from walkergen.theory import uncertain
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.points.experiments import Walker
 
 METHODS = ("predict", "uncertain", "fit")
 

@@ -16,10 +16,10 @@ import time
 
 import numpy as np
 
-from walkergen.crowd.cards.card import Card
-from walkergen.crowd.flat import crowd, deck, doors
-from walkergen.crowd.space.placing import place
-from walkergen.dish import Dish
+from walkergen.core.dish import Dish
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.flat import crowd, deck, doors
+from walkergen.guests.crowd.space.placing import place
 
 LENGTH, WIDTH = 28.0, 8.0
 PACKING = 0.3

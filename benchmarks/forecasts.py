@@ -16,9 +16,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from walkergen import caches, inputs
-from walkergen.commands import request_of
-from walkergen.files.progress import Expected, silent
+from walkergen import inputs
+from walkergen.command_table import request_of
+from walkergen.core import caches
+from walkergen.core.files.progress import Expected, silent
 
 SPEEDS = "tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,3\n20,31.2,90,5\n"
 

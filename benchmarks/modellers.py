@@ -51,10 +51,11 @@ def outlines(part: Part) -> list[Any]:
 
 
 def with_walkergen() -> Maker:
-    from walkergen.files import output, templates
-    from walkergen.printing import export
-    from walkergen.walker import mass, names, solids
-    from walkergen.walker.design import Design
+    from walkergen.core.files import output
+    from walkergen.core.printing import export
+    from walkergen.core.walker import mass, names, solids
+    from walkergen.core.walker.design import Design
+    from walkergen.files import templates
 
     design = templates.load("koumakis2016", "walkers", Design)
 

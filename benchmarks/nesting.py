@@ -14,12 +14,12 @@ import manifold3d
 import numpy as np
 import spyrrow
 
+from walkergen.core.printing import packing as plate
+from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.printing import packing as plate
-from walkergen.printing.printers import Printer
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker import solids
-from walkergen.walker.design import Design
 
 MOST, STEP = 1.5, 0.05
 """Most copies tried, and the steps down from them, over those in rows."""

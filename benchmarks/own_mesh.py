@@ -26,11 +26,14 @@ from typing import Any
 import numpy as np
 from parts import machine
 
-from walkergen.files import output
-from walkergen.printing import export
-from walkergen.shapes import crossings, faults, joining, meshes, stl
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker import mass, own_mesh
+from walkergen.core.files import output
+from walkergen.core.printing import export
+from walkergen.core.shapes import joining, stl
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import mass
+from walkergen.readers.drawings import crossings
+from walkergen.readers.meshes import faults, meshes
+from walkergen.readers.walkers import own_mesh
 
 DENSITY = 1.24e-3
 LIMIT = 0.3

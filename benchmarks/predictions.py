@@ -27,13 +27,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.core.theory import speed, tensors
+from walkergen.core.theory.impact import resolve
+from walkergen.core.theory.speed import MODES, Mode
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import LegMass, MassProperties, scaled
 from walkergen.files import templates
-from walkergen.theory import speed, tensors
-from walkergen.theory.impact import resolve
-from walkergen.theory.speed import MODES, Mode
-from walkergen.walker import solids
-from walkergen.walker.design import Design
-from walkergen.walker.mass import LegMass, MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 Triples = tuple[MassProperties, Array, Array]

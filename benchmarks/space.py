@@ -21,12 +21,12 @@ from typing import Any, NamedTuple
 
 from predictions import machine
 
-from walkergen.scene import Scene
-from walkergen.simulation import ensemble
-from walkergen.simulation.plan import Plan, prepare
-from walkergen.walker import solids
-from walkergen.walker.design import Design
-from walkergen.walker.fittings import Motor
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import ensemble
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.fittings import Motor
 
 PLANE: dict[str, Any] = {"arena": {"kind": "plane"}}
 REST: dict[str, Any] = {"drive": {"frequency_hz": 90.0, "gamma": 1e-6}}

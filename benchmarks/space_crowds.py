@@ -14,13 +14,14 @@ import time
 
 import numpy as np
 
-from walkergen.crowd.space import run
-from walkergen.crowd.space.placing import place
-from walkergen.dish import Dish
+from walkergen.core.dish import Dish
+from walkergen.core.scene import Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.scene import Scene
-from walkergen.walker import seen_above, solids
-from walkergen.walker.design import Design
+from walkergen.guests.crowd.space import run
+from walkergen.guests.crowd.space.placing import place
+from walkergen.readers.walkers import seen_above
 
 DISCARDED_S = 0.5
 
@@ -70,7 +71,7 @@ def flat_cost(outline, places: np.ndarray, dish: Dish) -> float:
     """CPU time of a simulated second of a body in LAMMPS, s: by two runs, without its start."""
     from crowds import card
 
-    from walkergen.crowd.flat import crowd, doors
+    from walkergen.guests.crowd.flat import crowd, doors
 
     taken = []
     for simulated in (0.1, 0.6):

@@ -17,16 +17,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
+from walkergen.core.files.tables import csv_text
+from walkergen.core.numerics import kernels
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import observables
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.files.tables import csv_text
-from walkergen.numerics import kernels
-from walkergen.points import walkers
-from walkergen.scene import Scene
-from walkergen.simulation import observables, resolution
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.plan import prepare
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.points import resolution, walkers
+from walkergen.points.experiments import Walker
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 

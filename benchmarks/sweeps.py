@@ -13,24 +13,26 @@ import tempfile
 import time
 from pathlib import Path
 
+from walkergen.core.scene import Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.jobs.run.sweep.make import Job, make
-from walkergen.points import axes, run, walkers
+from walkergen.guests.sweep import axes
+from walkergen.guests.sweep import evaluation as run
+from walkergen.guests.sweep.make import Job, make
+from walkergen.guests.sweep.point_request import Request
+from walkergen.points import walkers
+from walkergen.points.experiments import Walker
 from walkergen.points.point import Point
-from walkergen.points.request import Request
 from walkergen.points.store import Store
 from walkergen.points.worker_pool import local
-from walkergen.scene import Scene
-from walkergen.simulation.experiments import Walker
-from walkergen.walker import solids
-from walkergen.walker.design import Design
 
 REPEATS = 3
 
 MEMORY = """
 import resource, sys
 from walkergen.cli import command_line
-from walkergen.simulation import experiments
+from walkergen.core.simulation import experiments
 if __name__ == "__main__":
     try:
         command_line(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",

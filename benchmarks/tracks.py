@@ -34,7 +34,7 @@ from synthetic_tracks import Walker, film  # noqa: E402
 from walkergen.analysis import motion, walls  # noqa: E402
 from walkergen.analysis.tracks import Tracks  # noqa: E402
 from walkergen.cli import show  # noqa: E402
-from walkergen.files.tables import csv_text  # noqa: E402
+from walkergen.core.files.tables import csv_text  # noqa: E402
 
 ACTIVE = Walker(lost=0.0)
 KINDS = {
@@ -183,8 +183,8 @@ def digest() -> str:
         *(ROOT / "walkergen" / "analysis").glob("*.py"),
         ROOT / "tests/synthetic_tracks.py",
         ROOT / "tests/boxed_tracks.py",
-        ROOT / "walkergen/numerics/quantity.py",
-        ROOT / "walkergen/numerics/statistics.py",
+        ROOT / "walkergen/core/numerics/quantity.py",
+        ROOT / "walkergen/core/numerics/statistics.py",
         Path(__file__),
     ]
     return hashlib.sha256(b"".join(one.read_bytes() for one in sorted(files))).hexdigest()[:12]

@@ -31,15 +31,20 @@ sys.path.insert(0, str(ROOT))  # the code beside this file, installed or not
 from PIL import Image  # noqa: E402
 
 from walkergen import __version__  # noqa: E402
-from walkergen.files import output  # noqa: E402
-from walkergen.numerics import kernels  # noqa: E402
+from walkergen.core.files import output  # noqa: E402
+from walkergen.core.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
 MEASURES = tuple(f"walkergen/analysis/{name}.py" for name in ("curves", "landings"))
-SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
-PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
-WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
+SCENES = ("walkergen/core/scene.py", "templates/scenes/*.toml")
+PREDICTION = ("walkergen/core/theory/*.py", "walkergen/core/theory/*.npz", *SCENES)
+WALKER = (
+    "walkergen/core/shapes/*.py",
+    "walkergen/core/walker/*.py",
+    "walkergen/readers/*/*.py",
+    "templates/walkers/*.toml",
+)
 
 PAGE = ("walkergen/files/viewer.py", "walkergen/files/web_page.py", "walkergen/files/assets/pa*", "viewer/*.js")
 
@@ -47,7 +52,7 @@ FAMILY = "walkergen family koumakis2016"
 MOVIE = "walkergen movie koumakis2016 --scene lane-90hz --tilt 10 --restitution 0.3 --periods 3 --slow 150"
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:40:1 --set scene.contact.restitution=0.4:1:0.05"
 CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 5"
-ACCURACY = "walkergen/jobs/trust/accuracy"
+ACCURACY = "walkergen/commands/accuracy"
 SHIPPED = ("answers.py", "cells.py", "cells.csv", "choice.py", "figures.py", "shipped.py", "step_law.py")
 SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 --set scene.run.runs=8"
@@ -102,10 +107,10 @@ class Picture(NamedTuple):
 
 def mechanisms(folder: Path) -> bytes:
     """Picture of the templates of other mechanisms, to one scale."""
+    from walkergen.commands.family.preview import Part, preview_figure
+    from walkergen.core.walker import solids
+    from walkergen.core.walker.design import Design
     from walkergen.files import figures, templates
-    from walkergen.jobs.make.family.preview import Part, preview_figure
-    from walkergen.walker import solids
-    from walkergen.walker.design import Design
 
     designs = {name: templates.load(name, "walkers", Design) for name in OTHERS}
     parts = [
@@ -119,10 +124,10 @@ def own_shapes(folder: Path) -> bytes:
     """Picture of a drawing, a mesh and a name on legs that placed themselves, with their speeds."""
     from evidence.shapes import drawings, meshes
     from walkergen import inputs
+    from walkergen.commands.family.preview import Part, preview_figure
+    from walkergen.commands.predict import make as predicting
+    from walkergen.core.theory import prediction
     from walkergen.files import figures
-    from walkergen.jobs.make.family.preview import Part, preview_figure
-    from walkergen.jobs.run.predict import make as predicting
-    from walkergen.theory import prediction
 
     scene = inputs.of({}, {}, ["scene"]).scene("lane-90hz")
     parts = []
@@ -181,12 +186,12 @@ def browser(folder: Path, address: str, width: int, height: int) -> bytes:
 
 
 PICTURES = (
-    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 15, "preview.png"),
-    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0, "speed.png"),
+    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/commands/family/preview.py"), 15, "preview.png"),
+    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/commands/family/figures.py"), 0, "speed.png"),
     Picture(
         "page.png",
         f"{FAMILY} --page",
-        (*PREDICTION, "walkergen/jobs/make/family/**/*", *PAGE),
+        (*PREDICTION, "walkergen/commands/family/**/*", *PAGE),
         10,
         page,
         program="chromium",
@@ -205,7 +210,7 @@ PICTURES = (
     Picture(
         "mechanisms.png",
         "",
-        (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"),
+        (*STYLE, *WALKER, "walkergen/commands/family/preview.py"),
         2,
         mechanisms,
         shown="\n".join(f"walkergen family {name}" for name in OTHERS),
@@ -213,18 +218,18 @@ PICTURES = (
     Picture(
         "shapes.png",
         "",
-        (*STYLE, *WALKER, *PREDICTION, *SIMULATION, "walkergen/points/*.py", "walkergen/jobs/make/family/preview.py"),
+        (*STYLE, *WALKER, *PREDICTION, *SIMULATION, "walkergen/points/*.py", "walkergen/commands/family/preview.py"),
         40,
         own_shapes,
         shown="walkergen family heart.svg\nwalkergen family duck.stl\nwalkergen family --text ANNA",
     ),
-    Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
-    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30, "movie.gif"),
+    Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/guests/sweep/*.py"), 5, "sweep.png"),
+    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/guests/movie/*.py"), 30, "movie.gif"),
     Picture("choice.png", CHOICE, (*STYLE, *SCENES, *(f"{ACCURACY}/{name}" for name in SHIPPED)), 5, "accuracy.png"),
     Picture(
         "simulated.png",
         SIMULATED,
-        (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/make/family/figures.py"),
+        (*STYLE, *PREDICTION, *SIMULATION, "walkergen/commands/family/figures.py"),
         40,
         "speed.png",
     ),
@@ -253,7 +258,7 @@ PICTURES = (
     Picture(
         "crowd.png",
         CROWD,
-        (*STYLE, *SIMULATION, *SCENES, "walkergen/crowd/*.py", "walkergen/crowd/s*/*.py"),
+        (*STYLE, *SIMULATION, *SCENES, "walkergen/guests/crowd/*.py", "walkergen/guests/crowd/s*/*.py"),
         40,
         "crowd.png",
     ),

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 import walkergen
 from walkergen.cli import command_line
-from walkergen.commands import COMMANDS
+from walkergen.command_table import COMMANDS
 
 ROOT = Path(__file__).parent.parent
 NAMES = list(COMMANDS)
@@ -30,52 +30,70 @@ CALLS = [*FIRST, *(name for name in COMMANDS if name in walkergen.__all__ and na
 """What people call after `import walkergen as wg`."""
 
 RESULTS = {
-    "what every call returns": ["files.report.Report", "files.report.Table", "numerics.quantity.Quantity"],
+    "what every call returns": ["files.report.Report", "files.report.Table", "core.numerics.quantity.Quantity"],
     "what some add to it": [
-        "jobs.run.predict.report.PredictReport",
-        "jobs.run.simulate.report.SimulationReport",
-        "jobs.run.sweep.report.SweepReport",
-        "jobs.make.family.report.FamilyReport",
-        "jobs.make.check.make.CheckReport",
-        "jobs.make.check.weigh_report.WeighReport",
-        "track.film.report.TrackReport",
-        "track.analyse.report.AnalysisReport",
-        "lab.fit.report.FitReport",
-        "crowd.cards.card.Card",
+        "commands.predict.report.PredictReport",
+        "commands.simulate.report.SimulationReport",
+        "guests.sweep.report.SweepReport",
+        "commands.family.report.FamilyReport",
+        "commands.check.make.CheckReport",
+        "commands.check.weigh_report.WeighReport",
+        "guests.track.film.report.TrackReport",
+        "guests.track.analyse.report.AnalysisReport",
+        "guests.lab.fit.report.FitReport",
+        "guests.crowd.cards.card.Card",
     ],
 }
 """Classes of what calls return."""
 
 ROOMS = {
-    "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
-    "scenes": ["scene"],
-    "theory": ["theory/impact", "theory/tensors", "theory/speed", "theory/balance", "theory/stationary"],
-    "predictions": ["theory/prediction", "theory/uncertain", "theory/surrogate", "theory/places", "theory/networks"],
+    "walkers": [
+        "core/walker/design",
+        "core/walker/limbs",
+        "core/walker/body",
+        "core/walker/solids",
+        "core/walker/mass",
+    ],
+    "scenes": ["core/scene"],
+    "theory": [
+        "core/theory/impact",
+        "core/theory/tensors",
+        "core/theory/speed",
+        "core/theory/balance",
+        "core/theory/stationary",
+    ],
+    "predictions": [
+        "core/theory/prediction",
+        "core/theory/uncertain",
+        "core/theory/surrogate",
+        "core/theory/places",
+        "core/theory/networks",
+    ],
     "simulation": [
-        "simulation/plan",
-        "simulation/experiments",
-        "simulation/ensemble",
-        "simulation/run",
-        "simulation/observables",
-        "simulation/resolution",
-        "simulation/trajectory",
+        "core/simulation/plan",
+        "points/experiments",
+        "core/simulation/ensemble",
+        "core/simulation/run",
+        "core/simulation/observables",
+        "points/resolution",
+        "points/trajectory",
     ],
     "explorations": [
-        "points/axes",
-        "points/request",
+        "guests/sweep/axes",
+        "guests/sweep/point_request",
         "points/point",
-        "points/measure",
+        "core/measure",
         "points/walkers",
         "points/kinds",
         "points/alone",
-        "points/run",
+        "guests/sweep/evaluation",
         "points/worker_pool",
-        "lab/drops",
+        "guests/lab/drops",
     ],
     "analysis": ["analysis/tracks", "analysis/track_files", "analysis/motion", "analysis/speeds"],
-    "lab": ["lab/beams", "lab/inverse", "lab/fit/least_squares"],
-    "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
-    "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
+    "lab": ["guests/lab/beams", "guests/lab/inverse", "guests/lab/fit/least_squares"],
+    "printing": ["core/printing/printers", "core/printing/checks", "core/printing/plates", "core/printing/export"],
+    "files": ["files/templates", "core/files/config", "core/files/assignments", "core/files/output", "core/errors"],
 }
 """Modules of the reference, a page for each room."""
 

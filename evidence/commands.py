@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field
 from walkergen import request
 from walkergen.cli import build
 from walkergen.cli.layout import HELP_OPTIONS, Command
-from walkergen.files.progress import Expected, Progress
+from walkergen.core.files.progress import Expected, Progress
 from walkergen.request import Flag
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import Quantity, Verdict
 
 
 class Fact(NamedTuple):

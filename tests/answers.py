@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from walkergen.cli import show
-from walkergen.errors import WalkergenError, for_python
+from walkergen.core.errors import WalkergenError, for_python
 from walkergen.files.report import Report
 
 

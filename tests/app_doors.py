@@ -17,10 +17,10 @@ from typing import Any, ClassVar, NamedTuple
 
 from walkergen.app import served, server
 from walkergen.app.document import Document
-from walkergen.files import config
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
+from walkergen.core.files import config
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
 
 HOST = "127.0.0.1:8765"
 PATIENCE_S = 180.0

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from walkergen.crowd.space import bodies, run
-from walkergen.jobs.trust.selftest.scenes import STILL
-from walkergen.scene import Scene
-from walkergen.simulation.effects.slope import Gravity
-from walkergen.simulation.space.pose import place
-from walkergen.simulation.space.state import C_X, C_Y, C_Z, V_X, V_Z, W_X, work_for
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.commands.selftest.scenes import STILL
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.slope import Gravity
+from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.state import C_X, C_Y, C_Z, V_X, V_Z, W_X, work_for
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.guests.crowd.space import bodies, run
 
 APART = 200.0
 """Distance (mm) at which both are let go before they are put where a test wants them."""
@@ -87,6 +87,6 @@ class Pair:
 
 def level(state, heading):
     """Set the rotation of a level walker with this heading."""
-    from walkergen.simulation.space.state import Q_0
+    from walkergen.core.simulation.space.state import Q_0
 
     state[Q_0 : Q_0 + 4] = np.cos(0.5 * heading), 0.0, np.sin(0.5 * heading), 0.0

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from walkergen import dish as dishes
-from walkergen.crowd.statistics import film, ground
+from walkergen.core import dish as dishes
+from walkergen.guests.crowd.statistics import film, ground
 
 DISHES = ("disc:120", "ring:160,60", "rectangle:200x100", "periodic:150")
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from walkergen.crowd.cards.card import Card
+from walkergen.guests.crowd.cards.card import Card
 
 BOX = [[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]
 """The paper's walker seen from above, mm."""

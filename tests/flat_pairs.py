@@ -8,9 +8,9 @@ from flat_cards import BOX, silent
 from shapely import Polygon, affinity
 from shapely.ops import nearest_points
 
-from walkergen.crowd.flat import crowd, doors
-from walkergen.dish import Dish
-from walkergen.theory.impact import impact
+from walkergen.core.dish import Dish
+from walkergen.core.theory.impact import impact
+from walkergen.guests.crowd.flat import crowd, doors
 
 ROOM = 90.0
 """Ground of a pair, mm."""

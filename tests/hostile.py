@@ -426,10 +426,10 @@ def _reading(name: str) -> tuple[str, ...]:
 
 def keys(rng: random.Random) -> Try:
     """A key of a file with a hostile value, in the file or by --set."""
-    from walkergen.files.config import keys as keys_of
-    from walkergen.printing.printers import Printer
-    from walkergen.scene import Scene
-    from walkergen.walker.design import Design
+    from walkergen.core.files.config import keys as keys_of
+    from walkergen.core.printing.printers import Printer
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
 
     flag, model = rng.choice((("", Design), ("--scene", Scene), ("--printer", Printer)))
     path = rng.choice(keys_of(model))
@@ -468,9 +468,9 @@ def sweeps(rng: random.Random) -> Try:
 
 def limits(rng: random.Random) -> Try:
     """Some numbers at the very ends of what is allowed."""
-    from walkergen.files import config
-    from walkergen.scene import Scene
-    from walkergen.walker.design import Design
+    from walkergen.core.files import config
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
 
     words: list[str] = []
     for _ in range(rng.choice((1, 1, 2, 4))):

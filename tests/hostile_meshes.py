@@ -3,8 +3,8 @@
 import manifold3d
 import numpy as np
 
-from walkergen.shapes import joining, modeller, stl
-from walkergen.shapes.mesh import Mesh
+from walkergen.core.shapes import joining, modeller, stl
+from walkergen.core.shapes.mesh import Mesh
 
 UP = np.array([0.0, 1.0, 0.0])
 

@@ -3,7 +3,7 @@
 Temperatures, density and codes are those of PLA on a Prusa MK3S; the bed and nozzle any printer's.
 """
 
-from walkergen.printing.printers import Printer
+from walkergen.core.printing.printers import Printer
 
 HEATING = (
     "M104 S[first_layer_temperature]",

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from rendered_films import write
 
-from walkergen.walker import caps
-from walkergen.walker.fittings import Cap
+from walkergen.core.walker.fittings import Cap
+from walkergen.readers.walkers import caps
 
 GRAIN = 2
 TEXELS = 10

@@ -10,15 +10,15 @@ import numpy as np
 from space_rival import cross
 
 from evidence.validate import mujoco_walker
-from walkergen.scene import GRAVITY, Scene
-from walkergen.simulation import record
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.space.pose import place
-from walkergen.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
-from walkergen.simulation.world import OK
-from walkergen.walker import solids
-from walkergen.walker.design import Design
-from walkergen.walker.fittings import Motor
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
+from walkergen.core.simulation.world import OK
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.fittings import Motor
 
 SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from walkergen.numerics.kernels import kernel
-from walkergen.simulation import record
-from walkergen.simulation.space.forces import guess, solve
-from walkergen.simulation.space.landings import settle
-from walkergen.simulation.space.state import NEAR, OPEN, ROW
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.simulation import record
+from walkergen.core.simulation.space.forces import guess, solve
+from walkergen.core.simulation.space.landings import settle
+from walkergen.core.simulation.space.state import NEAR, OPEN, ROW
 
 
 class Corner(NamedTuple):

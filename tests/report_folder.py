@@ -2,12 +2,12 @@
 
 import json
 
+from walkergen.commands.family import make as family
+from walkergen.commands.family import page, report
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.jobs.make.family import make as family
-from walkergen.jobs.make.family import page, report
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
 
 
 def job_of(tilts=(0.0, 10.0, 35.0), pictures=True, **more):

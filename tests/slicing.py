@@ -14,13 +14,13 @@ import maker
 import numpy as np
 import pytest
 
-from walkergen.printing import packing as plate
-from walkergen.printing import slicer
-from walkergen.printing.packing import Part, Placement, Plate
-from walkergen.printing.printers import Printer
-from walkergen.walker import solids
-from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
+from walkergen.core.printing import packing as plate
+from walkergen.core.printing import slicer
+from walkergen.core.printing.packing import Part, Placement, Plate
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Limb
 
 IN_CI = os.environ.get("CI") == "true"
 

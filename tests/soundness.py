@@ -3,7 +3,7 @@
 import pytest
 import trimesh
 
-from walkergen.walker import mass, solids
+from walkergen.core.walker import mass, solids
 
 
 def to_trimesh(mesh):

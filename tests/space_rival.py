@@ -12,16 +12,16 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from walkergen.jobs.trust.selftest.scenes import STILL
-from walkergen.numerics.kernels import kernel
-from walkergen.scene import GRAVITY, Scene
-from walkergen.simulation import record
-from walkergen.simulation.effects import feet
-from walkergen.simulation.effects.slope import Gravity
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.space.state import V_X, V_Z
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.commands.selftest.scenes import STILL
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.simulation import record
+from walkergen.core.simulation.effects import feet
+from walkergen.core.simulation.effects.slope import Gravity
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.space.state import V_X, V_Z
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
 UP, ALONG, ACROSS = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 LEVEL = np.array([UP, ALONG, ACROSS])

@@ -4,23 +4,23 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 from walkergen.api.loading import load, templates
-from walkergen.crowd.cards.card import Card
-from walkergen.errors import WalkergenError
-from walkergen.files.progress import Progress
+from walkergen.commands.check.make import CheckReport
+from walkergen.commands.check.weigh_report import WeighReport
+from walkergen.commands.family.report import FamilyReport
+from walkergen.commands.predict.report import PredictReport
+from walkergen.commands.simulate.report import SimulationReport
+from walkergen.core.errors import WalkergenError
+from walkergen.core.files.progress import Progress
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Kind
 from walkergen.files.report import Report
-from walkergen.jobs.make.check.make import CheckReport
-from walkergen.jobs.make.check.weigh_report import WeighReport
-from walkergen.jobs.make.family.report import FamilyReport
-from walkergen.jobs.run.predict.report import PredictReport
-from walkergen.jobs.run.simulate.report import SimulationReport
-from walkergen.jobs.run.sweep.report import SweepReport
-from walkergen.lab.fit.report import FitReport
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.track.analyse.report import AnalysisReport
-from walkergen.track.film.report import TrackReport
-from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.lab.fit.report import FitReport
+from walkergen.guests.sweep.report import SweepReport
+from walkergen.guests.track.analyse.report import AnalysisReport
+from walkergen.guests.track.film.report import TrackReport
 
 __version__: str
 

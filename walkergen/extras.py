@@ -2,7 +2,7 @@
 
 import importlib.util
 
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
 
 PACKAGES = {
     "cluster": {"distributed": "dask"},

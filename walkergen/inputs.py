@@ -9,17 +9,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.errors import SOURCE, InputError
+from walkergen.core.errors import SOURCE, InputError
 from walkergen.files.key_names import KINDS, TILTS
 
 if TYPE_CHECKING:
-    from walkergen.files.config import Model
+    from walkergen.core.files.config import Model
+    from walkergen.core.printing.printers import Printer
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
+    from walkergen.core.walker.limbs import Kind
+    from walkergen.core.walker.weights import Weighings
     from walkergen.points.worker_pool import WorkerPool
-    from walkergen.printing.printers import Printer
-    from walkergen.scene import Scene
-    from walkergen.walker.design import Design
-    from walkergen.walker.limbs import Kind
-    from walkergen.walker.weights import Weighings
 
 FAMILY_TILTS, FAMILY_KINDS = ("family.tilt_deg",), ("family.legs",)
 """Keys of a design that --tilt and --legs set of a whole family."""
@@ -45,8 +45,9 @@ class Inputs(NamedTuple):
 
         A text is asked back. Raises InputError.
         """
-        from walkergen.files import assignments, templates
-        from walkergen.walker.design import Design
+        from walkergen.core.files import assignments
+        from walkergen.core.walker.design import Design
+        from walkergen.files import templates
 
         known = not isinstance(source, str) or templates.written_as_path(source)
         if not known and source not in templates.known("walkers"):
@@ -56,7 +57,7 @@ class Inputs(NamedTuple):
         else:
             design = self._read(source, "walkers", Design, "design")
         if design.weighed.states:
-            from walkergen.walker import weights
+            from walkergen.core.walker import weights
 
             weights.check(design)
         self.notes.extend(note for note in design.notes if note not in self.notes)
@@ -67,14 +68,14 @@ class Inputs(NamedTuple):
 
         What a job has of its own for a key, `otherwise`, holds where nothing sets it.
         """
-        from walkergen.scene import Scene
+        from walkergen.core.scene import Scene
 
         own = {key: value for key, value in (otherwise or {}).items() if not _set_by(self.values, key)}
         return self._replace(values={**self.values, **own})._read(source, "scenes", Scene, "scene")
 
     def printer(self, source: Any) -> "Printer":
         """Printer as it is, with a template's name, or at a file's path. Raises InputError."""
-        from walkergen.printing.printers import Printer
+        from walkergen.core.printing.printers import Printer
 
         return self._read(source, "printers", Printer, "printer")
 
@@ -90,7 +91,8 @@ class Inputs(NamedTuple):
 
     def _read(self, source: Any, folder: str, model: "type[Model]", thing: str) -> "Model":
         """Read what is of a kind, with the values of its keys."""
-        from walkergen.files import assignments, templates
+        from walkergen.core.files import assignments
+        from walkergen.files import templates
 
         prefix = "" if thing == "design" else f"{thing}."
         own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
@@ -235,7 +237,7 @@ def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, 
     """Masses of members from a balance, by their names, and what is to be said of other walkers' rows."""
     if path is None:
         return {}, []
-    from walkergen.walker import weights
+    from walkergen.core.walker import weights
 
     weighings, unused = weights.read(path, members), weights.unused(path, members)
     few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
@@ -244,7 +246,7 @@ def weighed(path: Path | None, members: "Sequence[Design]") -> "tuple[dict[str, 
 
 def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
     """Walkers with caps of the markers that --caps asks for, where they have none yet."""
-    from walkergen.files.assignments import changed
+    from walkergen.core.files.assignments import changed
 
     if markers is None:
         return list(members)
@@ -254,7 +256,7 @@ def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
 
 def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
     """What is to be said of forms for masses that were left as somebody had changed them."""
-    from walkergen.walker import names, weights
+    from walkergen.core.walker import names, weights
 
     paths = [folder / weights.form(members, name) for name in names.by_design(members)]
     return [f"{path}: somebody has written in it: left as it is" for path in paths if weights.filled(path)]

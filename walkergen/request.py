@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError, field_validator
 
 from walkergen import inputs
-from walkergen.commands import for_call, for_shell
-from walkergen.errors import InputError
-from walkergen.files import assignments, config, plain, reading, words
-from walkergen.files.progress import Expect, Progress, unheard
+from walkergen.command_table import for_call, for_shell
+from walkergen.core.errors import InputError
+from walkergen.core.files import assignments, config, plain, reading, words
+from walkergen.core.files.progress import Expect, Progress, unheard
 
 if TYPE_CHECKING:
     from walkergen.analysis.track_files import Units
+    from walkergen.core.walker.design import Design
     from walkergen.files.report import Report
-    from walkergen.walker.design import Design
 
 PAPER, LANE, PLANE, TABLE, PRUSA = "koumakis2016", "lane-90hz", "plane-90hz", "table-motor", "prusa-mk3s"
 """Templates of the walker, the scenes and the printer that requests begin with."""
@@ -268,7 +268,7 @@ def _copies(value: Any) -> int | dict[float, int]:
 
 
 def _count(value: Any) -> int:
-    from walkergen.files import columns
+    from walkergen.core.files import columns
 
     plain = value.item() if hasattr(value, "item") else value
     count = columns.whole(plain, MOST_COPIES) if isinstance(plain, str) else plain
@@ -372,7 +372,7 @@ def _writable(value: Any) -> Path | None:
 
 def _check_place(path: Path) -> None:
     """Raise OutputError where no file can be made: it is told before the work, and not after it."""
-    from walkergen.files import output
+    from walkergen.core.files import output
 
     place = next((each for each in (path, *path.parents) if os.path.lexists(each)), path)
     reason = 0 if place.is_dir() or place == path else errno.ENOTDIR

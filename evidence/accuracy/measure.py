@@ -14,17 +14,17 @@ from typing import NamedTuple
 
 from walkergen import __version__
 from walkergen.cli import show
+from walkergen.commands.accuracy import cells, pace
+from walkergen.commands.accuracy.cells import REFERENCE, Row
+from walkergen.core.numerics import kernels
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.ensemble import listed
+from walkergen.core.simulation.run import ENDED_WELL, compile_kernels
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.jobs.trust.accuracy import cells, pace
-from walkergen.jobs.trust.accuracy.cells import REFERENCE, Row
-from walkergen.numerics import kernels
 from walkergen.points import walkers
-from walkergen.scene import Scene
-from walkergen.simulation.ensemble import listed
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.run import ENDED_WELL, compile_kernels
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.points.experiments import Walker
 
 LANE, PLANE = "lane-90hz", "plane-90hz"
 """Scenes of the cells."""

@@ -13,14 +13,14 @@ from evidence.crowd_checks.meetings import MEETINGS, Meeting
 from evidence.crowd_checks.runs import Array, Run
 from evidence.crowd_checks.setting import RATE_HZ, Size
 from walkergen.analysis import tracks
-from walkergen.crowd.cards import make, walker_motion
-from walkergen.crowd.cards.card import Card
-from walkergen.crowd.cards.walker_motion import Measured
-from walkergen.dish import Dish
-from walkergen.files.progress import silent
-from walkergen.numerics.quantity import Quantity, mean
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.core.dish import Dish
+from walkergen.core.files.progress import silent
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards import make, walker_motion
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.cards.walker_motion import Measured
 
 Cases = Mapping[str, Mapping[str, Quantity]]
 """Quantities by the name of a case and their key."""

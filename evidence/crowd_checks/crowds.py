@@ -8,18 +8,18 @@ import numpy as np
 from evidence.crowd_checks import runs, setting
 from evidence.crowd_checks.runs import Array, Run
 from evidence.crowd_checks.setting import CROWD_RATE_HZ, DISH, Size
-from walkergen import dish as dishes
-from walkergen.crowd.cards.card import Card
-from walkergen.crowd.space.placing import place
-from walkergen.crowd.statistics import CrowdFilm, measure, pairs
-from walkergen.crowd.statistics.film import of_places
-from walkergen.crowd.statistics.measuring import UNITS
-from walkergen.crowd.statistics.spreading import speeds
-from walkergen.numerics.quantity import Quantity, mean
-from walkergen.scene import Scene
-from walkergen.walker import seen_above
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.core import dish as dishes
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.space.placing import place
+from walkergen.guests.crowd.statistics import CrowdFilm, measure, pairs
+from walkergen.guests.crowd.statistics.film import of_places
+from walkergen.guests.crowd.statistics.measuring import UNITS
+from walkergen.guests.crowd.statistics.spreading import speeds
+from walkergen.readers.walkers import seen_above
 
 CLEARANCE_MM = 0.2
 """Least distance of bodies at the start."""

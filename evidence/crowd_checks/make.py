@@ -12,11 +12,11 @@ from evidence.crowd_checks import checks, crowds, meetings, reasons, report, set
 from evidence.crowd_checks.parts import Parts
 from evidence.crowd_checks.report import Checked, rows_of
 from evidence.crowd_checks.setting import Size
-from walkergen.crowd.flat import engine
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.walker import solids
 from walkergen.files.report import Report
-from walkergen.walker import solids
+from walkergen.guests.crowd.flat import engine
 
 STEPS = 7
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from evidence.crowd_checks.setting import Size
-from walkergen.files import output
+from walkergen.core.files import output
 from walkergen.points.point import digest
 
 Part = TypeVar("Part")

@@ -7,10 +7,10 @@ from typing import NamedTuple
 from evidence.crowd_checks import crowds, setting
 from evidence.crowd_checks.parts import Parts
 from evidence.crowd_checks.setting import PACKINGS, Size
-from walkergen.crowd.cards.card import Card
-from walkergen.numerics.quantity import Quantity
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards.card import Card
 
 DENSEST = max(PACKINGS)
 

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 from evidence.crowd_checks.checks import Cases
 from evidence.crowd_checks.reasons import DENSEST, Changed
-from walkergen.files import report, words
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
-from walkergen.numerics.quantity import Quantity, Verdict
 
 NAME = "crowd_checks"
 

@@ -6,18 +6,18 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.crowd.cards import walker_motion
-from walkergen.crowd.cards.card import Card
-from walkergen.crowd.flat import crowd as flat
-from walkergen.crowd.flat import doors
-from walkergen.crowd.space import run as crowds
-from walkergen.crowd.space.result import Impulses
-from walkergen.dish import Dish
-from walkergen.scene import Scene
-from walkergen.simulation import batch
-from walkergen.simulation.batch import Stopped, Tell
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.core.dish import Dish
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import batch
+from walkergen.core.simulation.batch import Stopped, Tell
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards import walker_motion
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.flat import crowd as flat
+from walkergen.guests.crowd.flat import doors
+from walkergen.guests.crowd.space import run as crowds
+from walkergen.guests.crowd.space.result import Impulses
 
 Array = npt.NDArray[np.float64]
 

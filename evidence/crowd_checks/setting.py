@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
 
 WALKER, PLATE = "koumakis2016", "plane-90hz"
 

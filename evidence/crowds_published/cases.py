@@ -3,9 +3,9 @@
 import math
 from typing import Any, NamedTuple
 
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
 
 FREQUENCIES = (60.0, 90.0, 150.0)
 """Frequencies of the plate at one peak acceleration, Hz."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from evidence.crowds_published.published import FINDINGS, Claim, Finding
-from walkergen.numerics.quantity import Quantity, Verdict
+from walkergen.core.numerics.quantity import Quantity, Verdict
 
 Numbers = Mapping[tuple[str, float], Mapping[str, Quantity]]
 """Quantities by their keys, of every crowd and every walker alone, by its series and setting."""

@@ -6,17 +6,17 @@ from pathlib import Path
 from evidence.crowds_published import numbers, report
 from evidence.crowds_published.cases import ALONE, Case, Size, alone, crowds
 from evidence.crowds_published.compared import Numbers, compared
-from walkergen.crowd import in_space
-from walkergen.crowd.make import simulate
-from walkergen.crowd.runs import Simulated
-from walkergen.errors import InputError
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.walker import solids
 from walkergen.files.report import Report
-from walkergen.numerics.quantity import Quantity
+from walkergen.guests.crowd import in_space
+from walkergen.guests.crowd.make import simulate
+from walkergen.guests.crowd.runs import Simulated
 from walkergen.points import walkers
-from walkergen.simulation.experiments import Walker
-from walkergen.walker import solids
+from walkergen.points.experiments import Walker
 
 FEWEST_RUNS = 3
 """Fewest runs of a crowd, whose spread gives the errors."""

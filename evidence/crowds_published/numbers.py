@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.crowds_published.cases import Case
-from walkergen.crowd.runs import Simulated
-from walkergen.crowd.statistics import CrowdFilm
-from walkergen.crowd.statistics import order as orders
-from walkergen.numerics.quantity import Quantity, mean
-from walkergen.simulation.run import ENDED_WELL, RunResult
-from walkergen.simulation.trajectory import sampled
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.simulation.run import ENDED_WELL, RunResult
+from walkergen.guests.crowd.runs import Simulated
+from walkergen.guests.crowd.statistics import CrowdFilm
+from walkergen.guests.crowd.statistics import order as orders
+from walkergen.points.trajectory import sampled
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]

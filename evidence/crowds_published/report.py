@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from evidence.crowds_published.compared import Compared
 from evidence.crowds_published.published import FINDINGS, Source
-from walkergen.files import report, words
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Verdict
+from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
-from walkergen.numerics.quantity import Verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

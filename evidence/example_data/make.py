@@ -13,11 +13,12 @@ import numpy as np
 
 import walkergen as wg
 from walkergen import __version__
-from walkergen.files import report, templates, words
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress
+from walkergen.core.files import words
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.files import report, templates
 from walkergen.files.report import Report, Table
-from walkergen.scene import GRAVITY, Scene
 
 HERE = Path(__file__).parent
 NAME = "walkergen-example-data"

@@ -15,7 +15,7 @@ from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import PAPER, Assumption, Point
 from evidence.reproduce.theory import Curve, Theory
 from walkergen.analysis.curves import Top
-from walkergen.numerics.quantity import Quantity, Verdict, exact
+from walkergen.core.numerics.quantity import Quantity, Verdict, exact
 
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from evidence.reproduce.runs import Point
 from walkergen.analysis import curves
 from walkergen.analysis.curves import Top
-from walkergen.numerics.quantity import Quantity, mean
+from walkergen.core.numerics.quantity import Quantity, mean
 
 Array = npt.NDArray[np.float64]
 

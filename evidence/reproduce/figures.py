@@ -17,9 +17,9 @@ from evidence.reproduce.growth import HALFWAY
 from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import PAPER, Point
+from walkergen.core.walker.sections import section_of
 from walkergen.files import figures
 from walkergen.files.figures import GREY, INK, PAGE, PALE, SERIES, SMALLEST, Look, style, wrapped
-from walkergen.walker.sections import section_of
 
 # Each with its own line and marker: readable in grey as well.
 MODELS = {

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from walkergen.analysis import lagged, motion
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Tracks
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import landings
-from walkergen.numerics.quantity import Quantity, mean
-from walkergen.theory.impact import Kind
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.theory.impact import Kind
 
 Array = npt.NDArray[np.float64]
 

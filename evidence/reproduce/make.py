@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 from evidence.reproduce import compare, curves, figures, maximum, mechanisms, motion, page, report, runs, theory
 from evidence.reproduce.compare import FITTED, LOW, Findings
 from evidence.reproduce.runs import Assumption, Case, Point
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder, versions
+from walkergen.core.files.progress import Progress, stretch
+from walkergen.core.scene import Scene
+from walkergen.core.theory.speed import MODES
+from walkergen.core.walker.design import Design
 from walkergen.files import figures as pictures
 from walkergen.files import templates
-from walkergen.files.output import Folder, versions
-from walkergen.files.progress import Progress, stretch
 from walkergen.files.report import Report
 from walkergen.request import PAPER
-from walkergen.scene import Scene
-from walkergen.theory.speed import MODES
-from walkergen.walker.design import Design
 
 SCENES = "lane-90hz", "lane-90hz-fitted"
 """Scenes with the contact as measured, and as fitted."""

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.theory.speed import Mode, factors
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.theory.speed import Mode, factors
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
 RESTITUTIONS, FRICTIONS = np.linspace(0.5, 1.0, 11), np.linspace(0.05, 0.4, 15)
 """Values that we take for the paper's "wide range of realistic values"."""

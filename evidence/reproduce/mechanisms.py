@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from evidence.reproduce.runs import Point
+from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.theory import uncertain
+from walkergen.core.theory.prediction import DRAWS, SEED, theory_speeds
+from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.uncertain import PREDICTION
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.numerics.quantity import Quantity, Verdict
-from walkergen.theory import uncertain
-from walkergen.theory.prediction import DRAWS, SEED, theory_speeds
-from walkergen.theory.stationary import stationary
-from walkergen.theory.uncertain import PREDICTION
-from walkergen.walker import solids
-from walkergen.walker.design import Design
 
 MODEL = "space"
 """Series of `runs.NOISE` by which all three are simulated."""

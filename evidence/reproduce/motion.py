@@ -9,14 +9,14 @@ from evidence.reproduce.runs import LONGER, Assumption, on_plane
 from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.files.progress import Progress
-from walkergen.numerics.quantity import Quantity, mean
+from walkergen.core.files.progress import Progress
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.simulation.run import ENDED_WELL, RunResult
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.points import walkers
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.run import ENDED_WELL, RunResult
-from walkergen.simulation.trajectory import sampled
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.points.experiments import Walker
+from walkergen.points.trajectory import sampled
 
 INTERVAL = 4e-3
 """Time between samples of a track, s: a tenth of the lag of figure 6c."""

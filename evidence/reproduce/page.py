@@ -9,8 +9,8 @@ from evidence.reproduce.maximum import FRICTIONS, RESTITUTIONS
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.report import number
 from evidence.reproduce.runs import LONGER, NOISE_RATIO, SHORTER, Point
+from walkergen.core.numerics.quantity import exact
 from walkergen.files.report import Report
-from walkergen.numerics.quantity import exact
 
 CAPTIONS = {
     "figure2": "Speed against tilt. Star: the paper's stated peak, with our margins. Bands are one standard deviation "
@@ -50,7 +50,7 @@ def _settings(findings: Findings) -> Iterator[str]:
         f"({LONGER * run.seconds:g} s for figure 6), after {run.discard_seconds:g} s discarded; seed {run.seed}."
     )
     yield (
-        "The paper's model is `walkergen/theory/paper_simulation.py`. In space walkers run on elastic feet "
+        "The paper's model is `walkergen/core/theory/paper_simulation.py`. In space walkers run on elastic feet "
         f"with tips of {scene.feet.tip_radius_um:g} um, on an open plane: a lane without walls."
     )
     yield (

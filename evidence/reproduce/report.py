@@ -11,9 +11,9 @@ from evidence.reproduce.mechanisms import Mechanism
 from evidence.reproduce.motion import Runs
 from evidence.reproduce.runs import Assumption, Point
 from walkergen.analysis.motion import Curve
+from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.files import report
 from walkergen.files.report import Report, Table
-from walkergen.numerics.quantity import Quantity, Verdict
 
 SPEED = ("speed_mm_s", "speed_se_mm_s")
 POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")

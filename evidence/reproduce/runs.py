@@ -7,18 +7,18 @@ from typing import NamedTuple
 from evidence.reproduce import impact_types
 from evidence.reproduce.impact_types import Impacts, Shares
 from walkergen.analysis import landings
+from walkergen.core.files.progress import Progress
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.ensemble import listed
+from walkergen.core.simulation.run import ENDED_WELL, impacts_of
+from walkergen.core.theory import paper_simulation
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.files.progress import Progress
-from walkergen.jobs.run.sweep import sweep_file
-from walkergen.numerics.quantity import Quantity, mean
+from walkergen.guests.sweep import sweep_file
 from walkergen.points import walkers
-from walkergen.scene import Scene
-from walkergen.simulation.ensemble import listed
-from walkergen.simulation.experiments import Results, Walker
-from walkergen.simulation.run import ENDED_WELL, impacts_of
-from walkergen.theory import paper_simulation
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.points.experiments import Results, Walker
 
 NOISE_RATIO = 0.5
 """Noise of the noisy plate, rms velocity over the drive's peak speed, in the scene's band: chosen

@@ -7,15 +7,15 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.reproduce.runs import Assumption
-from walkergen.scene import Scene
-from walkergen.theory import prediction, uncertain
-from walkergen.theory.impact import Kind, resolve
-from walkergen.theory.prediction import SEED
-from walkergen.theory.speed import Mode, factor
-from walkergen.theory.stationary import stationary
-from walkergen.theory.tensors import feet
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction, uncertain
+from walkergen.core.theory.impact import Kind, resolve
+from walkergen.core.theory.prediction import SEED
+from walkergen.core.theory.speed import Mode, factor
+from walkergen.core.theory.stationary import stationary
+from walkergen.core.theory.tensors import feet
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 

@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 
 from evidence.shapes import drawings, meshes, texts
 from walkergen import inputs
-from walkergen.errors import WalkergenError
+from walkergen.commands.check import make as checks
+from walkergen.commands.simulate.report import SimulationReport
+from walkergen.commands.simulate.request import SimulateRequest
+from walkergen.core.errors import WalkergenError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.printing import findings
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker.design import Design
 from walkergen.files import report, templates
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress, silent
 from walkergen.files.report import Report
-from walkergen.jobs.make.check import make as checks
-from walkergen.jobs.run.simulate.report import SimulationReport
-from walkergen.jobs.run.simulate.request import SimulateRequest
-from walkergen.printing import findings
-from walkergen.printing.printers import Printer
-from walkergen.walker.design import Design
 
 KINDS = ("drawings", "meshes", "names")
 

@@ -13,12 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.published import FACTS
-from walkergen.scene import Feet, Prediction, Scene
-from walkergen.theory import places, prediction, uncertain
-from walkergen.theory.prediction import PRINT
-from walkergen.theory.surrogate import Known
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.scene import Feet, Prediction, Scene
+from walkergen.core.theory import places, prediction, uncertain
+from walkergen.core.theory.prediction import PRINT
+from walkergen.core.theory.surrogate import Known
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 

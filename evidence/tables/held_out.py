@@ -18,16 +18,16 @@ import numpy as np
 from evidence.tables import settings
 from evidence.tables.settings import Row
 from walkergen.cli import show
-from walkergen.errors import WalkergenError
+from walkergen.core.errors import WalkergenError
+from walkergen.core.scene import Run
+from walkergen.core.theory import surrogate
+from walkergen.core.theory.prediction import STANDS_MM_S
+from walkergen.core.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, FallsError, UnknownError
+from walkergen.core.walker import solids
 from walkergen.files import figures
 from walkergen.points import walkers, worker_pool
+from walkergen.points.experiments import Walker
 from walkergen.points.short import FALLS_ALL
-from walkergen.scene import Run
-from walkergen.simulation.experiments import Walker
-from walkergen.theory import surrogate
-from walkergen.theory.prediction import STANDS_MM_S
-from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, NORMAL_95, FallsError, UnknownError
-from walkergen.walker import solids
 
 DOCS = Path(__file__).parents[2] / "docs"
 

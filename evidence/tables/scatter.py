@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.theory import networks
+from walkergen.core.theory import networks
 
 Array = npt.NDArray[Any]
 

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.errors import GeometryError, InputError
-from walkergen.scene import Arena, Contact, Drive, Feet, LegModel, Plate, Run, Scene
-from walkergen.walker.body import Body
-from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind, Legs
-from walkergen.walker.spec import Material
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.scene import Arena, Contact, Drive, Feet, LegModel, Plate, Run, Scene
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Kind, Legs
+from walkergen.core.walker.spec import Material
 
 Row = dict[str, float | None]
 """Numbers of a row by the names of `KEYS`; None where a lane's walls, or a key of its own, are not there."""

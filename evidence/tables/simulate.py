@@ -14,11 +14,11 @@ from pathlib import Path
 from evidence.tables import settings
 from evidence.tables.settings import Row
 from walkergen.cli import show
-from walkergen.errors import WalkergenError
+from walkergen.core.errors import WalkergenError
+from walkergen.core.simulation.run import Outcome
+from walkergen.core.walker import solids
 from walkergen.points import walkers, worker_pool
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.run import Outcome
-from walkergen.walker import solids
+from walkergen.points.experiments import Walker
 
 ROWS = Path(__file__).with_name("rows.csv")
 

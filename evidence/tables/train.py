@@ -1,4 +1,4 @@
-"""Training of the surrogate on the rows: `python -m evidence.tables.train` writes walkergen/theory/surrogate.npz.
+"""Training of the surrogate on the rows: `python -m evidence.tables.train` writes walkergen/core/theory/surrogate.npz.
 
 Ten networks, each without two tenths of the rows; a few smaller ones say where walkers fall. What the ten
 differ by, times a factor, and a least error are fitted to held-out rows, which no network has seen.
@@ -16,14 +16,14 @@ import numpy.typing as npt
 
 from evidence.tables import settings, simulate
 from evidence.tables.scatter import scatter
-from walkergen.files import output
+from walkergen.core.files import output
+from walkergen.core.theory import networks, places
+from walkergen.core.theory.networks import LINEAR_BELOW, Layer
+from walkergen.core.theory.places import Place
+from walkergen.core.theory.surrogate import GOAL_MM_S, GOAL_SHARE, MOST_FALLS, NORMAL_95
+from walkergen.core.walker import solids
+from walkergen.core.walker.limbs import Kind
 from walkergen.points import worker_pool
-from walkergen.theory import networks, places
-from walkergen.theory.networks import LINEAR_BELOW, Layer
-from walkergen.theory.places import Place
-from walkergen.theory.surrogate import GOAL_MM_S, GOAL_SHARE, MOST_FALLS, NORMAL_95
-from walkergen.walker import solids
-from walkergen.walker.limbs import Kind
 
 Array = npt.NDArray[Any]
 

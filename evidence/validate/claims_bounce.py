@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
-from walkergen.scene import AT_REST, GRAVITY, Drive, Scene
-from walkergen.theory import paper_simulation
-from walkergen.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, start
+from walkergen.core.scene import AT_REST, GRAVITY, Drive, Scene
+from walkergen.core.theory import paper_simulation
+from walkergen.core.theory.paper_simulation import CONTACT_S, OK, PHASE, PITCH, V_Y, World, Y, energy, start
 
 Array = npt.NDArray[np.float64]
 

@@ -8,15 +8,15 @@ import numpy.typing as npt
 
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_bounce import bisect
-from walkergen.scene import GRAVITY, Scene, at_rest
-from walkergen.simulation import record
-from walkergen.simulation.effects import compliance
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.space.state import SHOWN_X, V_X
-from walkergen.theory import speed, tensors
-from walkergen.walker import solids
-from walkergen.walker.design import Design
-from walkergen.walker.mass import LegMass, MassProperties, weigh
+from walkergen.core.scene import GRAVITY, Scene, at_rest
+from walkergen.core.simulation import record
+from walkergen.core.simulation.effects import compliance
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.space.state import SHOWN_X, V_X
+from walkergen.core.theory import speed, tensors
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import LegMass, MassProperties, weigh
 
 Array = npt.NDArray[np.float64]
 

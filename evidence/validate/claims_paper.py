@@ -10,11 +10,11 @@ from evidence.reproduce import maximum
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import exponent, in_space, paper_design, paper_types, rebound
 from walkergen.analysis import curves
+from walkergen.core.numerics.quantity import Quantity, exact
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.theory import prediction
+from walkergen.core.walker import solids
 from walkergen.files import templates
-from walkergen.numerics.quantity import Quantity, exact
-from walkergen.scene import GRAVITY, Scene
-from walkergen.theory import prediction
-from walkergen.walker import solids
 
 PAPER = "Koumakis et al. 2016"
 

@@ -15,13 +15,13 @@ from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.claims_rivals import EXTRA, installed, version
 from evidence.validate.ensembles import paper_design
 from walkergen.analysis import lagged
+from walkergen.core.printing import export, sheet, slicer
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.walker import solids
 from walkergen.files import templates
-from walkergen.printing import export, sheet, slicer
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.simulation import trajectory
-from walkergen.simulation.plan import prepare
-from walkergen.walker import solids
+from walkergen.points import trajectory
 
 SLICED = Outside(
     "PrusaSlicer, its length of filament, with our settings",

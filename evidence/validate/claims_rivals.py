@@ -9,14 +9,14 @@ import numpy as np
 
 from evidence.validate.claim import Claim, Effort, Outside
 from evidence.validate.ensembles import simulated, speed_of
-from walkergen.numerics.quantity import mean
-from walkergen.scene import Scene
-from walkergen.simulation import experiments
-from walkergen.simulation.plan import Plan, prepare
-from walkergen.simulation.space.walker import mobility
-from walkergen.theory import impact, tensors
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.numerics.quantity import mean
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.simulation.space.walker import mobility
+from walkergen.core.theory import impact, tensors
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.points import experiments
 
 Pair = tuple[float, float]
 

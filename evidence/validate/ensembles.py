@@ -10,19 +10,19 @@ import numpy.typing as npt
 
 from evidence.validate.claim import Effort
 from walkergen.analysis import lagged, landings
+from walkergen.core.files.progress import silent
+from walkergen.core.numerics.quantity import Quantity, mean
+from walkergen.core.scene import GRAVITY, Scene, at_rest
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.run import impacts_of
+from walkergen.core.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
+from walkergen.core.theory import paper_simulation
+from walkergen.core.theory.impact import Kind
+from walkergen.core.walker import limbs, solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.files.progress import silent
-from walkergen.numerics.quantity import Quantity, mean
-from walkergen.points import walkers
-from walkergen.scene import GRAVITY, Scene, at_rest
-from walkergen.simulation import experiments, record, trajectory
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.run import impacts_of
-from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
-from walkergen.theory import paper_simulation
-from walkergen.theory.impact import Kind
-from walkergen.walker import limbs, solids
-from walkergen.walker.design import Design
+from walkergen.points import experiments, trajectory, walkers
 
 Array = npt.NDArray[np.float64]
 

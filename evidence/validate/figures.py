@@ -7,9 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evidence.validate.claim import FITTED, TITLE, TITLES, Claim
+from walkergen.core.numerics.quantity import Verdict
 from walkergen.files import figures
 from walkergen.files.figures import BLUE, FAINT, GREY, ORANGE, PAGE, SMALLEST, Look, style, wrapped
-from walkergen.numerics.quantity import Verdict
 
 LOOKS = {
     Verdict.AGREE.value: Look(BLUE, marker="o"),

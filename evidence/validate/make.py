@@ -5,9 +5,9 @@ from pathlib import Path
 
 from evidence.validate import claims_bounce, claims_closed, claims_paper, claims_programs, claims_rivals, report
 from evidence.validate.claim import Claim, Effort, Test
-from walkergen.errors import InputError
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
 from walkergen.files.report import Report
 
 GROUPS: dict[str, tuple[Test, ...]] = {

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 from mujoco import rollout
 
-from walkergen.scene import GRAVITY
-from walkergen.simulation.drive import Drive
-from walkergen.walker.design import Design
-from walkergen.walker.mass import LegMass, MassProperties
+from walkergen.core.scene import GRAVITY
+from walkergen.core.simulation.drive import Drive
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import LegMass, MassProperties
 
 Array = npt.NDArray[np.float64]
 

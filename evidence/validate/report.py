@@ -8,8 +8,8 @@ from typing import Any
 
 from evidence.validate.claim import TITLE, TITLES, WORDS, Claim
 from walkergen import __version__
+from walkergen.core.numerics.quantity import Quantity, Verdict
 from walkergen.files.report import Report, Table
-from walkergen.numerics.quantity import Quantity, Verdict
 
 PAPER = (
     "Koumakis et al. 2016: N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion "

@@ -6,12 +6,12 @@ from pathlib import Path
 from evidence.walkers_published import predicted, report
 from evidence.walkers_published.predicted import Predicted, Speeds
 from evidence.walkers_published.published import SETS, STATEMENTS, Source, Statement
-from walkergen.errors import InputError
-from walkergen.files.output import Folder
-from walkergen.files.progress import Progress, part
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress, part
 from walkergen.files.report import Report
-from walkergen.jobs.run.sweep import sweep_file
-from walkergen.jobs.run.sweep.request import SweepRequest
+from walkergen.guests.sweep import sweep_file
+from walkergen.guests.sweep.request import SweepRequest
 
 CPU_S = 90.0
 """CPU time of a set whose points are not kept yet, s."""

@@ -7,7 +7,8 @@ from typing import Any
 
 from evidence.walkers_published.predicted import Predicted
 from evidence.walkers_published.published import Source
-from walkergen.files import report, words
+from walkergen.core.files import words
+from walkergen.files import report
 from walkergen.files.report import Column, Report, Table
 
 TITLE = "Published walkers beside ours"

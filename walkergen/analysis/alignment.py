@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from walkergen.analysis.estimates import ALIGNED, FEWEST_SAMPLES, LEVEL, SIGNIFICANT, quantity, refusal
 from walkergen.analysis.tracks import Track
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 

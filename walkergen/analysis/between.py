@@ -14,10 +14,10 @@ import numpy.typing as npt
 from walkergen.analysis import moments
 from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, UNITS, Frame, quantity, refusal
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.tails import fisher_tail
 from walkergen.files import quantities
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
-from walkergen.numerics.tails import fisher_tail
 
 Array = npt.NDArray[np.float64]
 

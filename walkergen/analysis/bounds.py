@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
-from walkergen.numerics.tails import fisher_tail, student
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.tails import fisher_tail, student
 
 UNLIKE = 0.05
 """Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""

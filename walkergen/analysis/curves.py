@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy.typing as npt
 
 from walkergen.analysis import moments
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.files import words
-from walkergen.numerics.tails import student
+from walkergen.core.files import words
+from walkergen.core.numerics.tails import student
 
 Array = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from walkergen.analysis import spreads, walks
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.walks import Spread
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]

@@ -8,7 +8,7 @@ import numpy as np
 
 from walkergen.analysis.estimates import UNITS
 from walkergen.analysis.motion import Array, Motion
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity
 
 OF_WALKERS = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""

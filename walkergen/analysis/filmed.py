@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, track_files, walls
 from walkergen.analysis.track_columns import TRACKS
-from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading
-from walkergen.files.columns import Columns
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain, reading
+from walkergen.core.files.columns import Columns
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 

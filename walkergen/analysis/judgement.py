@@ -31,9 +31,9 @@ from walkergen.analysis.estimates import (
 )
 from walkergen.analysis.moments import Moments
 from walkergen.analysis.spreads import Fitted
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
-from walkergen.numerics.tails import student
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.tails import student
 
 TOO_FEW = "too few data for its fit: film for longer"
 

@@ -55,7 +55,7 @@ class Impacts(NamedTuple):
     v_y: Array
     """Velocity of the foot off the plate before, mm/s."""
     kind: Whole
-    """Type of impact, one of `walkergen.theory.impact.Kind`."""
+    """Type of impact, one of `walkergen.core.theory.impact.Kind`."""
 
 
 def impacts_in(rows: Array) -> Impacts:

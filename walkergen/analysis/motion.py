@@ -22,10 +22,10 @@ from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.analysis.walls import Walls
-from walkergen.errors import InputError
-from walkergen.numerics import statistics
-from walkergen.numerics.quantity import Quantity
-from walkergen.numerics.statistics import Line, line_through_origin
+from walkergen.core.errors import InputError
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.numerics.statistics import Line, line_through_origin
 
 Array = npt.NDArray[np.float64]
 

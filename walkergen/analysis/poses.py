@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import PIXEL, Named, Source
-from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain, reading
+from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 

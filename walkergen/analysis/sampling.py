@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.errors import InputError
-from walkergen.files import columns
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns
+from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 

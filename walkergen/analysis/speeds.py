@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.track_columns import TRACKS
-from walkergen.errors import InputError
-from walkergen.files import columns
-from walkergen.walker.limbs import KINDS, Kind
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns
+from walkergen.core.walker.limbs import KINDS, Kind
 
 Array = npt.NDArray[np.float64]
 

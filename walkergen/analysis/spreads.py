@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from walkergen.analysis import walks
 from walkergen.analysis.walks import Spread
-from walkergen.numerics import statistics
-from walkergen.numerics.tails import fisher_tail, student
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.tails import fisher_tail, student
 
 Array = npt.NDArray[np.float64]
 

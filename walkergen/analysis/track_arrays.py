@@ -18,9 +18,9 @@ import numpy.typing as npt
 from walkergen import extras
 from walkergen.analysis import poses, track_columns
 from walkergen.analysis.track_columns import OURS, PIXEL, Named, Source
-from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain, reading
+from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 

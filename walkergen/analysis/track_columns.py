@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import InputError
-from walkergen.files import plain
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import plain
+from walkergen.core.files.columns import Columns
 
 TRACKS = "tracks"
 """Column of a file of tracks in place of a speed, by its name beside the file of speeds."""

@@ -16,9 +16,9 @@ import numpy.typing as npt
 from walkergen.analysis import sampling, track_columns, track_programs
 from walkergen.analysis.track_columns import ANGLES, LENGTHS, OURS, PIXEL, SCALE, TIMES, Source
 from walkergen.analysis.tracks import Tracks
-from walkergen.errors import InputError
-from walkergen.files import plain, words
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import plain, words
+from walkergen.core.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import Named, Source
-from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading
-from walkergen.files.columns import Columns
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain, reading
+from walkergen.core.files.columns import Columns
 
 LARGEST_XML = 200_000_000
 """Largest XML file that is read, bytes."""

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from walkergen.analysis import poses, track_arrays, track_columns, track_markup, track_titled
 from walkergen.analysis.track_columns import OURS, SCALE, Named, Source
-from walkergen.errors import InputError
-from walkergen.files import columns, plain, reading, words
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain, reading, words
 
 Array = npt.NDArray[np.float64]
 

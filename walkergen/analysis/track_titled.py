@@ -10,8 +10,8 @@ from pathlib import Path
 
 from walkergen.analysis import track_columns
 from walkergen.analysis.track_columns import Named, Source
-from walkergen.errors import InputError
-from walkergen.files import columns, reading
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, reading
 
 SEVERAL, TIME = "#multi:", "t"
 """First line of a file of several tracks, and the first column of every table."""

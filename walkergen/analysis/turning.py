@@ -13,7 +13,7 @@ import numpy as np
 from walkergen.analysis import between, lagged, moments
 from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
 from walkergen.analysis.tracks import Track
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.numerics.quantity import Quantity
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""

@@ -15,9 +15,9 @@ import numpy.typing as npt
 
 from walkergen.analysis import lagged
 from walkergen.analysis.tracks import Track, Tracks
-from walkergen.dish import Dish
-from walkergen.files import words
-from walkergen.numerics.quantity import Quantity
+from walkergen.core.dish import Dish
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Quantity
 
 Array = npt.NDArray[np.float64]
 

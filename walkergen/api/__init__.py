@@ -1,6 +1,6 @@
 """Front for Python, `import walkergen as wg`: each function calls what its command calls."""
 
-from walkergen.walker.design import Design
+from walkergen.core.walker.design import Design
 
 
 def _show(design: Design) -> str:

@@ -14,8 +14,8 @@ from types import UnionType
 from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 import walkergen
-from walkergen.commands import COMMANDS, request_of
-from walkergen.errors import spell_all, spelled_by
+from walkergen.command_table import COMMANDS, request_of
+from walkergen.core.errors import spell_all, spelled_by
 
 if TYPE_CHECKING:
     from walkergen.request import Request
@@ -42,13 +42,13 @@ Machine = Printer | Name
 
 TYPES = (
     "from walkergen.api.loading import load, templates",
-    "from walkergen.crowd.cards.card import Card",
-    "from walkergen.errors import WalkergenError",
-    "from walkergen.files.progress import Progress",
-    "from walkergen.printing.printers import Printer",
-    "from walkergen.scene import Scene",
-    "from walkergen.walker.design import Design",
-    "from walkergen.walker.limbs import Kind",
+    "from walkergen.guests.crowd.cards.card import Card",
+    "from walkergen.core.errors import WalkergenError",
+    "from walkergen.core.files.progress import Progress",
+    "from walkergen.core.printing.printers import Printer",
+    "from walkergen.core.scene import Scene",
+    "from walkergen.core.walker.design import Design",
+    "from walkergen.core.walker.limbs import Kind",
 )
 """Imports of the types of arguments."""
 
@@ -61,7 +61,7 @@ def function(name: str) -> Callable[..., Any]:
     def call(*given: Any, **named: Any) -> Any:
         values = signature.bind(*given, **named).arguments
         progress = values.pop("progress", None)
-        from walkergen.files.progress import silent
+        from walkergen.core.files.progress import silent
 
         with spelled_by(partial(request.as_arguments, given=values)):
             report = request.asked(values).run(progress or silent)

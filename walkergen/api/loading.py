@@ -5,14 +5,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, overload
 
-from walkergen.errors import InputError
-from walkergen.files import config
+from walkergen.core.errors import InputError
+from walkergen.core.files import config
+from walkergen.core.files.config import Section
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
 from walkergen.files import templates as shipped
-from walkergen.files.config import Section
 from walkergen.files.report import Table
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
 
 Name = str | os.PathLike[str]
 """Name of a template, or path of a TOML file."""

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from walkergen.errors import WalkergenError
+from walkergen.core.errors import WalkergenError
+from walkergen.core.files.tables import as_html
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
 from walkergen.files import viewer
-from walkergen.files.tables import as_html
-from walkergen.walker import names, solids
-from walkergen.walker.design import Design
 
 
 def html(design: Design) -> str:

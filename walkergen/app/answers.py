@@ -15,18 +15,19 @@ import numpy.typing as npt
 from walkergen.app import document as documents
 from walkergen.app import sentences
 from walkergen.app.document import Document
-from walkergen.errors import InputError, WalkergenError
-from walkergen.files import plain, web_page
-from walkergen.jobs.make.check import make as checking
-from walkergen.jobs.run.predict import make as predicting
-from walkergen.printing import findings
-from walkergen.printing.findings import About, Finding
-from walkergen.scene import Scene
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker import names, solids
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, from_centre
-from walkergen.walker.placing import UnplacedError
+from walkergen.commands.check import make as checking
+from walkergen.commands.predict import make as predicting
+from walkergen.core.errors import InputError, WalkergenError
+from walkergen.core.files import plain
+from walkergen.core.printing import findings
+from walkergen.core.printing.findings import About, Finding
+from walkergen.core.scene import Scene
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.files import web_page
+from walkergen.readers.walkers.placing import UnplacedError
 
 OWN_FILE = re.compile(
     r"""(?<!\S)(['"]?)(?:[A-Za-z]:)?[\\/][^:\n]*?\.(?:svg|dxf|stl|3mf|obj|ply|off|glb|png|jpe?g)\b\1""", re.IGNORECASE
@@ -144,8 +145,8 @@ def refusal(error: WalkergenError) -> list[dict[str, Any]]:
 
 def trouble(document: Document) -> dict[str, str]:
     """Address of a picture of the body under which no legs stand, in red what has no room; "" of another walker."""
+    from walkergen.commands.family import trouble as drawing
     from walkergen.files import figures
-    from walkergen.jobs.make.family import trouble as drawing
 
     try:
         document.design()

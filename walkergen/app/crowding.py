@@ -9,9 +9,9 @@ import numpy as np
 from walkergen.app import answers
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.files import columns
+from walkergen.core.files import columns
+from walkergen.core.walker import solids
 from walkergen.request import PLANE, ground
-from walkergen.walker import solids
 
 COUNT, SECONDS, DISH_MM = 10, 6.0, 160.0
 """Walkers in the dish, the time that they run, s, and its diameter."""

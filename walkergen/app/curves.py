@@ -5,11 +5,11 @@ from functools import lru_cache
 import numpy as np
 
 from walkergen.app.document import Document
-from walkergen.errors import WalkergenError
-from walkergen.scene import Scene
-from walkergen.theory import prediction
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.errors import WalkergenError
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 
 STEEPEST_DEG = 45.0
 """Tilt up to which the curve is drawn, unless the walker's own is larger."""

@@ -16,16 +16,17 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
 
-from walkergen.errors import InputError
-from walkergen.files import assignments, config, templates
-from walkergen.files.config import Model, Section
+from walkergen.core.errors import InputError
+from walkergen.core.files import assignments, config
+from walkergen.core.files.config import Model, Section
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.walker.body import DRAWN
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.spec import MESHES, OUTLINES
+from walkergen.files import templates
 from walkergen.files.key_names import KINDS, TILTS
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.walker.body import DRAWN
-from walkergen.walker.design import Design
-from walkergen.walker.marks import digits_of
-from walkergen.walker.spec import MESHES, OUTLINES
+from walkergen.readers.walkers.marks import digits_of
 
 MOST_KEYS = 500
 """Most keys that a page sets."""
@@ -104,7 +105,7 @@ class Document(NamedTuple):
         """Walker of the page. Raises InputError, a line for every mistake."""
         design = self._read(self.walker, "walkers", Design, "")
         if design.weighed.states:
-            from walkergen.walker import weights
+            from walkergen.core.walker import weights
 
             weights.check(design)
         return design

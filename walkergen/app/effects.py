@@ -5,7 +5,7 @@ from pathlib import Path
 from walkergen.app import answers
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
 from walkergen.files import web_page
 
 MOST_BYTES = 10_000_000

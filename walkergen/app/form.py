@@ -13,11 +13,11 @@ from itertools import pairwise
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from walkergen.app.document import Document, tilt_key
-from walkergen.files.config import Section
+from walkergen.core.files.config import Section
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.limbs import Leg, Legs
+from walkergen.core.walker.spec import Family
 from walkergen.files.key_names import TILTS
-from walkergen.walker.body import Body
-from walkergen.walker.limbs import Leg, Legs
-from walkergen.walker.spec import Family
 
 UNITS = {
     "deg": "°",

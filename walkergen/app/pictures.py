@@ -4,10 +4,10 @@ from functools import cache
 
 import numpy as np
 
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
 from walkergen.files import templates
-from walkergen.shapes.mesh import Mesh
-from walkergen.walker import solids
-from walkergen.walker.design import Design
 
 WIDTH, HEIGHT, MARGIN = 120.0, 60.0, 6.0
 """Size of a picture and what is left free around the walker, pixels."""

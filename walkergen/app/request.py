@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from walkergen import request
-from walkergen.files.progress import Progress
+from walkergen.core.files.progress import Progress
 from walkergen.request import Flag
 
 FOLDER = Path("out") / "app"

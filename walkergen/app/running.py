@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from walkergen.app import children, sentences
 from walkergen.app.document import SOURCE, Document
-from walkergen.commands import for_shell
-from walkergen.errors import WalkergenError
-from walkergen.files.progress import stretch
+from walkergen.command_table import for_shell
+from walkergen.core.errors import WalkergenError
+from walkergen.core.files.progress import stretch
 
 if TYPE_CHECKING:
-    from walkergen.files.progress import Progress
-    from walkergen.scene import Scene
-    from walkergen.walker.design import Design
+    from walkergen.core.files.progress import Progress
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
 
 FIRST_S, FIRST_RUNS = 1.0, 4
 """Length (s) and number of the runs that give the first number."""
@@ -46,14 +46,14 @@ def main() -> int:
 
 def _predict(design: "Design", scene: "Scene") -> None:
     """Predict a walker that nothing knows without runs, which the store then has for whoever asks again."""
-    from walkergen.jobs.run.predict import make
+    from walkergen.commands.predict import make
 
     make.predict(design, [design], scene, "coulomb", progress=_teller())
     children.say({"predicted": True})
 
 
 def _simulate(design: "Design", scene: "Scene") -> None:
-    from walkergen.jobs.run.movie import play
+    from walkergen.guests.movie import play
 
     run, tell = scene.run, _teller()
     seconds, runs = min(FIRST_S, run.seconds), min(FIRST_RUNS, run.runs)
@@ -72,8 +72,8 @@ def _simulate(design: "Design", scene: "Scene") -> None:
 
 def _measured(design: "Design", scene: "Scene", progress: "Progress") -> dict[str, Any]:
     """What `simulate` says of a walker, and in a sentence."""
-    from walkergen.jobs.run.simulate import make, report
-    from walkergen.walker import solids
+    from walkergen.commands.simulate import make, report
+    from walkergen.core.walker import solids
 
     facts = report.of(make.measure(make.asked(scene, design, solids.mass_of(design)), progress)).facts
     return {"facts": facts, "text": sentences.run(facts)}

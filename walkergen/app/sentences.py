@@ -5,13 +5,14 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal, NamedTuple
 
-from walkergen.files import config, key_names, words
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.theory import prediction
-from walkergen.theory.prediction import Prediction
-from walkergen.walker.design import Design
-from walkergen.walker.limbs import Leg
+from walkergen.core.files import config, words
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Leg
+from walkergen.files import key_names
 
 QUARTILE = 0.6745
 """Distance of the quartiles of a normal distribution from its middle, over that of the ends of 68 %."""

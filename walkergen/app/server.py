@@ -35,9 +35,10 @@ from walkergen.app import document as documents
 from walkergen.app.document import Document
 from walkergen.app.served import START, Server
 from walkergen.app.workers import Workers
-from walkergen.errors import InputError, WalkergenError
-from walkergen.files import output, reading, templates
-from walkergen.files.ledger import manifest
+from walkergen.core.errors import InputError, WalkergenError
+from walkergen.core.files import output, reading
+from walkergen.core.files.ledger import manifest
+from walkergen.files import templates
 from walkergen.request import TABLE
 
 MOST_BYTES = 1_000_000

@@ -16,7 +16,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from walkergen.app import served as servers
 from walkergen.app.document import Document
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
 from walkergen.files import templates
 
 LOOPBACK = ("127.0.0.1", "localhost")

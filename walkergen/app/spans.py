@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from walkergen.app import form
 from walkergen.app.document import Document
-from walkergen.errors import WalkergenError
-from walkergen.walker import solids
+from walkergen.core.errors import WalkergenError
+from walkergen.core.walker import solids
 
 TRIES = 7
 """Halvings of what is not known of an end: it errs by less than a hundredth of the range."""

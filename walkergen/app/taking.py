@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 from walkergen.app import answers
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.errors import InputError
-from walkergen.files import reading, templates
-from walkergen.files.config import Section
-from walkergen.files.output import Folder
-from walkergen.printing.packing import MOST_PARTS
-from walkergen.walker.body import DRAWN
+from walkergen.core.errors import InputError
+from walkergen.core.files import reading
+from walkergen.core.files.config import Section
+from walkergen.core.files.output import Folder
+from walkergen.core.printing.packing import MOST_PARTS
+from walkergen.core.walker.body import DRAWN
+from walkergen.files import templates
 
 FORMATS = ("stl", "3mf", "plate", "page", "toml", "zip")
 """Files that a page hands out."""

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from walkergen.app.document import SOURCE
-from walkergen.errors import InputError, WalkergenError
+from walkergen.core.errors import InputError, WalkergenError
 from walkergen.points import worker_pool
 
 MOST = 6
@@ -203,7 +203,7 @@ def _ready_for_meshes() -> None:
     """Load what only some walkers need."""
     import numpy as np
 
-    from walkergen.shapes import crossings
+    from walkergen.readers.drawings import crossings
 
     importlib.import_module(LATER)
     corners = np.concatenate([np.zeros((1, 3)), np.eye(3)])

@@ -15,9 +15,9 @@ from typer.main import get_command
 from walkergen import __version__
 from walkergen.cli import build, streams
 from walkergen.cli.layout import HELP_OPTIONS, Group
-from walkergen.commands import COMMANDS, for_shell
-from walkergen.errors import OutputError, WalkergenError, spelled_by
-from walkergen.files import plain
+from walkergen.command_table import COMMANDS, for_shell
+from walkergen.core.errors import OutputError, WalkergenError, spelled_by
+from walkergen.core.files import plain
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -74,7 +74,7 @@ def _show_surroundings() -> None:
     import platform
     from importlib.metadata import version
 
-    from walkergen import caches
+    from walkergen.core import caches
 
     print(f"Python {platform.python_version()} on {platform.system()} {platform.machine()}")
     print(f"numba {version('numba')}")

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 from typer.main import get_command, get_group
 
-from walkergen import commands
+from walkergen import command_table as commands
 from walkergen.cli import show, streams
 from walkergen.cli.layout import Command, epilog
-from walkergen.errors import spelled_by
-from walkergen.files import words
-from walkergen.files.progress import silent
+from walkergen.core.errors import spelled_by
+from walkergen.core.files import words
+from walkergen.core.files.progress import silent
 
 if TYPE_CHECKING:
     from walkergen.request import Request

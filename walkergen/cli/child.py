@@ -15,7 +15,7 @@ from typing import Any
 from walkergen import cli
 from walkergen.app import children
 from walkergen.cli import show
-from walkergen.files.progress import Progress, part
+from walkergen.core.files.progress import Progress, part
 
 PAUSE_S = 0.2
 """Time (s) between two lines that say how far a job is."""

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
-from walkergen.errors import spell, spell_all
-from walkergen.files import plain
+from walkergen.core.errors import spell, spell_all
+from walkergen.core.files import plain
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from walkergen.files.progress import Expect, Expected
+    from walkergen.core.files.progress import Expect, Expected
     from walkergen.files.report import Report
 
 
@@ -35,7 +35,7 @@ def table(content: "Table", width: int | None = None) -> None:
     """Print a table with all its numbers whole, at any width (letters); None: the terminal's."""
     from rich.console import Console
 
-    from walkergen.files import tables
+    from walkergen.core.files import tables
 
     tables.show(content, Console(highlight=False, width=width))
 
@@ -133,7 +133,7 @@ def progress(
     What a job expects to take is printed as soon as it knows: `hear` is given whom it tells.
     """
     if not wanted:
-        from walkergen import caches
+        from walkergen.core import caches
 
         with caches.unannounced():
             yield lambda what, done, total: None

@@ -8,7 +8,7 @@ import typer
 
 from walkergen.cli import build, show
 from walkergen.cli.layout import Command, Group, epilog
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
 
 commands = typer.Typer(
     name="templates",
@@ -53,7 +53,8 @@ def copy_template(
 
     Of a drawing, a picture or a mesh it writes the walker that it stands for, with the legs found for it in numbers.
     """
-    from walkergen.files import output, reading, templates
+    from walkergen.core.files import output, reading
+    from walkergen.files import templates
 
     target = to or Path(f"{Path(name).stem}.toml")
     if not reading.named_soundly(target) or target.suffix != ".toml":
@@ -67,16 +68,17 @@ def copy_template(
 
 def _renamed(name: str, target: Path) -> str:
     """Text of a template under the name of its copy."""
-    from walkergen.files import output, templates
+    from walkergen.core.files import output
+    from walkergen.files import templates
 
     return templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
 
 
 def _of_shape(path: Path, target: Path) -> str:
     """Text of the walker that a file of a shape stands for, in numbers. Raises InputError for other files."""
+    from walkergen.core.files.config import read
+    from walkergen.core.walker.design import Design
     from walkergen.files import templates
-    from walkergen.files.config import read
-    from walkergen.walker.design import Design
 
     if Design.of_file(path) is None:
         raise InputError(f"{path}: copies are made of templates, drawings, pictures and meshes")

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from walkergen.files.progress import Progress
+from walkergen.core.files.progress import Progress
 
 Pixels = npt.NDArray[np.uint8]
 """Picture of shape (height, width, 3), with height and width even."""

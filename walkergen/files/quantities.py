@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from walkergen.files import words
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Quantity
 from walkergen.files.report import Column
-from walkergen.numerics.quantity import Quantity
 
 UNITS = {
     **{"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "per_mm": "1/mm", "rad_s": "rad/s", "rad2_s": "rad²/s"},

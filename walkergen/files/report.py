@@ -11,15 +11,15 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from walkergen.errors import InputError, for_python, spell, spell_all
-from walkergen.files import tables, words
+from walkergen.core.errors import InputError, for_python, spell, spell_all
+from walkergen.core.files import tables, words
 
 if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.figure import Figure
     from rich.table import Table as RichTable
 
-    from walkergen.files.output import Folder
+    from walkergen.core.files.output import Folder
 
 MOST_SHOWN = 20
 """Rows that a notebook shows; the others are counted."""

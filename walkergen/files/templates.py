@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import tomli_w
 
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
+from walkergen.core.files.config import Model, Section, read
 from walkergen.files import report
-from walkergen.files.config import Model, Section, read
 from walkergen.files.report import Report
 
 KINDS = ("walkers", "scenes", "printers")

@@ -4,21 +4,21 @@ import time
 from collections.abc import Sequence
 
 from walkergen.analysis.estimates import ALIGNED, UNITS
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
+from walkergen.core.printing import checks
+from walkergen.core.printing.findings import listed as in_order
+from walkergen.core.printing.printers import Printer
+from walkergen.core.simulation import observables
+from walkergen.core.simulation.ensemble import Summary, listed
+from walkergen.core.simulation.run import ENDED_WELL, Outcome
+from walkergen.core.walker import solids, weights
+from walkergen.core.walker.mass import MassProperties
 from walkergen.points import expected, speeds, walkers
+from walkergen.points.experiments import Results, Walker
 from walkergen.points.kinds import Picture
 from walkergen.points.point import PREDICTION, SPACE, Point, Record, Went, went
 from walkergen.points.simplest import simplest
 from walkergen.points.walkers import Met
-from walkergen.printing import checks
-from walkergen.printing.findings import listed as in_order
-from walkergen.printing.printers import Printer
-from walkergen.simulation import observables
-from walkergen.simulation.ensemble import Summary, listed
-from walkergen.simulation.experiments import Results, Walker
-from walkergen.simulation.run import ENDED_WELL, Outcome
-from walkergen.walker import solids, weights
-from walkergen.walker.mass import MassProperties
 
 GROUPS = ("speed", "spread", "persistence", "alignment", "impacts", "masses", "printability")
 KEPT, SCENE, RUNS, MEETS_ERRORS = ("speed",), "lane-90hz", None, True

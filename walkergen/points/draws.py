@@ -8,19 +8,19 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import InputError
-from walkergen.files.progress import Progress, part
-from walkergen.numerics import emulator, statistics
-from walkergen.points import walkers
-from walkergen.scene import Scene
-from walkergen.simulation import observables, resolution
-from walkergen.simulation.experiments import Results, Walker
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.run import ENDED_WELL
-from walkergen.theory import uncertain
-from walkergen.theory.uncertain import Input, Share
-from walkergen.walker import solids
-from walkergen.walker.design import Design
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress, part
+from walkergen.core.numerics import statistics
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import observables
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core.theory import uncertain
+from walkergen.core.theory.uncertain import Input, Share
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.points import emulator, resolution, walkers
+from walkergen.points.experiments import Results, Walker
 
 Array = npt.NDArray[np.float64]
 

@@ -9,17 +9,17 @@ import time
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen.files import words
-from walkergen.files.progress import Expect, Expected, unheard
-from walkergen.numerics import statistics
+from walkergen.core.files import words
+from walkergen.core.files.progress import Expect, Expected, unheard
+from walkergen.core.measure import Error, Measured
+from walkergen.core.numerics import statistics
+from walkergen.core.simulation.batch import Stopped
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import ENDED_WELL, compile_kernels, simulate
+from walkergen.core.tolerance import Tolerance
 from walkergen.points import worker_pool
-from walkergen.points.measure import Error, Measured
-from walkergen.points.tolerance import Tolerance
-from walkergen.simulation.batch import Stopped
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.observables import SPEED
-from walkergen.simulation.plan import Plan
-from walkergen.simulation.run import ENDED_WELL, compile_kernels, simulate
+from walkergen.points.experiments import Walker
 
 MOMENT_S = 0.4
 """CPU time of a moment, s."""

@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NamedTuple, Protocol, cast
 
-from walkergen.errors import InputError, WalkergenError
+from walkergen.core.errors import InputError, WalkergenError
+from walkergen.core.printing.printers import Printer
 from walkergen.points.point import ALONE, PREDICTION, SPACE, Point, Record, refused
-from walkergen.printing.printers import Printer
 
 MODELS = (PREDICTION, SPACE)
 """Models of a walker alone; any other model is a kind of its own."""
 
-KINDS = {ALONE: "walkergen.points.alone", "crowd": "walkergen.crowd.points"}
+KINDS = {ALONE: "walkergen.points.alone", "crowd": "walkergen.guests.crowd.points"}
 """Modules of the kinds."""
 
 EVERY = (*MODELS, *(kind for kind in KINDS if kind != ALONE))

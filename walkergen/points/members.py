@@ -6,20 +6,20 @@ from itertools import chain
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from walkergen.files.progress import Progress, part, silent
+from walkergen.core.files.progress import Progress, part, silent
+from walkergen.core.scene import Scene
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.theory.prediction import Prediction
+from walkergen.core.theory.speed import Mode
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.core.walker.solids import Solids
 from walkergen.points import speeds
 from walkergen.points.speeds import Model
-from walkergen.scene import Scene
-from walkergen.shapes.mesh import Mesh
-from walkergen.theory.prediction import Prediction
-from walkergen.theory.speed import Mode
-from walkergen.walker import names, solids
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
-from walkergen.walker.solids import Solids
 
 if TYPE_CHECKING:
-    from walkergen.walker.weights import Weighings
+    from walkergen.core.walker.weights import Weighings
 
 
 MOST_SIMULATED = 8
@@ -101,7 +101,7 @@ def _applied(design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", 
     """Design with its masses from the balance, if it or what it carries was weighed."""
     if not weighed:
         return design
-    from walkergen.walker import weights
+    from walkergen.core.walker import weights
 
     design = weights.loaded(design, weighed)
     if name not in weighed:
@@ -113,7 +113,7 @@ def _weighing(
     member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]", model: Model
 ) -> Weighing:
     """Mass of a member, and its mesh's with the speed that would go with it."""
-    from walkergen.walker import weights
+    from walkergen.core.walker import weights
 
     plain = weights.meshed(member.design)
     mesh = solids.weigh(plain, parts)

@@ -7,13 +7,13 @@ from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.errors import WalkergenError
-from walkergen.points.tolerance import Tolerance
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.simulation import experiments
-from walkergen.theory import networks
-from walkergen.walker.design import Design
+from walkergen.core.errors import WalkergenError
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.theory import networks
+from walkergen.core.tolerance import Tolerance
+from walkergen.core.walker.design import Design
+from walkergen.points import experiments
 
 ALONE = "alone"
 """Kind of a point that is one walker alone."""
@@ -103,18 +103,7 @@ def digest() -> str:
     Pictures, commands and jobs do not count: they change no number of a point.
     """
     package, hasher = Path(__file__).parent.parent, hashlib.sha256()
-    counted = (
-        "*.py",
-        "analysis/*.py",
-        "crowd/**/*.py",
-        "points/*.py",
-        "numerics/*.py",
-        "printing/*.py",
-        "shapes/*.py",
-        "simulation/**/*.py",
-        "theory/*.py",
-        "walker/*.py",
-    )
+    counted = ("*.py", "analysis/*.py", "core/**/*.py", "guests/crowd/**/*.py", "points/*.py", "readers/**/*.py")
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
         hasher.update(source.read_bytes())
     return hasher.hexdigest()[:16]

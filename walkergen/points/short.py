@@ -8,23 +8,23 @@ The store keeps it, so that whoever asks again, and whoever asks elsewhere, gets
 import math
 from collections.abc import Iterator
 
-from walkergen.drive import Drive
-from walkergen.errors import InputError
-from walkergen.files import words
-from walkergen.files.progress import Progress, part
+from walkergen.core.drive import Drive
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.files.progress import Progress, part
+from walkergen.core.measure import FIRST_RUNS
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.run import Outcome
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Spread
+from walkergen.core.theory.surrogate import NORMAL_95
+from walkergen.core.tolerance import Tolerance
 from walkergen.points import draws, expected, walkers
-from walkergen.points.measure import FIRST_RUNS
+from walkergen.points.experiments import Walker
 from walkergen.points.point import Record, digest
 from walkergen.points.simplest import simplest
 from walkergen.points.store import Store
-from walkergen.points.tolerance import Tolerance
-from walkergen.scene import Scene
-from walkergen.simulation.effects.resolve import changed
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.run import Outcome
-from walkergen.theory import prediction
-from walkergen.theory.prediction import Spread
-from walkergen.theory.surrogate import NORMAL_95
 
 ERROR = Tolerance(0.05, relative=True)
 """Error of the nominal speed of a short simulation."""

@@ -2,18 +2,18 @@
 
 from typing import Any, NamedTuple
 
-from walkergen.errors import InputError
-from walkergen.files import words
-from walkergen.files.progress import Progress, silent
-from walkergen.numerics.quantity import Verdict
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.measure import FIRST_RUNS, Measured, measure
+from walkergen.core.numerics.quantity import Verdict
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects import rules
+from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.tolerance import Tolerance
 from walkergen.points import variants
-from walkergen.points.measure import FIRST_RUNS, Measured, measure
-from walkergen.points.tolerance import Tolerance
+from walkergen.points.experiments import Walker
 from walkergen.points.variants import Change, Pairs, Variant
-from walkergen.scene import Scene
-from walkergen.simulation.effects import rules
-from walkergen.simulation.effects.resolve import changed
-from walkergen.simulation.experiments import Walker
 
 MOST_PAIRS = 64
 """Pairs of runs after which a change that is not decided counts as too large."""

@@ -3,15 +3,16 @@
 from collections.abc import Sequence
 from typing import Any
 
-from walkergen.files import report, words
+from walkergen.core.files import words
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction
+from walkergen.core.theory.uncertain import Share
+from walkergen.core.walker.design import Design
+from walkergen.files import report
 from walkergen.files.report import Column, Table
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.scene import Scene
-from walkergen.theory import prediction
-from walkergen.theory.prediction import Prediction
-from walkergen.theory.uncertain import Share
-from walkergen.walker.design import Design
 
 
 def caption(design: Design, scene: Scene, mode: str) -> str:

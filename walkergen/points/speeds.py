@@ -2,14 +2,14 @@
 
 from typing import Literal
 
-from walkergen.files.progress import Progress, silent
-from walkergen.scene import Scene
-from walkergen.theory import prediction
-from walkergen.theory.prediction import Prediction
-from walkergen.theory.speed import Mode
-from walkergen.theory.surrogate import UnknownError
-from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction
+from walkergen.core.theory.speed import Mode
+from walkergen.core.theory.surrogate import UnknownError
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
 
 Model = Literal["best", "known", "theory"]
 
@@ -37,7 +37,7 @@ def predict(
         return prediction.predict(design, mass, scene, mode)
     except UnknownError as reason:
         from walkergen.points import short
-        from walkergen.simulation.experiments import Walker
+        from walkergen.points.experiments import Walker
 
         walker = Walker(scene, design, mass)
         record = short.kept(walker) or (None if model == "known" else short.simulated(walker, progress))

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from walkergen import caches
-from walkergen.errors import OutputError
+from walkergen.core import caches
+from walkergen.core.errors import OutputError
 from walkergen.points.point import Record
 
 WAIT_S = 60.0

@@ -9,19 +9,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.errors import InputError
-from walkergen.numerics import quantity
-from walkergen.numerics.quantity import Quantity, Verdict
-from walkergen.points.tolerance import Tolerance
+from walkergen.core.errors import InputError
+from walkergen.core.numerics import quantity
+from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.core.simulation import orbits
+from walkergen.core.simulation.batch import OneRun
+from walkergen.core.simulation.effects import harmonic, rules
+from walkergen.core.simulation.effects.effect import Effect, Rule
+from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
+from walkergen.core.tolerance import Tolerance
+from walkergen.points.experiments import Walker
 from walkergen.points.walkers import error_of_speed
-from walkergen.simulation import orbits
-from walkergen.simulation.batch import OneRun
-from walkergen.simulation.effects import harmonic, rules
-from walkergen.simulation.effects.effect import Effect, Rule
-from walkergen.simulation.effects.resolve import changed
-from walkergen.simulation.experiments import Walker
-from walkergen.simulation.plan import Plan
-from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult, compile_kernels, simulate
 
 LONGEST_S, DISCARDED_S = 2.0, 0.5
 """Measured time of a run, and its start that is not, s, at most: more runs tell more than longer ones."""

@@ -10,20 +10,20 @@ from typing import Any, NamedTuple
 from walkergen.analysis import motion
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Tracks, of_places
-from walkergen.drive import Drive
-from walkergen.errors import InputError
-from walkergen.files import words
-from walkergen.files.progress import Expect, Progress, part, silent, unheard
-from walkergen.numerics.statistics import Mean
-from walkergen.points import expected
+from walkergen.core.drive import Drive
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.files.progress import Expect, Progress, part, silent, unheard
+from walkergen.core.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
+from walkergen.core.numerics.statistics import Mean
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import batch, observables
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.run import RunResult
+from walkergen.core.tolerance import Tolerance
+from walkergen.points import expected, experiments, trajectory
 from walkergen.points.expected import Told
-from walkergen.points.measure import FIRST_RUNS, Error, Measured, Runs, Until, measure
-from walkergen.points.tolerance import Tolerance
-from walkergen.scene import Scene
-from walkergen.simulation import batch, experiments, observables, trajectory
-from walkergen.simulation.experiments import Results, Walker
-from walkergen.simulation.observables import SPEED
-from walkergen.simulation.run import RunResult
+from walkergen.points.experiments import Results, Walker
 
 LONGEST_S = 4.0
 """Measured time of a run for an error, at most: more runs tell more than longer ones."""

@@ -19,7 +19,7 @@ from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
 from walkergen import extras
-from walkergen.errors import InputError
+from walkergen.core.errors import InputError
 from walkergen.points.point import digest
 
 MOST_WORKERS = 1024

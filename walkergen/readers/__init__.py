@@ -7,78 +7,78 @@ a plain walker waits for none of them.
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from walkergen.walker.readers import Readers
+from walkergen.core.walker.readers import Readers
 
 if TYPE_CHECKING:
-    from walkergen.errors import Remedy
-    from walkergen.shapes import joining
-    from walkergen.shapes.mesh import Mesh
-    from walkergen.walker.body import Body, Shape
-    from walkergen.walker.design import Design
-    from walkergen.walker.fittings import Cap, Marks
-    from walkergen.walker.limbs import Legs, Limb, Polygon
-    from walkergen.walker.mass import SolidMass
+    from walkergen.core.errors import Remedy
+    from walkergen.core.shapes import joining
+    from walkergen.core.shapes.mesh import Mesh
+    from walkergen.core.walker.body import Body, Shape
+    from walkergen.core.walker.design import Design
+    from walkergen.core.walker.fittings import Cap, Marks
+    from walkergen.core.walker.limbs import Legs, Limb, Polygon
+    from walkergen.core.walker.mass import SolidMass
 
 
 def shape_of(body: "Body") -> "Shape":
     """Return the shape of a body that is no rectangle. Raises GeometryError, and InputError for files."""
-    from walkergen.walker import forming
+    from walkergen.readers.walkers import forming
 
     return forming.shape_of(body)
 
 
 def solid_of(body_key: str) -> "joining.Body":
     """Return the solid of a body, given by its JSON, ready for the modeller."""
-    from walkergen.walker import landing
+    from walkergen.readers.walkers import landing
 
     return landing.ready(body_key)
 
 
 def mass_of(body_key: str) -> "SolidMass":
     """Return the mass of a body, given by its JSON, at 1 g/mm^3."""
-    from walkergen.walker import landing
+    from walkergen.readers.walkers import landing
 
     return landing.weighed(body_key)
 
 
 def meet_body(body_key: str, limbs: "tuple[Limb, ...]") -> "tuple[Limb, ...]":
     """Return legs that go on up to a body, given by its JSON. Raises GeometryError for those that miss it."""
-    from walkergen.walker import landing
+    from walkergen.readers.walkers import landing
 
     return landing.meet_body(body_key, limbs)
 
 
 def place_legs(body_key: str, legs_key: str) -> "tuple[Limb, ...]":
     """Return legs that found their places under a body. Raises UnplacedError where there are none."""
-    from walkergen.walker import placing
+    from walkergen.readers.walkers import placing
 
     return placing.find_placement(body_key, legs_key).limbs
 
 
 def describe_placement(body_key: str, legs_key: str) -> str:
     """Return in words where legs found their places under a body."""
-    from walkergen.walker import placing
+    from walkergen.readers.walkers import placing
 
     return placing.find_placement(body_key, legs_key).words
 
 
 def suggest_placement(body: "Body", legs: "Legs") -> "Sequence[Remedy]":
     """Return what helps legs that do not stand where they were put: that they place themselves."""
-    from walkergen.walker import placing
+    from walkergen.readers.walkers import placing
 
     return placing.auto(body, legs)
 
 
 def stand_level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """Return the data of a design that stands as built, turned until it stands on two feet. Raises GeometryError."""
-    from walkergen.walker import stance
+    from walkergen.readers.walkers import stance
 
     return stance.level(data, follow_deg)
 
 
 def mark_text(marks: "Marks", tilts_deg: Sequence[float], tilt_deg: float) -> str:
     """Return the mark of the member with this tilt: digits, or its notches drawn with #."""
-    from walkergen.walker.marks import word
+    from walkergen.readers.walkers.marks import word
 
     return word(marks, tilts_deg, tilt_deg)
 
@@ -87,35 +87,35 @@ def mark_problems(
     marks: "Marks", tilts_deg: Sequence[float], tilt_deg: float, size: tuple[float, float, float]
 ) -> list[str]:
     """Return reasons why a body of length, thickness and depth (mm) cannot bear its marks, a line each."""
-    from walkergen.walker.marks import problems
+    from walkergen.readers.walkers.marks import problems
 
     return problems(marks, tilts_deg, tilt_deg, size)
 
 
 def add_notches(design: "Design", corners: "Polygon") -> "Polygon":
     """Return the profile of a rectangular body with notches in its upper edge."""
-    from walkergen.walker import engraving
+    from walkergen.readers.walkers import engraving
 
     return engraving.add_notches(design, corners)
 
 
 def engraved_profiles(design: "Design") -> "list[Polygon]":
     """Return the pockets in the side of a body, about its middle: its digits or its text."""
-    from walkergen.walker import engraving
+    from walkergen.readers.walkers import engraving
 
     return engraving.engraved_profiles(design)
 
 
 def cut_letters(ground: "Mesh", design: "Design") -> "Mesh":
     """Return a body in plan view with its text cut into the upper side. Raises GeometryError."""
-    from walkergen.walker import engraving
+    from walkergen.readers.walkers import engraving
 
     return engraving.cut_letters(ground, design)
 
 
 def put_cap(cap: "Cap", body: "Mesh", depth: float) -> "Mesh":
     """Return a cap where it lies on a body. Raises GeometryError for a body that does not hold it."""
-    from walkergen.walker import caps
+    from walkergen.readers.walkers import caps
 
     return caps.on_body(cap, body, depth)
 

@@ -1,0 +1,127 @@
+"""The form of the page follows from the tables that check what people write."""
+
+import math
+import pickle
+import re
+
+import pytest
+import trimesh
+
+from walkergen.app import answers, form, spans
+from walkergen.app.document import Document
+from walkergen.core.errors import WalkergenError
+from walkergen.core.walker import solids
+from walkergen.files import templates
+from walkergen.readers.walkers.placing import UnplacedError
+
+
+def document(walker="koumakis2016", **values):
+    return Document(walker, "lane-90hz", "prusa-mk3s", values)
+
+
+def controls(page):
+    return {control.key: control for group in form.groups(page) for control in group.controls}
+
+
+@pytest.mark.parametrize("walker", templates.names("walkers"))
+def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
+    found = controls(document(walker))
+    assert {"body.thickness_mm", "scene.contact.friction", "printer.nozzle_mm"} <= set(found)
+    for control in found.values():
+        if control.kind == "number" and control.value is not None:
+            low = -math.inf if control.low is None else control.low
+            assert low <= control.value <= (math.inf if control.high is None else control.high)
+        if control.slider:
+            low, high = control.slider
+            assert control.low <= low < high <= control.high
+            assert low <= control.value <= high
+
+
+def test_limits_are_those_that_a_refusal_names():
+    tilt = controls(document())["legs.tilt_deg"]
+    assert (tilt.low, tilt.high, tilt.unit) == (-85.0, 85.0, "°")
+    with pytest.raises(WalkergenError, match=">= -85 and <= 85"):
+        document(**{"legs.tilt_deg": 89}).design()
+
+
+def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
+    assert [each.key for each in form.groups(document())[0].controls] == ["legs.tilt_deg"]
+    first = form.groups(document("bristle"))[0].controls
+    assert [each.key for each in first] == ["leg_tilt_deg"]
+    assert first[0].value == 10.0
+
+
+def test_keys_that_say_nothing_of_a_shape_have_no_control():
+    plain, disc = (controls(document()), controls(document(**form.shapes(document())["disc"]["values"])))
+    assert "body.depth_mm" in plain
+    assert {"body.outline", "body.mesh", "body.up"}.isdisjoint(plain)
+    assert "body.outline" in disc
+    assert "body.depth_mm" not in disc
+
+
+def test_a_control_says_what_its_table_says():
+    assert "Width across the run" in controls(document())["legs.width_mm"].help
+
+
+@pytest.mark.parametrize("walker", ["koumakis2016", "maker-large", "bristle", "name"])
+def test_every_other_shape_stands_on_the_legs_of_a_walker(walker):
+    for name, change in form.shapes(document(walker)).items():
+        shaped = document(change.get("walker", walker), **change["values"])
+        assert shaped.design().limbs, name
+
+
+def test_two_equal_legs_can_be_listed():
+    legs = form.listed_legs(document())
+    listed = document(legs=legs, leg_tilt_deg=10.0).design()
+    pair = document().design()
+    assert [limb.along for limb in listed.limbs] == [limb.along for limb in pair.limbs]
+    assert [limb.thickness for limb in listed.limbs] == [limb.thickness for limb in pair.limbs]
+
+
+def test_sliders_end_where_a_walker_can_no_longer_be_built():
+    keys = ["legs.tilt_deg", "legs.contact_spacing_mm", "body.length_mm", "scene.contact.friction", "nosuch"]
+    ranges = spans.spans(document(), keys)
+    assert list(ranges) == keys[:3]
+    assert ranges["legs.contact_spacing_mm"][1] < 28.0  # the body's length; the key's own range goes on
+    for key, ends in ranges.items():
+        assert all(document(**{key: end}).design().limbs for end in ends)
+
+
+def test_a_tilt_beyond_its_slider_makes_it_longer():
+    (tilt,) = (control for control in form.groups(document(**{"legs.tilt_deg": 60.0}))[0].controls)
+    assert tilt.slider == (-60.0, 60.0)
+
+
+TOO_LONG = {"body": {"outline": "disc", "length_mm": 28.0, "thickness_mm": 3.0}, "legs.contact_spacing_mm": 22.0}
+MESHES = [
+    (trimesh.creation.icosphere(2, 2.0), ["put a plate under it", "make it 25 mm long"]),
+    (trimesh.creation.cylinder(5.0, 30.0), ["lay it down", "put a plate under it"]),
+    (
+        trimesh.creation.box([0.9, 0.5, 0.3]),
+        ["read it in inches: 22.86 mm", "read it in centimetres: 9 mm", "make it 28 mm long"],
+    ),
+    (None, ["let the legs place themselves"]),
+]
+
+
+@pytest.mark.parametrize(("mesh", "words"), MESHES)
+def test_what_helps_is_data_and_helps(tmp_path, mesh, words):
+    """A refusal carries keys and values, for buttons; its words hold neither keys nor flags."""
+    values = dict(TOO_LONG)
+    if mesh is not None:
+        mesh.export(tmp_path / "own.stl")
+        values = {"body": {"mesh": str(tmp_path / "own.stl")}, "legs.place": "auto"}
+    with pytest.raises(WalkergenError) as error:
+        document(**values).design()
+    elsewhere = pickle.loads(pickle.dumps(error.value.found_out()))
+    *_, last = answers.refusal(elsewhere)
+    assert [remedy["words"] for remedy in last["helps"]] == words
+    assert not re.search(r"_mm|= true|--|\.\w+_|what helps|own\.stl", last["text"])
+    assert answers.trouble(document(**values))["picture"].startswith("data:image/png;") is last["drawn"]
+    assert last["drawn"] is isinstance(error.value, UnplacedError)
+    for remedy in last["helps"]:
+        assert all(key in str(error.value) for key, value in remedy["values"].items() if value is not None)
+        body = {**values["body"], **{key[5:]: own for key, own in remedy["values"].items() if key.startswith("body.")}}
+        rest = {key: own for key, own in remedy["values"].items() if not key.startswith("body.")}
+        kept = {key: own for key, own in body.items() if own is not None}
+        solids.mass_of(document(**{**values, "body": kept, **rest}).design())

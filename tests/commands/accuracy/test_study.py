@@ -1,0 +1,246 @@
+"""The accuracy study: ladders against closed forms, honest error bars, the choice of a step, the budget."""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from walkergen.commands.accuracy import answers, report, shape, statistics
+from walkergen.commands.accuracy import survey as surveys
+from walkergen.commands.accuracy.report import Answer, Ladder, Rung, order
+from walkergen.commands.accuracy.survey import Measured, Survey
+from walkergen.core import measure, tolerance
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import record
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.run import Outcome, RunResult
+from walkergen.core.tolerance import Tolerance
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+
+
+def silent(*told):
+    """No progress."""
+
+
+def survey_of(budget_s=1.0):
+    return Survey(Scene(), Design(), solids.mass_of(Design()), budget_s)
+
+
+def known(survey, speeds, se=0.1, costs=(0.01,) * 5):
+    """Fill a survey with made-up measurements: speeds of all steps, the finest first."""
+    for step_us, speed, cost in zip(survey.steps, speeds, costs, strict=True):
+        quantities = {SPEED: Quantity(SPEED, "", speed, se)}
+        survey.measured[step_us] = Measured(step_us, quantities, 16, 10.0, 1.0, cost * 16 * 11.0, 1.0, "16 ok")
+    return survey
+
+
+def chosen(survey, share):
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    return answers.choose_measured(candidates, share)
+
+
+def test_order_of_an_exact_power_is_its_exponent():
+    values = np.array([1.0, 2.0, 5.0, 10.0])
+    slope, se = order(values, 3.0 * values**2)
+    assert slope == pytest.approx(2.0, abs=1e-12)  # rounding of logarithms
+    assert se < 1e-12
+
+
+@pytest.mark.slow
+def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
+    """The round foot taken for exact, against the closed-form mass of quad and half disc."""
+    design = Design.model_validate({"legs": {"foot": "round"}})
+    mass = solids.weigh(design, solids.build(design, shape.EXACT_SEGMENTS))
+    limb = design.limbs[0]
+    half = 0.5 * limb.thickness
+    # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
+    area = 2.0 * half * (limb.length - half) + 0.5 * math.pi * half**2
+    exact = 1e-3 * design.material.density_g_cm3 * limb.width * area
+    ladder = shape.measure_shapes(Design(), Scene(), silent)
+    finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
+    assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])
+    far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
+    # 1e6 mm away a coordinate has lost 1e6/0.4 of its 16 digits
+    assert far["1e+06 mm away"].error < 1e-9
+    files = {rung.setting: rung for rung in ladder.rungs if rung.series.startswith("through")}
+    assert 1e-9 < files["0 mm away"].error < 1e-6  # float32: 6e-8 of a coordinate
+    assert files["1e+06 mm away"].error > 1e-3
+
+
+@pytest.mark.slow
+def test_braced_shape_has_no_error_at_the_origin():
+    ladder = shape.measure_shapes(Design().variant(kind="braced"), Scene(), silent)
+    far = [rung for rung in ladder.rungs if rung.series == "double precision"]
+    assert max(rung.error for rung in far) < 1e-9  # as above
+    assert far[0].details["m"] is None
+
+
+def made_runs(runs, blocks, rng):
+    """Runs of independent block speeds with mean 10 and standard deviation 2."""
+    speeds = rng.normal(10.0, 2.0, (runs, blocks))
+    return [
+        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, np.zeros((0, 3)), 0.0, record.new(3), 0.0)
+        for k, row in enumerate(speeds)
+    ]
+
+
+def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
+    results = made_runs(32, 500, np.random.default_rng(5))
+    for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
+        parts = statistics._cut(results, runs, length)
+        used = sum(len(result.block_speeds) for part in parts for result in part)
+        assert used == 32 * 500
+        rung = statistics._rung(parts, results, 1.0, 0.01, 1.0)
+        expected = 2.0 / math.sqrt(runs * length / 0.1)
+        # four standard errors of a standard deviation from that many parts
+        assert rung.error == pytest.approx(expected, abs=4.0 * rung.error_sd)
+        assert rung.details["stated_se_mm_s"] == pytest.approx(expected, rel=0.2)
+        assert 0.8 < rung.details["inside_95"] <= 1.0  # of 80, 20 and 10 parts
+        assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
+
+
+@pytest.mark.parametrize(
+    ("granted_s", "runs", "seconds"),
+    [(1e4, 32, 50.0), (200.0, 32, 5.2), (60.0, 16, 2.8), (20.0, 8, 1.5), (0.0, 8, 1.0)],
+)
+def test_runs_that_are_compared_are_fewer_before_they_are_too_short(granted_s, runs, seconds):
+    own = Measured(23.0, {}, 4, 1.0, 1.0, 16.0, 8.0, "4 ok")  # a second by the clock for a simulated one
+    assert statistics._afford(granted_s, own) == (runs, seconds)
+
+
+@pytest.mark.parametrize(("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))])
+def test_errors_are_read(text, expected):
+    assert tolerance.parse(text) == expected
+
+
+def test_the_cheapest_step_within_the_error_is_chosen():
+    survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0), costs=(0.2, 0.1, 0.07, 0.05, 0.04))
+    assert len(survey.steps) == 5
+    assert survey.own in survey.steps
+    # The longest step has no margin; the third has that of the longest, which is 8 % off.
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[3]
+    fine = chosen(survey, 0.05)
+    assert fine.candidate.step_us == survey.steps[1]
+    # 99 mm/s: 1 off, and 1.96 times the errors of both
+    assert fine.candidate.bias == pytest.approx(0.01 + 0.0196 * math.hypot(0.1, 0.1), rel=1e-3)
+    assert math.hypot(fine.candidate.bias, 2.0 * fine.se) <= fine.error <= 0.05
+
+
+def test_the_last_step_before_a_cliff_is_never_chosen():
+    """The longest step that is not refused is the margin of those next to it."""
+    survey = known(survey_of(), (100.0, 100.0, 100.0, 100.0, 60.0))
+    assert chosen(survey, 0.2).candidate.step_us in survey.steps[:2]
+
+
+def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
+    survey = known(survey_of(), (100.0, 100.0, 90.0, 100.0, 100.0), costs=(0.02, 0.01, 0.007, 0.005, 0.004))
+    # The longer ones are right, but a finer one is 10 % off; the second's margin is that one
+    assert chosen(survey, 0.05).candidate.step_us == survey.steps[0]
+
+
+def test_no_step_is_chosen_beyond_one_that_fails():
+    survey = known(survey_of(), (100.0,) * 5)
+    failed = survey.steps[2]
+    survey.measured[failed] = survey.measured[failed]._replace(quantities={}, outcomes="16 toppled")
+    bounds = [survey.bound(one) for one in survey.measured.values()]
+    assert [math.isinf(bound) for bound in bounds] == [False, False, True, True, True]
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[0]
+    survey = known(survey_of(), (100.0,) * 5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
+    longest = survey.steps[-1]
+    survey.measured[longest] = survey.measured[longest]._replace(quantities={}, outcomes="16 toppled")
+    assert chosen(survey, 0.2).candidate.step_us == survey.steps[1]  # the margin of the others is the one that fails
+
+
+def test_what_cannot_be_promised_says_what_would_help():
+    survey = known(survey_of(60.0), (100.0,) * 5)
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    assert chosen(survey, 1e-3) is None
+    told = answers.advise_budget(candidates, Tolerance(1e-3, True), survey)
+    assert "known to 0.2 mm/s only; measure longer: walkergen accuracy ... --only steps --budget" in told
+    assert "a day of simulations would not do" in answers.advise_budget(candidates, Tolerance(1e-5, True), survey)
+    dead = survey_of()
+    dead.measured[dead.steps[0]] = Measured(dead.steps[0], {}, 16, 1.0, 1.0, 1.0, 1.0, "16 toppled")
+    with pytest.raises(InputError, match="16 toppled"):
+        dead.reference(silent)
+
+
+def test_few_runs_have_wider_bounds_of_a_bias():
+    survey = known(survey_of(), (100.0, 99.0, 99.0, 97.0, 92.0))
+    many = survey.bound(survey.measured[survey.steps[1]])
+    for step_us, one in survey.measured.items():
+        survey.measured[step_us] = one._replace(quantities={SPEED: one.speed._replace(freedom=3.0)})
+    # Student's t of 6 degrees of freedom for the normal's
+    few = survey.bound(survey.measured[survey.steps[1]])
+    assert (few - 1.0) / (many - 1.0) == pytest.approx(2.447 / 1.960, rel=1e-3)
+
+
+@pytest.mark.parametrize(("budget_s", "run_s"), [(15.0, 0.05), (60.0, 0.05), (60.0, 0.4)])
+def test_a_study_spends_its_budget(budget_s, run_s, monkeypatch):
+    """Made-up runs that take `run_s` by the clock each; what one leaves over the others get."""
+    survey, ladders = survey_of(budget_s), ["steps", "statistics"]
+    survey.share_out(ladders)
+    for what in [*survey.steps, surveys.STATISTICS]:
+        granted_s, runs = survey.grant(what), 4
+        made = measure.Measured(None, [], runs, runs * run_s)
+        while (more := measure.Budget(granted_s, 4).further(made)) is not None:
+            made = more._replace(wall_s=more.runs * run_s)
+        survey.simulated_s += made.wall_s
+    assert not survey.due
+    assert survey.simulated_s == pytest.approx(budget_s, rel=0.15)
+
+
+def test_one_ladder_alone_has_the_whole_budget():
+    alone, both = survey_of(60.0), survey_of(60.0)
+    alone.share_out(["steps"])
+    both.share_out(["steps", "statistics"])
+    step = alone.steps[0]
+    assert alone.grant(step) == pytest.approx(1.4 * both.grant(step)) == pytest.approx(60.0 * 0.3)
+    few = survey_of(60.0)
+    few.share_out(["statistics"])
+    assert {*few.due} == {few.steps[0], few.own, surveys.STATISTICS}
+
+
+@pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])
+def test_people_read_no_rows_of_a_long_ladder_and_the_table_has_all(rungs, shown):
+    settings = [Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)]
+    ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
+    other = ladder._replace(name="shape", rungs=[Rung("b", "1 mm", 0.1, 0.2, 1e-3, {"M": 0.1})])
+    made = report.make_report([ladder, other], None, 1.0, None, "walker", Path("here"))
+    assert [len(table.columns) for table in made.shown()] == [5] * (1 + shown)
+    assert (f"Bias: {rungs} rows in accuracy.csv" in made.lines) != shown
+    assert "reference: the finest" in (made.table.notes if shown else made.lines)
+    assert len(made.facts["ladders"]["steps"]) == rungs
+    rows = list(made["accuracy"])
+    assert len(rows) == rungs + 1
+    assert (rows[0]["ladder"], rows[0]["n"], rows[0]["M"], rows[-1]["M"]) == ("steps", 0, None, 0.1)
+
+
+def test_an_answer_that_the_budget_does_not_reach_stays_as_shipped():
+    survey = known(survey_of(60.0), (100.0,) * 5, se=5.0)
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    before = Answer(Tolerance(0.01, True), "own step", 8, 10.0, 2.0, "scaled", "as shipped")
+    answer, choice = answers._refine(before, candidates, survey)
+    assert choice is None
+    assert answer == before._replace(why=answer.why)
+    assert answer.why.startswith("as shipped; this budget: the most accurate setting is itself known to")
+    wide, choice = answers._refine(before._replace(error=Tolerance(0.5, True)), candidates, survey)
+    assert (wide.known, wide.runs) == ("now", choice.runs)
+
+
+def test_choices_that_cost_alike_are_one_point_and_none_is_below_the_floor():
+    survey = known(survey_of(60.0), (100.0,) * 5, se=0.5, costs=(0.2, 0.1, 0.07, 0.05, 0.04))
+    candidates = [survey.candidate(one) for one in survey.measured.values()]
+    blank = Answer(Tolerance(0.2, True), "-", None, None, None, "scaled", "")
+    found = [answers._refine(blank._replace(error=wanted), candidates, survey) for wanted in answers.ERRORS]
+    (axes,) = answers.draw_choice("walker", candidates, found, (), 0.005).axes
+    told = [text.get_text() for text in axes.texts]
+    assert any(text.startswith("20, 10 %: ") for text in told)
+    costs = [line.get_xdata()[0] for line in axes.get_lines() if line.get_marker() == "o"]
+    assert all(later > answers.ALIKE * earlier for earlier, later in pairwise(costs))
+    (floored,) = answers.draw_choice("walker", candidates, found, (), 0.5).axes
+    assert not [line for line in floored.get_lines() if line.get_marker() == "o"]

@@ -1,0 +1,282 @@
+"""Any key from anywhere: `--set KEY=VALUE` on every command, and what it refuses."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+from answers import refused
+
+from walkergen import inputs
+from walkergen.cli import command_line, main
+from walkergen.core.errors import InputError
+from walkergen.core.files import assignments
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.points import walkers
+
+TAKES = {
+    ("accuracy",): "design scene",
+    ("app",): "design scene printer",
+    ("calibrate", "measurements.csv"): "design scene",
+    ("check",): "design printer",
+    ("crowd",): "design scene",
+    ("explain",): "design scene",
+    ("export", "--format", "mjcf"): "design scene",
+    ("family",): "design scene printer",
+    ("fit", "speeds.csv"): "design scene",
+    ("movie",): "design scene",
+    ("plate",): "design printer",
+    ("predict",): "design scene",
+    ("simulate",): "design scene",
+}
+WRONG = {
+    "design": ("legs.lenght_mm=8", "did you mean legs.length_mm?"),
+    "scene": ("scene.drive.gama=2", "did you mean scene.drive.gamma?"),
+    "printer": ("printer.nozle_mm=0.25", "did you mean printer.nozzle_mm?"),
+}
+OUTSIDE = {
+    "design": ("body.length_mm=-5", "body.length_mm = -5: must be a number >= 1e-06"),
+    "scene": ("scene.contact.restitution=1.5", "scene.contact.restitution = 1.5: must be a number"),
+    "printer": ("printer.margin_mm=-9", "printer.margin_mm = -9: must be a number >= 0"),
+}
+PAIRS = [(words, thing) for words in TAKES for thing in WRONG]
+
+
+def predicted(run, *words):
+    result = run("predict", *words, "--model", "theory", "--json")
+    assert result.exit_code == 0, (words, result.exception)
+    return result.stdout
+
+
+@pytest.mark.parametrize(("words", "thing"), PAIRS)
+def test_every_command_takes_the_keys_of_its_things_and_no_others(run, words, thing):
+    wrong, hint = WRONG[thing]
+    outside, allowed = OUTSIDE[thing]
+    if thing in TAKES[words].split():
+        assert hint in refused(run, *words, "--set", wrong)
+        assert allowed in refused(run, *words, "--set", outside)
+    else:
+        assert f"this command takes no {thing}" in refused(run, *words, "--set", wrong)
+
+
+def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
+    def commands(group, *path):
+        for name, command in getattr(group, "commands", {}).items():
+            yield from commands(command, *path, name)
+        if not hasattr(group, "commands"):
+            yield path, {option for one in group.params for option in (*one.opts, one.name)}
+
+    found = dict(commands(typer.main.get_command(command_line)))
+    loading = {path for path, options in found.items() if options & {"design", "scene", "--scene", "--printer"}}
+    assert loading == {path for path, options in found.items() if "--set" in options}
+    assert loading == {words[:1] for words in TAKES} | {("sweep",)}  # whose values are axes: test_axes.py
+
+
+@pytest.mark.parametrize(
+    ("key", "flag"),
+    [
+        ("legs.tilt_deg=12", ("--tilt", "12")),
+        ("legs.kind=braced", ("--legs", "braced")),
+        ('legs.kind="braced"', ("--legs", "braced")),
+        ("scene.contact.friction=0.1", ("--friction", "0.1")),
+        ("scene.drive.gamma=2.2", ("--gamma", "2.2")),
+        ("scene.drive.frequency_hz=80", ("--frequency", "80")),
+    ],
+)
+def test_a_key_and_its_flag_are_one(run, key, flag):
+    by_key = predicted(run, "--set", key)
+    assert by_key == predicted(run, *flag) != predicted(run)
+
+
+def test_speeds_follow_the_drive_as_they_must(run):
+    def speed(*words):
+        return json.loads(predicted(run, *words))["rows"][0]["theory_mm_s"]
+
+    base = speed()  # in proportion to the plate's peak speed, gamma g / (2 pi f)
+    assert speed("--gamma", "3.6") == pytest.approx(2 * base)
+    assert speed("--frequency", "45") == pytest.approx(2 * base)
+    assert speed("--gamma", "0.9", "--frequency", "45") == pytest.approx(base)
+    assert speed("--gamma", "0.9", "--set", "scene.drive.frequency_hz=45") == pytest.approx(base)
+    both = ("--set", "scene.drive.amplitude_um=50", "--set", "scene.drive.peak_speed_mm_s=62.4")
+    assert speed(*both) == pytest.approx(base * 62.4 / 31.216, rel=1e-4)
+
+
+def test_all_values_reach_the_manifests(run):
+    words = ("--set", "legs.length_mm=9", "--set", "printer.gap_mm=4", "--set", "name=longer")
+    made = run(
+        "family",
+        *words,
+        "--set",
+        "family.tilt_deg=[12]",
+        "--set",
+        'family.legs=["flexible"]',
+        "--set",
+        "scene.plate.slope_deg=1.5",
+        "--frequency",
+        "70",
+        "--no-pictures",
+        "--quiet",
+        "--out",
+        "a",
+    )
+    assert made.exit_code == 0, made.exception
+    facts = json.loads(Path("a/manifest.json").read_text())
+    assert facts["members"] == ["walker_t12.0_flexible_s0.40"]
+    assert (facts["design"]["name"], facts["design"]["legs"]["length_mm"]) == ("longer", 9)
+    assert facts["scene"]["plate"]["slope_deg"] == 1.5
+    assert facts["scene"]["drive"]["frequency_hz"] == 70
+    assert facts["printer"]["gap_mm"] == 4
+    made = run("plate", *words, "--set", "legs.tilt_deg=12", "--no-pictures", "--quiet", "--out", "b")
+    assert made.exit_code == 0, made.exception
+    facts = json.loads(Path("b/plates/plate_prusa-mk3s.json").read_text())
+    assert facts["designs"]["longer"]["legs"]["length_mm"] == 9
+    assert facts["designs"]["longer"]["legs"]["tilt_deg"] == 12
+    assert facts["printer"]["gap_mm"] == 4
+
+
+LEANING = """
+stance = "as built"
+[[legs]]
+foot = "round"
+along_mm = -6.0
+length_mm = {length}
+[[legs]]
+foot = "round"
+along_mm = 6.0
+"""
+
+
+def test_a_key_means_what_its_line_in_the_file_means(run, tmp_path):
+    """A leg of a walker that leans: set after it was turned onto its feet, it would hover."""
+    for length in (7.5, 8.5):
+        text = 'name = "leaning"\n' + LEANING.format(length=length)
+        (tmp_path / f"l{length}.toml").write_text(text)
+    by_file = predicted(run, "l8.5.toml")
+    assert predicted(run, "l7.5.toml", "--set", "legs[1].length_mm=8.5") == by_file
+    assert predicted(run, "l7.5.toml", "--set", "legs[01].length_mm=8.5") == by_file
+    assert predicted(run, "l7.5.toml") != by_file
+
+
+def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "disc.toml").write_text(
+        '[body]\noutline = "disc"\n[[legs]]\nalong_mm = -4.0\nwidth_mm = 4.0\n'
+        "[[legs]]\nalong_mm = 4.0\nwidth_mm = 4.0\n"
+    )
+    (tmp_path / "box.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="12mm" viewBox="0 0 20 12">'
+        '<path d="M0 0H20V12H0Z"/></svg>'
+    )
+    (row,) = json.loads(predicted(run, "sub/disc.toml", "--set", "body.outline=box.svg"))["rows"]
+    assert row["M_g"] == pytest.approx(20 * 12 * 3 * 1.24e-3, rel=1e-3)
+    told = refused(run, "predict", "sub/disc.toml", "--set", "body.outline=disc.svg")
+    assert told == "command line: disc.svg: no such file"
+
+
+def test_the_exit_code_is_two(run, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["walkergen", "predict", "--set", "legs.tlt_deg=1"])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+    assert capsys.readouterr().err == ("error: command line: legs.tlt_deg: unknown key; did you mean legs.tilt_deg?\n")
+
+
+def test_every_key_of_the_templates_can_be_set_to_its_own_value():
+    """Round trip of every number and word of every template: the section stays the same."""
+    for kind, model in (("walkers", Design), ("scenes", Scene)):
+        for name in templates.names(kind):
+            section = templates.load(name, kind, model)
+            for key, value in leaves(section.model_dump(exclude_unset=True)):
+                word = json.dumps(value, ensure_ascii=False)
+                one, text = assignments.split(f"{key}={word}")
+                assert assignments.changed(section, {one: assignments.value_of(text)}) == section
+
+
+def leaves(data, before=""):
+    for key, value in data.items():
+        if isinstance(value, dict):
+            yield from leaves(value, f"{before}{key}.")
+        elif isinstance(value, list) and isinstance(value[0], dict):
+            for number, entry in enumerate(value, start=1):
+                yield from leaves(entry, f"{before}{key}[{number}].")
+        else:
+            yield before + key, value
+
+
+def test_a_default_of_a_command_gives_way(tmp_path):
+    def asked(values):
+        return inputs.of(values, {}, ("design", "scene"))
+
+    own = {"scene.run.seconds": 4.0, "scene.run.runs": 3}
+    assert asked({"scene.run.seconds": 7}).scene("lane-90hz", own).run.seconds == 7
+    assert asked({"scene.run.seconds": 7}).scene("lane-90hz", own).run.runs == 3
+    assert asked({"scene.run": {"seconds": 7}}).scene("lane-90hz", own).run.seconds == 7
+    with pytest.raises(InputError, match="takes no printer") as caught:
+        asked({"printer.gap_mm": 1})
+    assert caught.value.keys == ("printer.gap_mm",)
+
+
+SHORT = ("--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json")
+
+
+@pytest.mark.slow
+def test_several_walkers_are_rows_of_what_each_gives_alone(run):
+    several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT)
+    rows = json.loads(several.stdout)["rows"]
+    assert [(row["tilt_deg"], row["legs"]) for row in rows] == [(tilt, "braced") for tilt in (0.0, 5.0, 10.0)]
+    for row in rows:
+        alone = json.loads(run("simulate", "--legs", "braced", "--tilt", str(row["tilt_deg"]), *SHORT).stdout)
+        same = set(row) & set(alone)
+        assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
+        assert {key: row[key] for key in same} == {key: alone[key] for key in same}
+        told = run("predict", "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8", "--json")
+        (known,) = json.loads(told.stdout)["rows"]
+        assert row["theory_mm_s"] == known["theory_mm_s"]
+        assert row["predicted_mm_s"] == known["speed_mm_s"]
+    table = run("simulate", "--legs", "braced", "--tilt", "5,10", *SHORT[:-1]).stdout
+    assert max(len(line) for line in table.splitlines()) <= 80
+    assert "90 Hz, 1.8 g, 31.2 mm/s" in table
+    assert "-0.0" not in table
+
+
+def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
+    simulate, done = walkers.simulate, []
+
+    def interrupted(asked, progress, threads=None):
+        if done:
+            raise KeyboardInterrupt
+        done.append(asked)
+        return simulate(asked, progress, threads)
+
+    monkeypatch.setattr(walkers, "simulate", interrupted)
+    result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
+    assert result.exit_code == 130
+    assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
+    told = "interrupted after 1 of 3 walkers; missing: 10 deg braced, 15 deg braced"
+    assert f"warning: {told}" in result.stderr.splitlines()
+
+
+def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
+    simulate = walkers.simulate
+
+    def interrupted(asked, progress, threads=None):
+        return simulate(asked.with_run(runs=2), progress)._replace(walker=asked)
+
+    words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
+    assert json.loads(run(*words).stdout)["partial"] is False
+    whole = (tmp_path / "runs.csv").read_bytes()
+    monkeypatch.setattr(walkers, "simulate", interrupted)
+    result = run(*words)
+    assert result.exit_code == 130
+    found = json.loads(result.stdout)
+    assert (found["runs"], found["partial"]) == (2, True)
+    told = ["warning: interrupted after 2 of 4 runs", "warning: runs.csv: not written"]
+    assert result.stderr.splitlines()[-2:] == told
+    assert (tmp_path / "runs.csv").read_bytes() == whole
+
+
+def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
+    monkeypatch.setattr(walkers, "simulate", None)
+    assert "tilt up to" in refused(run, "simulate", "--tilt", "5,80")

@@ -1,0 +1,104 @@
+"""The disk cache of kernels: edits to anything a kernel is made of must start a fresh one."""
+
+import ast
+import gc
+import sys
+import weakref
+from pathlib import Path
+from typing import NamedTuple
+
+import numba
+import numpy as np
+import pytest
+
+import walkergen
+from walkergen.core.numerics.kernels import SOURCES, borrowed, kernel, listed, uncounted
+
+PACKAGE = Path(walkergen.__file__).parent
+COVERED = {path for pattern in SOURCES for path in PACKAGE.glob(pattern)}
+WITH_KERNELS = sorted(p for p in PACKAGE.rglob("*.py") if "@kernel" in p.read_text())
+
+
+def kernel_names(tree):
+    """Every name that the kernels of a module use."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and any(
+            isinstance(decorator, ast.Name) and decorator.id == "kernel" for decorator in node.decorator_list
+        ):
+            yield from (inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name))
+
+
+def imported(node):
+    """Names that an import from the package binds, each with the file that it comes from."""
+    source = PACKAGE.joinpath(*node.module.split(".")[1:])
+    for alias in node.names:
+        module = source / f"{alias.name}.py"
+        found = module if module.is_file() else source.with_suffix(".py")
+        yield alias.asname or alias.name, found if found.is_file() else source / "__init__.py"
+
+
+def test_the_cache_covers_every_file_that_kernels_are_made_of():
+    assert len(WITH_KERNELS) > 10
+    # A kernel's own file is watched by numba; every other that it is made of has to be covered.
+    for path in WITH_KERNELS:
+        tree = ast.parse(path.read_text())
+        used = set(kernel_names(tree))
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("walkergen"):
+                for name, source in imported(node):
+                    assert source in COVERED or name not in used, f"{path.name} uses {name}"
+
+
+@kernel
+def _twice(pair):
+    return 2.0 * pair[0] + pair[1]
+
+
+@kernel
+def _called(pair):
+    return _twice(pair) + 1.0
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
+def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
+    pair = (0.5, 0.25)
+    assert _called(pair) == 2.25
+    assert len(_called.outer.signatures) == 1
+    assert len(_twice.inner.signatures) <= 1  # none where the caller came from the cache
+    assert not _twice.outer.signatures
+    assert _twice(pair) == 1.25
+    assert len(_twice.outer.signatures) == 1
+
+
+class Pair(NamedTuple):
+    """Arrays of a walker, in short."""
+
+    own: np.ndarray
+    shared: np.ndarray
+
+
+@uncounted
+def _raise(pairs, i):
+    pair = borrowed(pairs, i)
+    pair.own[0] += pair.shared[1]
+
+
+@kernel
+def _raise_all(pairs):
+    for _ in range(100):
+        for i in range(3):
+            _raise(pairs, i)
+
+
+def test_items_of_a_list_are_read_without_counting_references_that_would_never_be_returned():
+    shared = np.arange(2.0)
+    items = [Pair(np.full(1, float(i)), shared) for i in range(3)]
+    pairs = listed(items)
+    before = sys.getrefcount(shared)
+    _raise_all(pairs)
+    assert [item.own[0] for item in items] == [100.0, 101.0, 102.0]
+    gone = weakref.ref(shared)
+    assert sys.getrefcount(shared) == before
+    del pairs, items, shared
+    gc.collect()
+    assert gone() is None

@@ -1,0 +1,150 @@
+"""Templates of other walkers: they print, predict, and run as the theory says, in space."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from evidence.reproduce import mechanisms
+from evidence.reproduce.mechanisms import Mechanism
+from evidence.reproduce.runs import Point
+from walkergen.commands.check import make as checks
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Leg
+from walkergen.files import templates
+from walkergen.points import experiments, walkers
+
+NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name", "bristlebot", "spinner")
+
+
+def load(name):
+    return templates.load(name, "walkers", Design)
+
+
+def scene_of(seconds, runs=4):
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    short = {"seconds": seconds, "runs": runs, "discard_seconds": 0.2}
+    return scene.model_copy(update={"run": scene.run.model_copy(update=short)})
+
+
+def simulated(design, seconds=0.5, runs=4):
+    scene = scene_of(seconds, runs)
+    return walkers.simulate(experiments.Walker(scene, design, solids.mass_of(design)), lambda *_: None)
+
+
+def by_theory(design):
+    return prediction.row_of(design, solids.mass_of(design), scene_of(1.0), "coulomb", None)
+
+
+def changed(design, change):
+    """Design with every leg of its list changed."""
+    data = design.model_dump(exclude_unset=True)
+    return Design.model_validate(data | {"legs": [change(leg) for leg in data["legs"]]})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_template_prints_and_predicts(name):
+    design = load(name)
+    printer = templates.load("prusa-mk3s", "printers", Printer)
+    members = design.members()
+    report = checks.check(members, [1] * len(members), printer)
+    assert not [finding for finding in report.findings if finding.level == "error"]
+    row = by_theory(design)
+    assert "balanced over" in row.theory_note
+    if name == "rotator":
+        assert row.theory_mm_s == pytest.approx(0.0, abs=0.1)  # its own mirror image from the side
+        assert "it turns" in row.theory_note
+    else:
+        assert row.theory_mm_s > 1.0
+
+
+@pytest.mark.parametrize("name", ["two-materials", "unequal-legs", "polar-disc"])
+def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
+    """As the theory says, whose size is off by up to 2.3 times (docs/physics.md section 4b)."""
+    design = load(name)
+
+    def ahead(leg):
+        return leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]}
+
+    for walker, way in ((design, 1.0), (changed(design, ahead), -1.0)):
+        row = by_theory(walker)
+        found = simulated(walker).summary
+        assert way * row.theory_mm_s > 1.0
+        assert way * found.speed_mm_s > max(1.0, 3.0 * found.speed_se_mm_s)
+
+
+def test_bristle_runs_as_fast_as_the_theory_says():
+    """18 legs, of which 6 are seen from the side; 60 mm/s simulated in 2 s, 68 by the theory."""
+    design = load("bristle")
+    row = by_theory(design)
+    found = simulated(design, 0.1, 2).summary.speed_mm_s
+    assert 0.5 < found / row.theory_mm_s < 1.5
+
+
+def test_brush_of_one_row_of_two_is_the_pair():
+    pair = load("koumakis2016")
+    legs = [Leg(tilt_deg=10.0, along_mm=x).model_dump(exclude_unset=True) for x in (-6.5, 6.5)]
+    brush = Design.model_validate(pair.model_dump(exclude_unset=True) | {"legs": legs})
+    one, other = (simulated(design, 0.2, 2).results for design in (pair, brush))
+    assert [run.speed for run in one] == [run.speed for run in other]
+
+
+def test_rotator_turns_on_the_spot_and_its_mirror_image_the_other_way():
+    design = load("rotator")
+
+    def exchanged(leg):
+        return leg | {"mirrored": not leg.get("mirrored", False)}
+
+    rates = []
+    for walker in (design, changed(design, exchanged)):
+        runs = simulated(walker, 0.5).results
+        turned = [np.unwrap(run.places[:, 2])[-1] - run.places[0, 2] for run in runs]
+        rate = np.array(turned) / 0.5
+        assert abs(rate.mean()) > 3.0  # 5.8 rad/s in plane-90hz
+        # Its rim runs at 14 mm times the rate, 40 mm in all; the middle stays.
+        assert max(np.abs(run.places[:, :2] - run.places[0, :2]).max() for run in runs) < 8.0
+        rates.append(rate)
+    right, left = rates
+    assert right.max() < 0.0 < left.min()
+    error = np.hypot(right.std(ddof=1), left.std(ddof=1)) / np.sqrt(len(right))
+    assert abs(right.mean() + left.mean()) < 4.0 * error
+
+
+@pytest.mark.parametrize(
+    ("speed", "theory", "direction"),
+    [
+        (4.0, 5.0, "same"),
+        (-4.0, 5.0, "opposite"),
+        (-4.0, -5.0, "same"),
+        (1.9, 5.0, "undecided"),
+        (None, 5.0, "undecided"),
+        (4.0, 0.0, "undecided"),
+    ],
+)
+def test_directions_are_judged_by_the_bounds_of_the_simulated_speed(speed, theory, direction):
+    own, expected = Quantity("speed", "mm_s", speed, 1.0), Quantity("theory", "mm_s", theory, 1.0)
+    point = Point(None, "space", 0.0, 31.0, own, own, {}, 0, "")
+    assert Mechanism("x", Design(), expected, "balance", point).direction == direction
+
+
+def test_the_mechanisms_are_those_of_the_paper():
+    found = mechanisms.designs(load("koumakis2016"))
+    assert [design.kind for _, design in found] == ["flexible", "braced", "braced"]
+    frictions = {limb.friction for limb in found[1][1].limbs}
+    assert frictions == {0.1, 0.6}
+    assert {limb.friction for limb in found[2][1].limbs} == {None}
+    lengths = {limb.length for limb in found[2][1].limbs}
+    assert len(lengths) == 2
+
+
+@pytest.mark.slow
+def test_the_modeller_tells_of_no_leaks_at_the_end(tmp_path):
+    words = ["-m", "walkergen", "simulate", "rotator", "--seconds", "0.02", "--runs", "1", "--quiet"]
+    done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stderr == ""

@@ -1,0 +1,74 @@
+"""What a plain two-legged walker passes through from TOML to a predicted speed: no part that it lacks."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+MODULES, FILES = 63, 41
+"""Most modules of ours that a fresh `predict` imports, and most files below the command line of
+which it runs a function; the request, which the command and the function of Python share, is among both."""
+
+ABSENT = {
+    *(
+        "walkergen.core.dish",
+        "walkergen.readers.walkers.marks",
+        "walkergen.readers.walkers.caps",
+        "walkergen.core.walker.pockets",
+    ),
+    *("walkergen.readers.walkers.landing", "walkergen.readers.walkers.stance", "walkergen.core.walker.planar"),
+    *("walkergen.core.shapes.joining", "walkergen.core.theory.balance"),
+}
+"""Modules of parts that it has not."""
+
+MEASURED = """
+import inspect, json, os, sys
+import walkergen
+
+root, entered = os.path.dirname(walkergen.__file__), set()
+FUNCTION = inspect.CO_NEWLOCALS | inspect.CO_OPTIMIZED
+
+def trace(frame, event, argument):
+    code = frame.f_code  # bodies of modules and classes are no functions
+    if code.co_filename.startswith(root) and code.co_flags & FUNCTION == FUNCTION:
+        entered.add(os.path.relpath(code.co_filename, root))
+
+from walkergen.cli import command_line
+
+sys.settrace(trace)
+try:
+    command_line(["predict", *sys.argv[1:], "--json"])
+except SystemExit:
+    pass
+sys.settrace(None)
+imported = [name for name in sys.modules if name.split(".")[0] == "walkergen"]
+print(json.dumps([imported, sorted(entered)]), file=sys.stderr)
+"""
+
+
+def passed(*words):
+    """Modules that a prediction imports, and files that it enters."""
+    run = subprocess.run([sys.executable, "-c", MEASURED, *words], check=True, capture_output=True, text=True)
+    return json.loads(run.stderr.splitlines()[-1])
+
+
+def test_a_plain_walker_passes_what_it_has():
+    imported, entered = passed("koumakis2016", "--tilt", "10")
+    assert len(imported) <= MODULES, sorted(imported)
+    others = ("walkergen.core.printing", "walkergen.core.simulation", "walkergen.commands.family", "walkergen.guests")
+    assert not [name for name in imported if name in ABSENT or name.startswith(others)]
+    below = [name for name in entered if name.partition("/")[0] not in ("cli", "__init__.py", "__main__.py")]
+    assert len(below) <= FILES, below
+
+
+@pytest.mark.parametrize(
+    ("words", "needed"),
+    [
+        (("coinbot", "--scene", "table-motor", "--model", "theory"), {"core/walker/pockets.py"}),
+        (("--set", "marks.kind=digits"), {"readers/walkers/marks.py"}),
+        (("--legs", "braced"), {"core/walker/sections/braced.py"}),
+    ],
+)
+def test_a_walker_enters_the_parts_that_it_has(words, needed):
+    assert needed <= set(passed(*words, "--tilt", "10")[1])

@@ -1,0 +1,74 @@
+"""The table of a scene's keys is made of its fields: `python tests/core/test_scene_keys.py` writes it anew."""
+
+import ast
+import inspect
+import textwrap
+from itertools import pairwise
+from pathlib import Path
+
+from walkergen.core.files import config
+from walkergen.core.scene import Scene
+
+PAGE = Path(__file__).parents[2] / "docs" / "scenes.md"
+MOST_KEYS = 64
+"""Keys of a scene, which may only become fewer."""
+
+HEAD = """# The keys of a scene
+
+A scene is a TOML file with a table for each heading below. Every key has a default, so that a file holds only what
+differs; `walkergen templates copy lane-90hz` is one to start from. Any key is set for one command as
+`--set scene.drive.gamma=2.2`. Standard deviations (`_sd`) widen the bounds of predictions and nothing else.
+
+*Made of the fields of `walkergen/core/scene.py` and `walkergen/core/drive.py`; `python tests/core/test_scene_keys.py`
+writes it.*
+"""
+
+
+def notes(table):
+    """Return the docstrings below the fields of a table, by key."""
+    (node,) = ast.parse(textwrap.dedent(inspect.getsource(table))).body
+    return {
+        key.target.id: " ".join(note.value.value.replace("None: ", "Default: ").split())
+        for key, note in pairwise(node.body)
+        if isinstance(key, ast.AnnAssign) and isinstance(note, ast.Expr)
+    }
+
+
+def rows(name, table):
+    """Return a row of the page for each key of a table."""
+    meanings = notes(table)
+    before = ""
+    for key, field in table.model_fields.items():
+        default = getattr(getattr(Scene(), name), key) if name != "drive" else field.default
+        allowed = config.allowed((name, key), Scene).removeprefix("must be ").removeprefix("a number ")
+        allowed = allowed.removeprefix("one of ").replace("'", "").replace("|", "or")
+        shown = "" if default is None else f"`{list(default) if isinstance(default, tuple) else default}`"
+        allowed, before = ("as above" if len(allowed) > 80 and allowed == before else allowed), allowed
+        yield f"| `{key}` | {meanings[key]} | {shown} | {allowed} |"
+
+
+def page():
+    """Return the whole page."""
+    parts = [HEAD]
+    for name, field in Scene.model_fields.items():
+        table = field.annotation
+        if name in ("name", "description"):
+            continue
+        parts.append(f"## [{name}]\n\n{' '.join(inspect.getdoc(table).split(chr(10) * 2)[0].split())}\n")
+        parts.append(
+            "\n".join(["| key | meaning | default | allowed |", "|---|---|---|---|", *rows(name, table)]) + "\n"
+        )
+    return "\n".join(parts)
+
+
+def test_the_page_of_keys_is_that_of_the_fields():
+    assert PAGE.read_text(encoding="utf-8") == page(), "run python tests/core/test_scene_keys.py"
+
+
+def test_a_scene_has_few_keys():
+    tables = [field.annotation for field in Scene.model_fields.values()]
+    assert sum(len(getattr(table, "model_fields", "1")) for table in tables) <= MOST_KEYS
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

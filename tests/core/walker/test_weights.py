@@ -1,0 +1,199 @@
+"""Masses from a balance: read or refused line by line, and felt by the prediction."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import command_line
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene
+from walkergen.core.walker import mass, names, solids, weights
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.points import kinds
+from walkergen.points import members as predictions
+from walkergen.points.point import Point
+
+PAPER = templates.load("koumakis2016", "walkers", Design)
+SCENE = templates.load("lane-90hz", "scenes", Scene)
+MEMBERS = PAPER.members([5.0, 10.0], ["flexible"])
+FIVE, TEN = "walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def call(text: str):
+        path = tmp_path / "weights.csv"
+        path.write_text(text)
+        return weights.read(path, MEMBERS)
+
+    return call
+
+
+def predicted(weighed, members=MEMBERS):
+    built = [solids.build(member) for member in members]
+    return list(predictions.predicted(members, built, SCENE, "coulomb", weighed))
+
+
+def meshed(design):
+    built, density = solids.build(design), 1.24e-3
+    return mass.weigh(built.body, density).mass, mass.weigh(built.legs[0], density).mass
+
+
+def test_copies_are_averaged_with_their_standard_error(read):
+    grams = [0.86, 0.88, 0.90]
+    found = read("part,grams\n" + "".join(f"{FIVE}-{k},{g}\n" for k, g in enumerate(grams, 1)))
+    assert list(found) == [FIVE]
+    error = np.std(grams, ddof=1) / np.sqrt(3)
+    assert found[FIVE].grams == pytest.approx((np.mean(grams), error, 3))
+    assert found[FIVE].leg_g is None
+
+
+def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
+    text = weights.template([FIVE, TEN])
+    with pytest.raises(InputError, match="no masses; fill in grams, body_g, leg_g"):
+        read(text)
+    assert not weights.filled(tmp_path / "weights.csv")
+    found = read(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
+    assert weights.filled(tmp_path / "weights.csv")
+    assert found == {TEN: weights.Weighings(None, (0.8, None, 1), (0.03, None, 1))}
+
+
+@pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
+@pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"])
+def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
+    path = tmp_path / "weights.csv"
+    weights.write_template(tmp_path, ["x"])
+    written = f"{header}\n{line}\n".encode()
+    path.write_bytes(written)
+    weights.write_template(tmp_path, ["y"])
+    assert path.read_bytes() == written
+
+
+def test_a_form_that_somebody_sorted_stays(tmp_path):
+    path = weights.write_template(tmp_path, [FIVE, TEN])
+    path.write_text(ours := weights.template([TEN, FIVE]))
+    assert weights.write_template(tmp_path, [FIVE, TEN]) == path
+    assert path.read_text() == ours
+
+
+def test_an_empty_template_follows_the_print(tmp_path):
+    weights.write_template(tmp_path, [FIVE])
+    weights.write_template(tmp_path, [TEN])
+    assert (tmp_path / "weights.csv").read_text() == f"part,grams,body_g,leg_g\n{TEN},,,\n"
+
+
+def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
+    """Only the legs' frequency depends on more than ratios of masses, by 6 % here."""
+    member = predicted(read(f"part,grams\n{TEN},1.0\n"))[1]
+    body, leg = meshed(MEMBERS[1])
+    scale = 1.0 / (body + 2 * leg)
+    assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
+    assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
+    assert member.weighing.mass_g == pytest.approx(1.0)
+    assert member.weighing.mass_mesh_g == pytest.approx(body + 2 * leg)
+
+
+@pytest.mark.parametrize(
+    "cells", ["grams,body_g\n{},0.95,0.87", "grams,leg_g\n{},0.95,0.04", "body_g,leg_g\n{},0.87,0.04"]
+)
+def test_two_masses_of_three_give_the_same_prediction(read, cells):
+    member = predicted(read("part," + cells.format(TEN) + "\n"))[1]
+    assert (member.row.M_g, member.row.m_g) == pytest.approx((0.87, 0.04), rel=1e-12)
+
+
+def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(read):
+    first, second = predicted(read(f"part,leg_g\n{TEN},0.06\n"))
+    data = MEMBERS[1].model_dump()
+    data["weighed"]["leg_mass_g"] = 0.06
+    (same,) = predicted({}, [Design.model_validate(data)])
+    assert second.row == same.row
+    assert second.weighing.speed_mesh_mm_s != second.row.speed_mm_s
+    assert first.row.speed_mm_s == first.weighing.speed_mesh_mm_s
+    assert first.weighing.weighings == 0
+
+
+def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
+    (design,) = PAPER.members([10.0], ["braced"])
+    path = tmp_path / "w.csv"
+    path.write_text("part,grams,leg_g\nwalker_t10.0_braced_s1.00,1.1,0.1\n")
+    (member,) = predicted(weights.read(path, [design]), [design])
+    assert member.row.M_g == pytest.approx(1.1)
+    assert member.weighing.mass_g == pytest.approx(1.1)
+    assert member.row.m_g is None
+
+
+def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
+    rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
+    found = read("part,body_g,leg_g\n" + rows)[TEN]
+    assert weights.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
+
+
+def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
+    """Walkers of other tilts and kinds are left out and named; those of no design are refused."""
+    rows = [f"{name},0.9" for name in names_of_family()]
+    rows += [f"{FIVE}-2,0.9", "walker_t07.5_flexible_s0.40-3,1"]
+    found = read("part,grams\n" + "\n".join(rows))
+    assert {name: one.grams.weighings for name, one in found.items()} == {FIVE: 2, TEN: 1}
+    unused = weights.unused(tmp_path / "weights.csv", MEMBERS)
+    others = [name for name in names_of_family() if name not in (FIVE, TEN)]
+    assert unused == [*others, "walker_t07.5_flexible_s0.40"]
+    with pytest.raises(InputError, match="no masses of the walkers of tilt and legs"):
+        read("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
+
+
+def names_of_family():
+    return [names.part(one) for one in PAPER.members()]
+
+
+def test_all_bad_lines_are_told_at_once(read):
+    with pytest.raises(InputError) as caught:
+        read(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
+    assert [line.split(":")[1] for line in str(caught.value).splitlines()] == ["2", "3", "5"]
+
+
+def test_files_that_cannot_be_read_are_one_line(tmp_path):
+    binary = tmp_path / "b.csv"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for path in (binary, tmp_path, tmp_path / "none.csv", tmp_path / ("x" * 300)):
+        with pytest.raises(InputError) as caught:
+            weights.read(path, MEMBERS)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
+    path = tmp_path / "w.csv"
+    path.write_bytes(f"part,grams\r\n{FIVE},0.9\r\n".encode("utf-8-sig"))
+    assert weights.read(path, MEMBERS)[FIVE].grams.mean == 0.9
+
+
+@pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
+def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
+    path = tmp_path / weights.FILE
+    path.write_text(f"{weights.template([FIVE, TEN])}{row}\n")
+    mine = path.read_bytes()
+    assert weights.write_template(tmp_path, [FIVE]) is None
+    assert path.read_bytes() == mine
+    path.write_text(weights.template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"]))
+    assert weights.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "drawn"),
+    [("body_mass_g", 1e-13, "0.8333"), ("body_mass_g", 833.0, "0.8333"), ("leg_mass_g", 29.8, "0.02976")],
+)
+def test_masses_in_a_design_are_of_the_walker_that_it_draws(key, value, drawn):
+    """A thousandth or a thousand times as much: a unit, or another part."""
+    with pytest.raises(InputError, match=rf"weighed\.{key} = .*: {drawn} g as it is drawn, more than 10 times"):
+        weights.check(PAPER.variant(**{f"weighed.{key}": value}))
+    refused = CliRunner().invoke(command_line, ["predict", "--set", f"weighed.{key}={value}"])
+    assert isinstance(refused.exception, InputError)
+    assert f"weighed.{key} = " in str(refused.exception)
+    point = Point(PAPER.variant(**{f"weighed.{key}": value}), SCENE)
+    assert kinds.evaluate(point)["status"].startswith(f"refused: koumakis2016: weighed.{key} = ")
+
+
+def test_masses_that_a_walker_may_have_pass():
+    weights.check(PAPER)
+    weights.check(PAPER.variant(**{"weighed.body_mass_g": 0.87, "weighed.leg_mass_g": 0.04}))

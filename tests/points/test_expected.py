@@ -1,0 +1,112 @@
+"""How long a job says that it will take: before it runs, by a moment of it."""
+
+from contextlib import nullcontext
+
+import pytest
+
+from walkergen import inputs
+from walkergen.command_table import request_of
+from walkergen.core import tolerance
+from walkergen.core.files.progress import silent
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.resolve import changed
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.guests.lab.fit import learn
+from walkergen.guests.sweep import cost
+from walkergen.guests.sweep.axes import Space, axis
+from walkergen.guests.sweep.point_request import Request
+from walkergen.points import alone, expected, walkers
+from walkergen.points.experiments import Walker
+from walkergen.points.store import Store
+
+TIMES = {"run.seconds": 6.0, "run.runs": 2, "run.discard_seconds": 0.1}
+
+
+def walker(**keys):
+    design = templates.load("koumakis2016", "walkers", Design)
+    scene = changed(templates.load("lane-90hz", "scenes", Scene), keys)
+    return Walker(scene, design, solids.mass_of(design))
+
+
+@pytest.mark.parametrize(
+    ("wanted", "cheaper"), [("1%", "2%"), ("2%", "5%"), ("3%", "5%"), ("5%", "10%"), ("0.5mm/s", "1mm/s")]
+)
+def test_the_next_cheaper_error_is_of_1_2_5_10(wanted, cheaper):
+    assert expected.next_cheaper(tolerance.parse(wanted)) == tolerance.parse(cheaper)
+
+
+def test_a_moment_tells_what_runs_cost():
+    asked = walker(**TIMES)
+    said = 2 * expected.of_run(asked)
+    assert 0.5 < said / walkers.simulate(asked, threads=1).summary.cpu_s < 2.0  # 0.8 to 1.3 on a machine of its own
+    assert expected.of_runs([asked]).seconds >= 0.4 * said
+    assert expected.of_runs([walker(**TIMES | {"run.seconds": 1.0})]) is None
+
+
+def test_an_error_says_once_its_first_runs_are_made_what_is_left_and_what_the_next_one_would_take():
+    heard = []
+    met = walkers.to_error(
+        walker(**{"run.seconds": 1.0}), tolerance.parse("2%"), expect=lambda find: heard.append(find())
+    )
+    assert heard[0].seconds > 0.0
+    assert heard[0].note.startswith("2 % ")
+    assert " in all, 5 % " in heard[0].note
+    assert met.error <= met.allowed
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("simulate", {"seconds": 0.05, "runs": 1}),
+        ("simulate", {"seconds": 0.05, "runs": 1, "tilt": "5,10"}),
+        ("sweep", {"set": ["legs.tilt_deg=5,10"]}),
+        ("movie", {"seconds": 0.01, "slow": 8.0}),
+    ],
+)
+def test_commands_say_how_long_they_will_take(name, values, tmp_path):
+    heard = []
+    out = {"out": str(tmp_path / "film.gif")} if name == "movie" else {}
+    asked = request_of(name).asked(values | out)
+    asked.hear(heard.append)
+    asked.run(silent)
+    assert len(heard) == 1
+
+
+class HeardError(Exception):
+    """What a job expects, said before it runs."""
+
+
+@pytest.mark.parametrize(("name", "values", "least_s"), [("fit", {"model": "space"}, learn.LEARNING_S)])
+def test_what_a_job_does_beside_its_runs_is_counted(name, values, least_s, tmp_path, monkeypatch):
+    monkeypatch.setattr(expected, "of_run", lambda walker: 0.0)
+    monkeypatch.setattr(alone, "cost", lambda point: 0.0)
+    monkeypatch.setattr(inputs, "pool_of", lambda *_: nullcontext())
+    if name == "fit":
+        values["speeds"] = tmp_path / "speeds.csv"
+        values["speeds"].write_text("tilt_deg,plate_speed_mm_s,speed_mm_s,speed_se_mm_s\n10,31.2,60,1\n20,31.2,90,1\n")
+
+    def hear(find):
+        raise HeardError(find().seconds)
+
+    asked = request_of(name).asked(values | {"out": tmp_path / "out"})
+    asked.hear(hear)
+    with pytest.raises(HeardError) as told:
+        asked.run(silent)
+    assert told.value.args == (least_s,)
+
+
+def test_a_sweep_costs_what_its_points_do_and_nothing_of_it_is_found_out_where_it_is_short(monkeypatch):
+    monkeypatch.setattr(expected, "MOMENT_S", 0.02)
+    scene = changed(templates.load("lane-90hz", "scenes", Scene), {"run.seconds": 1.0, "run.runs": 2})
+    space = Space((axis("legs.tilt_deg", [float(tilt) for tilt in range(1, 61)], "test"),))
+    request = Request(templates.load("koumakis2016", "walkers", Design), scene, space, "space")
+    store = Store()
+    try:
+        one, two = (cost.estimate(request, store, workers) for workers in (1, 2))
+        assert one.points == 60
+        assert 0.1 < two.seconds / one.seconds < 2.0
+        assert cost.estimate(request._replace(space=Space(space.axes[:0])), store, 1) is None
+    finally:
+        store.close()

@@ -1,0 +1,282 @@
+"""Many points: in order, known ones not again, the same bits from any pool, whatever breaks it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
+
+import pytest
+
+from walkergen.core.errors import WalkergenError
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.guests.sweep import axes
+from walkergen.guests.sweep import evaluation as run
+from walkergen.guests.sweep.axes import Space
+from walkergen.guests.sweep.point_request import Request
+from walkergen.points import worker_pool
+from walkergen.points.kinds import evaluate
+from walkergen.points.point import Point, digest
+from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
+
+SHORT = {"seconds": 0.5, "discard_seconds": 0.1, "runs": 4}
+LANE = templates.load("lane-90hz", "scenes", Scene)
+LANE = LANE.model_copy(update={"run": LANE.run.model_copy(update=SHORT)})
+PAPER = templates.load("koumakis2016", "walkers", Design)
+
+
+def request_of(*varied, model="prediction", scene=LANE):
+    return Request(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
+
+
+MANY = request_of("legs.tilt_deg=2:90:1", "scene.contact.friction=0.1,0.3")
+"""178 points, three tasks; steep ones are refused."""
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path / "points.sqlite")
+
+
+@pytest.fixture(scope="module")
+def two():
+    with worker_pool.local(2) as found:
+        yield found
+
+
+class Faults(Executor):
+    """Executor that runs at once, but for what tests let go wrong."""
+
+    def __init__(self, *fail_at, error=None, sources=None, ended=False):
+        self.calls, self.fail_at, self.error, self.sources, self.ended = 0, fail_at, error, sources, ended
+
+    def submit(self, function, /, *args, **kwargs):
+        future = Future()
+        self.calls += 1
+        if self.calls in self.fail_at:
+            if self.ended:
+                raise self.error
+            future.set_exception(self.error)
+        else:
+            found = function(*args, **kwargs)
+            future.set_result((self.sources or found[0], found[1]))
+        return future
+
+
+def counted(monkeypatch):
+    """List that grows by a point with every evaluation here."""
+    seen = []
+
+    def watched(point):
+        seen.append(point)
+        return evaluate(point)
+
+    monkeypatch.setattr(run, "evaluate", watched)
+    return seen
+
+
+def test_points_come_in_their_order_refused_ones_among_them(store):
+    found = list(run.each(MANY.points(), store))
+    assert len(found) == MANY.space.points
+    rows = list(MANY.space.rows())
+    refused = [row for row, one in zip(rows, found, strict=True) if not one.key]
+    assert 0 < len(refused) < 100
+    assert min(refused) > max(row for row, one in zip(rows, found, strict=True) if one.key)
+    for values, one in list(zip(rows, found, strict=True))[::25]:
+        asked = MANY.at(dict(zip(MANY.space.keys, values, strict=True)))
+        assert one.record == (asked if isinstance(asked, dict) else evaluate(asked))
+
+
+def test_known_points_are_not_evaluated_again(store, monkeypatch):
+    seen = counted(monkeypatch)
+    few = request_of("legs.tilt_deg=5:15:1")
+    first = list(run.each(few.points(), store))
+    assert len(seen) == 11
+    again = list(run.each(few.points(), store))
+    assert len(seen) == 11
+    assert [one.record for one in again] == [one.record for one in first]
+    assert {one.stored for one in first} == {False}
+    assert {one.stored for one in again} == {True}
+    more = list(run.each(request_of("legs.tilt_deg=5:17:1").points(), store))
+    assert len(seen) == 13  # an extended exploration evaluates what is new
+    assert [one.stored for one in more] == [True] * 11 + [False] * 2
+    # From another folder, another program: the file is all it takes.
+    assert all(one.stored for one in run.each(few.points(), Store(store.path)))
+
+
+def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
+    seen = counted(monkeypatch)
+    asked = list(request_of("legs.tilt_deg=5,6,7").points())
+    found = list(run.each(asked * 3, store, WorkerPool(Faults(), 2)))
+    assert len(seen) == 3
+    assert [one.key for one in found] == [one.key for one in found[:3]] * 3
+
+
+def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
+    seen = counted(monkeypatch)
+    stream = run.each(request_of("legs.tilt_deg=5:15:0.05").points(), store)
+    next(stream)
+    stream.close()
+    assert len(seen) == run.BLOCK
+    assert len([one for one in run.each(seen, store) if one.stored]) == run.BLOCK
+
+
+def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
+    here = list(run.each(MANY.points(), store))
+    there = list(run.each(MANY.points(), Store(tmp_path / "other.sqlite"), two))
+    assert [one._replace(stored=False) for one in there] == here
+    known = list(run.each(MANY.points(), store, two))
+    assert all(one.stored for one in known if one.key)
+    assert [one.record for one in known] == [one.record for one in here]
+
+
+def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
+    request = request_of("legs.tilt_deg=5,12,88,20", model="space")
+    here = list(run.each(request.points(), store))
+    there = list(run.each(request.points(), Store(tmp_path / "other.sqlite"), two))
+    assert there == here
+    assert [one.record["status"][:7] for one in here] == ["ok", "ok", "refused", "ok"]
+
+
+def test_other_sources_on_a_worker_are_refused(store):
+    asked = list(request_of("legs.tilt_deg=5").points())
+    with pytest.raises(WalkergenError, match=r"another version of walkergen, old, here [0-9a-f]+"):
+        list(run.each(asked, store, WorkerPool(Faults(sources="old"), 1)))
+    assert not any(one.stored for one in run.each(asked, store))
+
+
+def test_a_worker_without_walkergen_is_told(store):
+    lost = Faults(1, error=ModuleNotFoundError("No module named 'walkergen'"))
+    with pytest.raises(WalkergenError, match="a worker has no such walkergen: No module"):
+        list(run.each(MANY.points(), store, WorkerPool(lost, 1)))
+
+
+@pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
+def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
+    broken = Faults(2, 10, error=error)  # the second of nine tasks, and when it is sent again
+    with pytest.raises((ValueError, WalkergenError)):
+        list(run.each(MANY.points(), store, WorkerPool(broken, 2)))
+    known = [one.stored for one in run.each(MANY.points(), store) if one.key]
+    assert known.count(True) >= 1 + 7 * run.TASK  # all that was sent but the broken task
+
+
+def test_an_answer_that_is_lost_on_its_way_is_asked_for_again(store):
+    """As *distributed* loses one, rarely, when a worker dies just after it has answered."""
+    faults = Faults(2, error=ValueError("not enough values to unpack (expected 3, got 2)"))
+    records = [done.record for done in run.each(MANY.points(), store, WorkerPool(faults, 2))]
+    assert records == [evaluate(point) if isinstance(point, Point) else point for point in MANY.points()]
+
+
+def test_workers_that_have_ended_before_a_task_is_sent_are_one_line(store):
+    ended = Faults(2, error=BrokenProcessPool("a child process terminated abruptly"), ended=True)
+    with pytest.raises(WalkergenError, match="a worker process ended at once"):
+        list(run.each(MANY.points(), store, WorkerPool(ended, 2)))
+    assert next(run.each(MANY.points(), store)).stored
+
+
+def endless(scene=LANE):
+    """Points of which the first takes no time, the others hours."""
+    first = list(request_of("legs.tilt_deg=10", model="space").points())
+    long = scene.model_copy(update={"run": scene.run.model_copy(update={"seconds": 1e6})})
+    others = request_of("legs.tilt_deg=11:20:1", model="space", scene=long)
+    return [*first, *others.points()]
+
+
+def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(store):
+    pids = []
+
+    def explore():
+        with worker_pool.local(1) as one:
+            for done in run.each(endless(), store, one):
+                pids.append(done.key)
+                (process,) = active_children_of(one)
+                os.kill(process, signal.SIGKILL)
+
+    started = time.monotonic()
+    with pytest.raises(WalkergenError) as told:
+        explore()
+    assert time.monotonic() - started < 20
+    assert "a worker process ended at once" in str(told.value)
+    assert "\n" not in str(told.value)
+    assert len(pids) == 1
+    assert list(store.get(pids)) == pids
+
+
+def active_children_of(one):
+    """Process numbers of a pool's workers."""
+    return list(one.executor._processes)
+
+
+INTERRUPTED = """
+import signal
+import sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
+sys.path.insert(0, {tests!r})
+from pathlib import Path
+from walkergen.points import worker_pool, run
+from walkergen.points.store import Store
+import test_run
+
+if __name__ == "__main__":
+    store = Store(Path({path!r}))
+    try:
+        with worker_pool.local(1) as one:
+            for done in run.each(test_run.endless(), store, one):
+                print(done.key, *one.executor._processes, flush=True)
+    except KeyboardInterrupt:
+        print("interrupted", flush=True)
+"""
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("ended_by", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.nightly)])
+def test_no_worker_outlives_its_program(tmp_path, ended_by):
+    script, path = tmp_path / "explore.py", tmp_path / "points.sqlite"
+    here = os.path.dirname(__file__)  # noqa: PTH120
+    script.write_text(INTERRUPTED.format(tests=here, path=str(path)))
+    with subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        try:
+            key, *workers = process.stdout.readline().split()
+            started = time.monotonic()
+            process.send_signal(ended_by)
+            told, _ = process.communicate(timeout=30)
+        finally:
+            process.kill()  # one that does not end fails, and is not waited for
+    assert time.monotonic() - started < 30
+    assert told == ("interrupted\n" if ended_by == signal.SIGINT else "")
+    while any(alive(int(worker)) for worker in workers) and time.monotonic() - started < 30:
+        time.sleep(0.05)
+    assert not any(alive(int(worker)) for worker in workers)
+    assert list(Store(path).get([key])) == [key]
+
+
+def test_a_crew_has_a_number_of_workers_that_makes_sense():
+    for count in (0, -1, worker_pool.MOST_WORKERS + 1):
+        with pytest.raises(WalkergenError, match=rf"^workers={count}: must lie in 1\.\."):
+            worker_pool.local(count).__enter__()
+    assert 1 <= worker_pool.cores() <= os.cpu_count()
+
+
+@pytest.mark.slow
+def test_workers_with_other_sources_are_named():
+    worker_pool.check({"tcp://a": digest()})
+    with pytest.raises(WalkergenError, match="worker tcp://b has another version of walkergen"):
+        worker_pool.check({"tcp://a": digest(), "tcp://b": "0" * 16})
+    with pytest.raises(WalkergenError, match="worker tcp://c has ModuleNotFoundError: none"):
+        worker_pool.check({"tcp://c": "ModuleNotFoundError: none"})

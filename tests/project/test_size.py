@@ -1,0 +1,55 @@
+"""No folder of Python grows: a feature pays for its lines inside its own folder.
+
+A limit may only fall. Where a folder has shrunk by more than SLACK, its limit is lowered in the same commit.
+"""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "walkergen"
+
+SLACK = 200
+"""Lines by which a folder may be below its limit."""
+
+LIMITS = {
+    "walkergen/analysis": 5230,
+    "walkergen/api": 310,
+    "walkergen/app": 2620,
+    "walkergen/cli": 900,
+    "walkergen/commands": 8520,
+    "walkergen/core": 18370,
+    "walkergen/files": 1400,
+    "walkergen/guests/crowd": 7760,
+    "walkergen/guests/lab": 5270,
+    "walkergen/guests/movie": 1470,
+    "walkergen/guests/sweep": 2400,
+    "walkergen/guests/track": 3660,
+    "walkergen/points": 2930,
+    "walkergen/readers": 5230,
+    "walkergen/sheets": 530,
+    "benchmarks": 2750,
+    "docs": 650,
+    "evidence": 7080,
+    "tests": 39050,
+}
+
+
+def count_lines(folder: Path) -> int:
+    """Return the number of lines of Python below a folder."""
+    files = (path for path in folder.rglob("*.py") if "assets" not in path.parts)
+    return sum(len(path.read_text(encoding="utf-8").splitlines()) for path in files)
+
+
+@pytest.mark.parametrize("folder", LIMITS)
+def test_a_folder_stays_below_its_limit(folder):
+    lines, limit = count_lines(ROOT / folder), LIMITS[folder]
+    assert lines <= limit, f"{folder} grew to {lines} lines"
+    assert lines >= limit - SLACK, f"{folder} shrank to {lines} lines: lower its limit"
+
+
+def test_every_folder_of_the_package_has_a_limit():
+    found = [path.parent for pattern in ("*/__init__.py", "guests/*/__init__.py") for path in PACKAGE.glob(pattern)]
+    folders = {path.relative_to(ROOT).as_posix() for path in found} - {"walkergen/guests"}
+    assert folders == {folder for folder in LIMITS if folder.startswith("walkergen/")}

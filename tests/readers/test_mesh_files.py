@@ -1,0 +1,344 @@
+"""Mesh files as people's programs write them: the right volume, what was left out is said, bombs are refused."""
+
+import json
+import time
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+
+from walkergen.commands.check.weighing import weigh
+from walkergen.core.errors import InputError
+from walkergen.readers.meshes import meshes
+
+BOX = trimesh.creation.box((28.0, 8.0, 3.0))
+VOLUME = 672.0
+MODEL = (
+    '<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" '
+    'xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>{}</resources>'
+    "<build>{}</build></model>"
+)
+TYPES = (
+    '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" '
+    'ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" '
+    'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>'
+)
+RELATIONS = (
+    '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
+    'Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
+    "</Relationships>"
+)
+
+
+def mesh_xml(*solids):
+    whole = trimesh.util.concatenate(solids)
+    corners = "".join(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}"/>' for x, y, z in whole.vertices.tolist())
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in whole.faces.tolist())
+    return f"<mesh><vertices>{corners}</vertices><triangles>{faces}</triangles></mesh>"
+
+
+def archive(folder, objects, items, **notes):
+    path = folder / "part.3mf"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as written:
+        written.writestr("[Content_Types].xml", TYPES)
+        written.writestr("_rels/.rels", RELATIONS)
+        written.writestr("3D/3dmodel.model", MODEL.format(objects, items))
+        for name, text in notes.items():
+            written.writestr(f"Metadata/{name}.config", text)
+    return path
+
+
+def volume_note(kind, first, last):
+    return (
+        f'<volume firstid="{first}" lastid="{last}"><metadata type="volume" key="volume_type" value="{kind}"/></volume>'
+    )
+
+
+POST = trimesh.creation.box((4.0, 4.0, 3.0))
+THROUGH = trimesh.creation.box((4.0, 4.0, 40.0))
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected", "note"),
+    [
+        ("NegativeVolume", VOLUME - 48.0, "cut 1 negative volumes away"),
+        ("ParameterModifier", VOLUME, "left out 1 part that does not print"),
+        ("SupportEnforcer", VOLUME, "left out 1 part that does not print"),
+    ],
+)
+def test_volumes_that_slicers_note_are_not_printed(tmp_path, kind, expected, note):
+    config = f'<config><object id="1">{volume_note("ModelPart", 0, 11)}{volume_note(kind, 12, 23)}</object></config>'
+    shapes = f'<object id="1" type="model">{mesh_xml(BOX, THROUGH)}</object>'
+    path = archive(tmp_path, shapes, '<item objectid="1"/>', Slic3r_PE_model=config)
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(expected, rel=1e-6)  # 32-bit floats
+    assert weighed.notes == (note,)
+
+
+def test_parts_of_bambu_are_cut_away(tmp_path):
+    parts = [f'<object id="{at}" type="model">{mesh_xml(solid)}</object>' for at, solid in ((1, BOX), (2, THROUGH))]
+    both = '<component objectid="1"/><component objectid="2"/>'
+    whole = f'<object id="3" type="model"><components>{both}</components></object>'
+    kinds = '<part id="1" subtype="normal_part"/><part id="2" subtype="negative_part"/>'
+    config = f'<config><object id="3">{kinds}</object></config>'
+    path = archive(tmp_path, "".join(parts) + whole, '<item objectid="3"/>', model_settings=config)
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME - 48.0, rel=1e-6)
+
+
+def test_what_bambu_cuts_away_may_be_of_the_type_other(tmp_path):
+    """As BambuStudio and OrcaSlicer write it: the type of all that is no part of the model."""
+    parts = (
+        f'<object id="1" type="model">{mesh_xml(BOX)}</object><object id="2" type="other">{mesh_xml(THROUGH)}</object>'
+    )
+    whole = '<object id="3"><components><component objectid="1"/><component objectid="2"/></components></object>'
+    for kind, expected in (("negative_part", VOLUME - 48.0), ("modifier_part", VOLUME)):
+        config = f'<config><object id="3"><part id="1"/><part id="2" subtype="{kind}"/></object></config>'
+        path = archive(tmp_path, parts + whole, '<item objectid="3"/>', model_settings=config)
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["support_mesh", "infill_mesh", "cutting_mesh", "anti_overhang_mesh"])
+@pytest.mark.parametrize(("word", "printed"), [("True", 1), ("False", 2)])
+def test_settings_of_cura_tell_what_does_not_print(tmp_path, name, word, printed):
+    for note in (
+        f'<metadatagroup><metadata name="cura:{name}" type="xs:boolean">{word}</metadata></metadatagroup>',
+        f'<settings xmlns="cura"><setting key="{name}">{word}</setting></settings>',
+    ):
+        shapes = f'<object id="1">{mesh_xml(BOX)}</object><object id="2">{note}{mesh_xml(BOX)}</object>'
+        weighed = weigh(archive(tmp_path, shapes, '<item objectid="1"/><item objectid="2"/>'), 1.24, 1.0)
+        assert weighed.total.volume_mm3 == pytest.approx(printed * VOLUME, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "told"),
+    [
+        ('xmlns:b="http://x/beamlattice/2017/02" requiredextensions="b"', "requires 'http://x/beamlattice/2017/02'"),
+        ('requiredextensions="q"', "requires 'q'"),
+        ('xmlns:p="http://x/production/2015/06" requiredextensions="p"', None),
+    ],
+)
+def test_extensions_that_change_meshes_are_named(tmp_path, monkeypatch, attributes, told):
+    monkeypatch.setitem(globals(), "MODEL", MODEL.replace("<model ", f"<model {attributes} "))
+    path = archive(tmp_path, f'<object id="1">{mesh_xml(BOX)}</object>', '<item objectid="1"/>')
+    if told:
+        with pytest.raises(InputError, match=told):
+            meshes.load(path, "part")
+    else:
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+
+
+def test_lattices_and_units_that_differ_are_named(tmp_path):
+    beams = mesh_xml(BOX).replace("</mesh>", '<beamlattice><beams><beam v1="0" v2="1"/></beams></beamlattice></mesh>')
+    path = archive(tmp_path, f'<object id="1">{beams}</object>', '<item objectid="1"/>')
+    with pytest.raises(InputError, match="holds a lattice of beams"):
+        meshes.load(path, "part")
+    placed = '<object id="1"><components><component path="/3D/o.model" objectid="7" x:path="/3D/o.model" xmlns:x="x"/>'
+    path = archive(tmp_path, f"{placed}</components></object>", '<item objectid="1"/>')
+    with zipfile.ZipFile(path, "a") as more:
+        inner = MODEL.format(f'<object id="7">{mesh_xml(BOX)}</object>', "")
+        more.writestr("3D/o.model", inner.replace("millimeter", "inch"))
+    with pytest.raises(InputError, match=r"'3d/o\.model' is in inch, the model that places it in millimeter"):
+        meshes.load(path, "part")
+
+
+def test_supports_are_not_weighed(tmp_path):
+    shapes = (
+        f'<object id="1" type="model">{mesh_xml(BOX)}</object><object id="2" type="support">{mesh_xml(POST)}</object>'
+    )
+    weighed = weigh(archive(tmp_path, shapes, '<item objectid="1"/><item objectid="2"/>'), 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert weighed.notes == ("left out 1 part that does not print",)
+
+
+@pytest.mark.parametrize("word", ["0", "false"])
+def test_items_that_are_switched_off_are_not_weighed(tmp_path, word):
+    shapes = "".join(f'<object id="{at}">{mesh_xml(solid)}</object>' for at, solid in ((1, BOX), (2, POST)))
+    items = f'<item objectid="1" printable="1"/><item objectid="2" printable="{word}"/>'
+    weighed = weigh(archive(tmp_path, shapes, items), 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert weighed.notes == ("left out 1 part that does not print",)
+
+
+@pytest.mark.parametrize("written", ["{}", "0{}", "+{}", " {}"])
+def test_bombs_are_refused_before_they_are_placed(tmp_path, written):
+    levels = [f'<object id="1" type="model">{mesh_xml(POST)}</object>']
+    for level in range(2, 9):
+        inner = f'<component objectid="{written.format(level - 1)}"/>' * 10
+        levels.append(f'<object id="{level}" type="model"><components>{inner}</components></object>')
+    path = archive(tmp_path, "".join(levels), f'<item objectid="{written.format(8)}"/>')
+    begun = time.process_time()
+    with pytest.raises(InputError, match="places more than 10000 meshes"):
+        meshes.load(path, "bomb")
+    assert time.process_time() - begun < 5.0  # the meshes themselves would take minutes
+
+
+def test_items_are_counted_and_must_exist(tmp_path):
+    shape = f'<object id="1" type="model">{mesh_xml(POST)}</object>'
+    with pytest.raises(InputError, match="places more than 10000 meshes"):
+        meshes.load(archive(tmp_path, shape, '<item objectid="1"/>' * 20_000), "items")
+    with pytest.raises(InputError, match="an object 7 that it does not hold"):
+        meshes.load(archive(tmp_path, shape, '<item objectid="7"/>'), "items")
+    path = archive(tmp_path, shape, '<item objectid="1"/>' * 2000)
+    with pytest.raises(InputError, match="places 24000 triangles, at most 20000"):
+        meshes.threemf.read(path.read_bytes(), "items", 20_000)
+
+
+UTF16 = MODEL.replace("UTF-8", "UTF-16")
+
+
+@pytest.mark.parametrize(
+    ("target", "model", "objects", "reason"),
+    [
+        ("3D/other.xml", MODEL, '<object id="1">{}</object>', ""),
+        ("3D/3dmodel.model", UTF16, '<object id="1">{}</object>', ""),
+        ("3D/gone.model", MODEL, "", "refers to '3d/gone.model', which it does not hold"),
+        ("3D/3dmodel.model", "<!DOCTYPE model>" + MODEL[38:], "", "document type"),
+        ("3D/3dmodel.model", MODEL.replace("millimeter", "parsec"), "", "unit 'parsec': must be one of micron"),
+        ("3D/3dmodel.model", MODEL, '<object id="1"><components/></object>', "is no mesh"),
+        ("3D/3dmodel.model", MODEL, '<object id="1">{0}</object><object id="1">{0}</object>', "two objects 1"),
+        (
+            "3D/3dmodel.model",
+            MODEL,
+            '<object id="1"><components><component objectid="1"/></components></object>',
+            "deep",
+        ),
+        ("3D/3dmodel.model", MODEL, '<object id="x">{}</object>', "not a readable 3mf mesh"),
+    ],
+)
+def test_models_of_any_archive_are_found_and_counted(tmp_path, target, model, objects, reason):
+    """All paths lead through one reading: what it does not count is not placed."""
+    path = tmp_path / "part.3mf"
+    text = model.format(objects.format(mesh_xml(BOX)), '<item objectid="1"/>')
+    with zipfile.ZipFile(path, "w") as written:
+        written.writestr("_rels/.rels", RELATIONS.replace("3D/3dmodel.model", target))
+        written.writestr(target.replace("gone", "3dmodel"), text.encode("utf-16" if model is UTF16 else "utf-8"))
+    if reason:
+        with pytest.raises(InputError, match=reason):
+            meshes.load(path, "part")
+    else:
+        assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
+
+
+def test_glb_of_zeros_that_it_does_not_hold_is_refused(tmp_path):
+    path = tmp_path / "zeros.glb"
+    tree = b'{"accessors":[{"count":900000000,"componentType":5126,"type":"VEC3"}],"meshes":[],"nodes":[]}'
+    tree += b" " * (-len(tree) % 4)
+    sizes = [(20 + len(tree)).to_bytes(4, "little"), len(tree).to_bytes(4, "little")]
+    path.write_bytes(b"glTF" + (2).to_bytes(4, "little") + sizes[0] + sizes[1] + b"JSON" + tree)
+    with pytest.raises(InputError, match="300000000 triangles, at most"):
+        meshes.load(path, "zeros")
+
+
+BINARY, TEXT = BOX.export(file_type="stl"), trimesh.exchange.stl.export_stl_ascii(BOX).encode()
+
+
+def counted(count):
+    return BINARY[:80] + count.to_bytes(4, "little") + BINARY[84:]
+
+
+@pytest.mark.parametrize(
+    ("data", "note"),
+    [
+        (BINARY, ()),
+        (TEXT, ()),
+        (b"\xef\xbb\xbf" + TEXT, ()),
+        (TEXT.title(), ()),
+        (BINARY + bytes(10), ("left out 10 bytes after its triangles",)),
+        (counted(0), ("its count of triangles is not filled in: 12 by its length",)),
+        (counted(2**32 - 1), ("its count of triangles is not filled in: 12 by its length",)),
+        (b"solid of a program" + BINARY[18:], ()),
+        (b"solid facet normal" + BINARY[18:] + bytes(3), ("left out 3 bytes after its triangles",)),
+    ],
+)
+def test_stl_of_any_program(tmp_path, data, note):
+    path = tmp_path / "box.stl"
+    path.write_bytes(data)
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
+    assert weighed.notes == note
+
+
+def test_corners_that_differ_in_the_last_bit_are_one(tmp_path):
+    corners = np.asarray(BOX.triangles, np.float32)
+    random = np.random.default_rng(1)
+    corners = np.where(random.random(corners.shape) < 0.5, np.nextafter(corners, np.float32(99.0)), corners)
+    loose = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(36).reshape(-1, 3), process=False)
+    path = tmp_path / "box.stl"
+    path.write_bytes(loose.export(file_type="stl"))
+    weighed = weigh(path, 1.24, 1.0)
+    assert weighed.total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+    assert "differ by rounding alone" in weighed.notes[0]
+
+
+@pytest.mark.parametrize("start", range(8))
+def test_concave_faces_are_cut_as_they_lie(tmp_path, start):
+    outline = [(0, 0), (28, 0), (28, 8), (24, 8), (24, 3), (4, 3), (4, 8), (0, 8)]
+    outline = outline[start:] + outline[:start]
+    lines = [f"v {x} {y} {z}" for z in (0, 3) for x, y in outline]
+    lines.append("f " + " ".join(str(at) for at in range(8, 0, -1)))
+    lines.append("f " + " ".join(f"{at}/1/1" for at in range(-8, 0)))
+    lines += [f"f {at + 1} {(at + 1) % 8 + 1} {(at + 1) % 8 + 9} {at + 9}" for at in range(8)]
+    path = tmp_path / "u.obj"
+    path.write_text("\n".join(lines))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(372.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "written", ["f {} {} {} # a", " f  {} {} {}", "f\t{}\t{}/1 {}", "f {} \\\n{} {}", "f {}//1 {}//1 {}//1"]
+)
+@pytest.mark.parametrize("corner", ["v {} {} {}", "v\t{} {} {} 1.0", "  v {} {} {} # corner"])
+def test_lines_of_obj_are_read_however_they_are_spaced(tmp_path, written, corner):
+    """Rules of the format; trimesh passes over such lines without a word."""
+    lines = [corner.format(*place) for place in BOX.vertices.tolist()]
+    lines += [written.format(*(at + 1 for at in face)) for face in BOX.faces.tolist()]
+    path = tmp_path / "box.obj"
+    path.write_text("\n".join(lines))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-12)
+
+
+def test_glb_is_in_metres(tmp_path):
+    path = tmp_path / "box.glb"
+    scene = trimesh.Scene(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces, process=False))
+    path.write_bytes(scene.export(file_type="glb"))
+    assert weigh(path, 1.24, 1.0).total.volume_mm3 == pytest.approx(VOLUME, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"extensionsUsed": ["KHR_draco_mesh_compression"]}, "is packed by KHR_draco_mesh_compression"),
+        ({"extensionsRequired": ["EXT_mesh_gpu_instancing"]}, "is packed by EXT_mesh_gpu_instancing"),
+        ({"nodes": [{"mesh": 0, "skin": 0}]}, "has a skeleton"),
+        ({"nodes": [{"mesh": 0, "weights": [0.0, 1.0]}]}, "is morphed"),
+    ],
+)
+def test_glb_that_is_more_than_plain_meshes_is_named(tmp_path, more, told):
+    data = trimesh.Scene(BOX).export(file_type="glb")
+    size = int.from_bytes(data[12:16], "little")
+    tree = json.dumps(json.loads(data[20 : 20 + size]) | more).encode()
+    tree += b" " * (-len(tree) % 4)
+    rest = data[20 + size :]
+    whole = [one.to_bytes(4, "little") for one in (20 + len(tree) + len(rest), len(tree))]
+    path = tmp_path / "box.glb"
+    path.write_bytes(data[:8] + whole[0] + whole[1] + b"JSON" + tree + rest)
+    with pytest.raises(InputError, match=told):
+        meshes.load(path, "box")
+
+
+def test_a_size_of_no_walker_is_told_where_a_mesh_is_weighed(tmp_path):
+    path = tmp_path / "box.stl"
+    path.write_bytes(trimesh.Trimesh(BOX.vertices / 1000.0, BOX.faces).export(file_type="stl"))
+    assert weigh(path, 1.24, 1000.0).notes == ()
+    assert weigh(path, 1.24, 1.0).notes[-1].startswith("the longest side is 0.028 mm: in another unit? ‹scale›")
+
+
+def test_too_many_triangles_are_refused_by_a_glance(tmp_path, monkeypatch):
+    monkeypatch.setattr(meshes, "MOST_TRIANGLES", 11)
+    for kind in ("stl", "stl_ascii", "obj", "ply", "off", "glb"):
+        path = tmp_path / f"box.{kind.removesuffix('_ascii')}"
+        written = BOX.export(file_type=kind)
+        path.write_bytes(written if isinstance(written, bytes) else written.encode())
+        monkeypatch.setattr(meshes, "_raw", lambda *_: pytest.fail("was read"))
+        with pytest.raises(InputError, match="12 triangles, at most 11"):
+            meshes.load(path, "box")

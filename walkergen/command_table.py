@@ -1,0 +1,166 @@
+"""Commands: under which heading of the help each stands, where its request is, and examples.
+
+Here is too how a command and a function of Python spell the fields that texts name: --mm-per-px and mm_per_px.
+"""
+
+import re
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from walkergen.core.errors import FIELD, SOURCE, for_python
+
+
+class Command(NamedTuple):
+    """Command NAME, made of `NameRequest` in `request.py` of a folder; so is the function of Python, `wg.NAME`."""
+
+    heading: str
+    folder: str
+    """Folder below walkergen, dotted; "" of `templates`, which has commands below it."""
+    example: str
+    """Words after `walkergen`; files in them are the user's own."""
+    other: str
+    """Words of a second example."""
+    call: str = ""
+    """The same from Python, after `import walkergen as wg`; "" of what is no function."""
+
+
+COMMANDS = {
+    "app": Command("Design", "app", "app", "app my.toml --port 0"),
+    "family": Command(
+        "Make",
+        "commands.family",
+        "family --page",
+        "family maker-large --tilt 5:20:5 --copies 4",
+        'wg.family("koumakis2016", "out/mine", tilt="5:20:5", legs="flexible")',
+    ),
+    "export": Command(
+        "Make",
+        "commands.export",
+        "export --tilt 12 --format stl,3mf",
+        "export my.toml --tilt 10 --format mjcf",
+        'wg.export("koumakis2016", "walker.stl", tilt=10)',
+    ),
+    "check": Command(
+        "Make",
+        "commands.check",
+        "check my.toml --tilt 5,10 --printer ender3",
+        "check part.stl",
+        'wg.check(tilt=[5, 10], printer="ender3").warnings',
+    ),
+    "plate": Command(
+        "Make",
+        "commands.plate",
+        "plate --tilt 5,10,15 --copies 8",
+        "plate --orders orders.csv --how-many",
+        'wg.plate("koumakis2016", tilt=[5, 10, 15], copies=8, out="out/plate")',
+    ),
+    "predict": Command(
+        "Predict",
+        "commands.predict",
+        "predict --tilt 5:30:5",
+        "predict my.toml --tilt 10 --weights weights.csv",
+        "wg.predict(tilt=10).speed",
+    ),
+    "sweep": Command(
+        "Predict",
+        "guests.sweep",
+        "sweep --set legs.tilt_deg=0:40:2",
+        "sweep --set legs.tilt_deg=2:40:1 --set legs.flexible_thickness_mm=0.4,0.5 --wish 40",
+        'wg.sweep(set={"legs.tilt_deg": [5, 10, 15]}).table["speed_mm_s"]',
+    ),
+    "simulate": Command(
+        "Simulate",
+        "commands.simulate",
+        "simulate --tilt 10",
+        "simulate --tilt 10 --error 5%",
+        "wg.simulate(tilt=10, seconds=1, runs=4).speed",
+    ),
+    "crowd": Command(
+        "Simulate",
+        "guests.crowd",
+        "crowd --count 30 --arena disc:120 --seconds 20",
+        "crowd koumakis2016 --card",
+        'wg.crowd("koumakis2016", count=6, arena="disc:90", seconds=0.5, runs=2)',
+    ),
+    "movie": Command(
+        "Simulate",
+        "guests.movie",
+        "movie --tilt 10",
+        "movie --tilt 5,10,15 --scene plane-90hz",
+        'wg.movie("koumakis2016", "plane-90hz", tilt=[5, 10, 15], seconds=1, out="film.gif").files',
+    ),
+    "explain": Command(
+        "Simulate",
+        "commands.explain",
+        "explain --tilt 10",
+        "explain --scene plane-noisy --no-cost",
+        'wg.explain("koumakis2016", "plane-noisy", cost=False)',
+    ),
+    "track": Command(
+        "Measure",
+        "guests.track.film",
+        "track film.mp4 --mm-per-px 0.1",
+        "track film.mp4 --length 28 --heading mark --fps 240",
+        'wg.track("film.mp4", length=28)',
+    ),
+    "analyse": Command(
+        "Measure",
+        "guests.track.analyse",
+        "analyse film.csv --fps 50 --mm-per-px 0.1",
+        "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
+        'wg.analyse("tracks.csv", fps=50, mm_per_px=0.1).speed',
+    ),
+    "fit": Command(
+        "Measure",
+        "guests.lab.fit",
+        "fit speeds.csv",
+        "fit speeds.csv --predict 8,12",
+        'wg.fit("speeds.csv", predict=[12]).scene.contact',
+    ),
+    "calibrate": Command(
+        "Measure",
+        "guests.lab.calibrate",
+        "calibrate plate --printer ender3",
+        "calibrate drop --measured 0.5 --tries 10",
+        'wg.calibrate("drop", roll_deg=0, drops=2, measured=0.64, measured_sd=0.05)',
+    ),
+    "accuracy": Command(
+        "Trust",
+        "commands.accuracy",
+        "accuracy --tilt 10",
+        "accuracy --tilt 10 --only steps --budget 2min",
+        'wg.accuracy(tilt=10, only="statistics", budget="5s").lines',
+    ),
+    "selftest": Command(
+        "Trust", "commands.selftest", "selftest", "selftest --only 6.4", 'wg.selftest("6.4").code == 0'
+    ),
+    "templates": Command("Files", "", "templates", "templates copy koumakis2016 my.toml"),
+}
+"""Commands by their names, in the order of the help."""
+
+
+def request_of(name: str) -> Any:
+    """Request of a command, a class of `walkergen.request.Request`."""
+    module = import_module(f"walkergen.{COMMANDS[name].folder}.request")
+    return getattr(module, f"{name.capitalize()}Request")
+
+
+KEY = re.compile(rf"{SOURCE}: ([\w.]+) = ")
+
+
+def for_shell(text: str, names: Mapping[str, str] | None = None) -> str:
+    """Return a text whose fields are flags; `names` are those that are not the field's name with dashes."""
+
+    def flag(found: re.Match[str]) -> str:
+        name, value = found.groups()
+        if value == "=False":
+            return f"--no-{name.replace('_', '-')}"
+        return (names or {}).get(name, f"--{name.replace('_', '-')}") + (" " if value else "")
+
+    return FIELD.sub(flag, text.replace(SOURCE, SOURCE[1:-1]))
+
+
+def for_call(text: str, sets: Mapping[str, str]) -> str:
+    """Return a text whose fields are Python's arguments; `sets` are the arguments of a call that set keys of files."""
+    return for_python(KEY.sub(lambda found: f"‹{sets[found[1]]}=›" if found[1] in sets else found[0], text))

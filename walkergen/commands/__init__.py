@@ -1,0 +1,1 @@
+"""Commands: a folder for each, with its request, what it makes and its report."""

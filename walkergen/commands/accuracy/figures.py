@@ -1,0 +1,149 @@
+"""Figure of what accuracy costs in time: the least error for a time, and what it is made of."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from walkergen.commands.accuracy.choice import RUNS, SHORTEST_CURVE_S, Candidate
+from walkergen.files.figures import BLACK, BLUE, GREY, ORANGE, PALE, SMALLEST, grid_of, legend_below, name, style
+from walkergen.files.figures import wrapped as lines_of
+
+Array = npt.NDArray[np.float64]
+
+SHARES = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+"""Errors that the axis names."""
+
+ROOM = 1.6
+"""Factor between the ends of an axis and what is nearest to them."""
+
+
+class Mark(NamedTuple):
+    """Bias of a step that was measured, with the half-width of its bounds of 95 %."""
+
+    name: str
+    cpu_s: float
+    bias: float
+    half_width: float
+
+
+class Point(NamedTuple):
+    """Answer on the front: an error, the time that it takes, and words for both."""
+
+    error: float
+    cpu_s: float
+    words: str
+
+
+class Shown(NamedTuple):
+    """All that the figure shows."""
+
+    title: str
+    candidates: Sequence[Candidate]
+    marks: Sequence[Mark]
+    points: Sequence[Point]
+    floor: float
+    """Error (95 %) of the reference: nothing is drawn below it."""
+
+
+class Front(NamedTuple):
+    """Least error for a time, and its two parts, each of shape (n,)."""
+
+    cpu_s: Array
+    scatter: Array
+    bias: Array
+    total: Array
+
+
+def front(candidates: Sequence[Candidate], longest_s: float) -> Front:
+    """Return the least error of some candidates up to a time, from where the first of them has one."""
+    cheapest = min(one.cpu_per_s * (RUNS[0] * one.discard_s + SHORTEST_CURVE_S) for one in candidates)
+    cpu = np.geomspace(cheapest, max(longest_s, 3.0 * cheapest), 400)
+    scatter = np.array([one.scatter(cpu) for one in candidates])
+    bias = np.array([one.bias for one in candidates])[:, None] * np.ones_like(scatter)
+    total = np.hypot(scatter, bias)
+    least, at = total.argmin(axis=0), np.arange(len(cpu))
+    return Front(cpu, scatter[least, at], bias[least, at], total[least, at])
+
+
+@style()
+def choice_figure(shown: Shown) -> Figure:
+    """Draw the least error against CPU time with its parts, answers on it, and measured biases."""
+    figure, (axes,) = grid_of(f"What accuracy costs in time: {shown.title}", 1, 1, 3.6)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    longest = max([point.cpu_s for point in shown.points], default=0.0)
+    marks = [mark for mark in shown.marks if mark.bias > shown.floor]
+    times = [*(mark.cpu_s for mark in marks), *(point.cpu_s for point in shown.points)]
+    errors = [*(mark.bias for mark in marks), *(point.error for point in shown.points)]
+    if shown.candidates:
+        least = front(shown.candidates, 2.0 * longest)
+        seen = least.total >= shown.floor
+        times, errors = [*times, *least.cpu_s[seen]], [*errors, *least.total[seen]]
+        _draw_front(axes, least, shown.floor)
+    _limit(axes, times, errors, shown.floor)
+    _draw_marks(axes, marks, shown.floor)
+    for point in shown.points:
+        axes.plot(point.cpu_s, point.error, "o", color=BLUE, markersize=5, zorder=4)
+        _say(axes, point.words, (point.cpu_s, point.error), (6, 6), BLUE)
+    _draw_floor(axes, shown)
+    _label(axes)
+    legend_below(figure, 4)
+    return figure
+
+
+def _draw_front(axes: Axes, least: Front, floor: float) -> None:
+    """Draw the least error, thick, and its parts, thin; nothing below the floor."""
+    for values, look, label in (
+        (least.total, {"color": BLUE, "linewidth": 2.4, "zorder": 3}, "least error for the time"),
+        (least.scatter, {"color": GREY, "linewidth": 1.0, "linestyle": "--"}, "by the runs' scatter"),
+        (least.bias, {"color": ORANGE, "linewidth": 1.0, "linestyle": "-."}, "by the step, at most"),
+    ):
+        axes.plot(least.cpu_s, np.where(values >= floor, values, np.nan), label=label, **look)  # type: ignore[arg-type]
+
+
+def _draw_marks(axes: Axes, marks: Sequence[Mark], floor: float) -> None:
+    """Draw biases that were measured, with bars of 95 % that end at the floor."""
+    for number, mark in enumerate(marks):
+        below = min(mark.half_width, mark.bias - floor)
+        label = "bias measured, ± 95 %" if number == 0 else None
+        bars = [[below], [mark.half_width]]
+        axes.errorbar(
+            mark.cpu_s, mark.bias, bars, fmt="s", color=BLACK, markersize=4, capsize=2, elinewidth=0.8, label=label
+        )
+        _say(axes, mark.name, (mark.cpu_s, mark.bias), (5, -9), BLACK)
+
+
+def _draw_floor(axes: Axes, shown: Shown) -> None:
+    """Shade what the reference does not know."""
+    axes.axhspan(axes.get_ylim()[0], shown.floor, color=PALE, linewidth=0, zorder=0)
+    text = f"below {100 * shown.floor:.2g} % the reference itself is not known"
+    place = {"transform": axes.transAxes, "va": "bottom", "ha": "left", "fontsize": SMALLEST, "color": GREY}
+    axes.text(0.01, 0.015, text, **place)  # type: ignore[arg-type]
+
+
+def _limit(axes: Axes, times: Sequence[float], errors: Sequence[float], floor: float) -> None:
+    """Set the ends of the axes: where simulations are, with room for names on the right and words below."""
+    axes.set_xlim(min(times, default=0.1) / ROOM, 3.0 * ROOM * max(times, default=10.0))
+    axes.set_ylim(0.5 * floor, min(ROOM * max(errors, default=1.0), ROOM * SHARES[0]))
+
+
+def _say(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], colour: str) -> None:
+    """Write words beside a point."""
+    halo: Any = {"path_effects": [withStroke(linewidth=2.5, foreground="white")], "fontsize": SMALLEST, "zorder": 5}
+    axes.annotate(text, at, offset, textcoords="offset points", va="center", color=colour, **halo)
+
+
+def _label(axes: Axes) -> None:
+    """Name both axes; errors in per cent."""
+    name(axes, "CPU time (s of one core)", lines_of("error of the mean speed, 95 % (%)", 2.9), log="xy")
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(FixedLocator([share for share in SHARES if low <= share <= high]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100.0 * share:g}"))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.grid(axis="y", color="0.92", linewidth=0.6, zorder=0)

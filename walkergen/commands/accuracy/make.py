@@ -1,0 +1,81 @@
+"""The study of accuracy: its cost in time, as one page, one picture and one table in a folder."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from walkergen.commands.accuracy import answers, shape, shipped, statistics, steps
+from walkergen.commands.accuracy.report import Answers, Ladder, make_report
+from walkergen.commands.accuracy.survey import Survey
+from walkergen.core.files.output import Folder, versions
+from walkergen.core.files.progress import Progress, part
+from walkergen.core.scene import Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files.report import Report
+
+START_S, PICTURE_S, SHAPE_S = 1.2, 0.9, 1.5
+"""Wall times on an idle core (s) of what is not simulated: imports and kernels read from the cache;
+the picture; the ladder of shape. Within a third."""
+
+
+def _measure_shape(survey: Survey, progress: Progress) -> Ladder:
+    return shape.measure_shapes(survey.design, survey.scene, progress)
+
+
+LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
+    "steps": (steps.measure_speed, steps.measure_observables),
+    "statistics": (statistics.compare_parts,),
+    "shape": (_measure_shape,),
+}
+
+
+def study(
+    design: Design, scene: Scene, only: Sequence[str], budget_s: float, folder: Path, progress: Progress
+) -> Report:
+    """Answer what to run for which error, and measure the ladders `only` within a budget.
+
+    Without ladders the answer is from what is shipped and the pace of this machine. With the ladder of steps it is
+    what they give; accuracy.csv and accuracy.md are renewed as soon as a ladder is measured. Ctrl-C keeps the ladders
+    already done. Where the budget is too short the least is taken, and the report says so.
+    Raises InputError where the scene contradicts itself or the walker, or there is no mean speed to study.
+    """
+    title = f"{design.name}, tilt {design.tilt_deg:g}°, on {scene.name}"
+    others_s = START_S + PICTURE_S * ("steps" in only) + SHAPE_S * ("shape" in only)
+    survey = Survey(scene, design, solids.mass_of(design), max(budget_s - others_s, 0.0))
+    found = None
+    if only:
+        survey.share_out(only)
+    else:
+        found = answers.answer_from_cells(shipped.estimate(design, scene), title, scene.run.accepted_error)
+    ladders: list[Ladder] = []
+
+    def write(given: Answers | None) -> Report:
+        """Write the report of what is measured so far."""
+        spent_s = survey.simulated_s + others_s
+        least_s = spent_s if survey.too_short and spent_s > budget_s else None
+        made = make_report(ladders, given, survey.simulated_s, least_s, title, folder)
+        made.write(target, pictures=False)
+        return made
+
+    with Folder(folder) as target:
+        target.claim()
+        for ladder in _measure(survey, only, progress):
+            ladders.append(ladder)
+            made = write(None)
+        if "steps" in only:
+            found = answers.answer_from_survey(survey, title, progress)
+        if found is not None:
+            from walkergen.files import figures
+
+            made = write(found)
+            target.write("accuracy.png", figures.png(made.plot()))
+        inputs = {"design": design.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
+        target.finish({**inputs, "versions": versions()})
+    return made
+
+
+def _measure(survey: Survey, only: Sequence[str], progress: Progress) -> Iterator[Ladder]:
+    """Yield the ladders of some names, each when it is measured."""
+    for place, name in enumerate(only):
+        for measure in LADDERS[name]:
+            yield measure(survey, part(progress, place, len(only)))

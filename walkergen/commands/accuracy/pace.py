@@ -1,0 +1,86 @@
+"""Pace of this machine: CPU time of a simulated second of one walker, measured once and kept in the user's cache.
+
+Costs of other settings are known as multiples of it (`cells`).
+"""
+
+import hashlib
+import json
+import os
+import platform
+import statistics
+import time
+from pathlib import Path
+
+from walkergen.core import caches
+from walkergen.core.files import output
+from walkergen.core.numerics import kernels
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import compile_kernels, simulate
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import templates
+from walkergen.points.experiments import Walker
+
+WALKER, SCENE, TILT_DEG = "koumakis2016", "lane-90hz", 10.0
+"""Walker, scene and tilt of the loop: the paper's walker in space, at the step that its feet take by themselves."""
+
+LOOP_S, LOOPS = 1.0, 7
+"""Simulated time of a loop, s, and loops of which the median counts: half a second of CPU time together."""
+
+
+def pace() -> float:
+    """CPU seconds of a simulated second of the loop on this machine, as kept, else measured and kept."""
+    path = _path()
+    try:
+        kept = float(json.loads(path.read_text(encoding="utf-8"))["cpu_s_per_s"])
+        if kept > 0.0:
+            return kept
+    except (OSError, ValueError, KeyError, TypeError):
+        pass  # never measured, or what is kept cannot be read: it is measured anew
+    found = measured()
+    output.write(path, json.dumps({"cpu_s_per_s": found, "machine": machine()}).encode(), lasting=False)
+    return found
+
+
+def measured(loops: int = LOOPS) -> float:
+    """CPU seconds of a simulated second of the loop, now: the median of some loops, after one that is not timed."""
+    plan = _plan()
+    compile_kernels(plan)
+    return statistics.median(_loop(plan) for _ in range(loops)) / LOOP_S
+
+
+def _plan() -> Plan:
+    design = templates.load(WALKER, "walkers", Design).variant(tilt_deg=TILT_DEG)
+    scene = templates.load(SCENE, "scenes", Scene)
+    walker = Walker(scene, design, solids.mass_of(design))
+    return walker.with_run(runs=1, seconds=LOOP_S, discard_seconds=0.0).plan()
+
+
+def _loop(plan: Plan) -> float:
+    started = time.thread_time()
+    simulate(plan, 0)
+    return time.thread_time() - started
+
+
+def _path() -> Path:
+    """File that keeps the pace, named by the machine and the kernels' sources."""
+    name = hashlib.sha256(f"{machine()} {os.cpu_count()} {kernels.digest()}".encode()).hexdigest()[:16]
+    return caches.folder("pace") / f"{name}.json"
+
+
+def machine() -> str:
+    """Description of the machine on which times were measured."""
+    import numba
+
+    return (
+        f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, "
+        f"Python {platform.python_version()}, numba {numba.__version__}"
+    )
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or platform.machine())

@@ -1,0 +1,116 @@
+"""Law of the step's bias: what the cells say together of how far a step leaves the speed off.
+
+Chaos scatters a cell's speeds by more than most steps shift them, so cells are taken together: within each the
+speeds by all steps are a straight line in a power of the step, whose slope over the speed is the cell's answer.
+Slopes of cells scatter by more than their errors say; how much more is estimated as between studies of a meta-
+analysis (R. DerSimonian and N. Laird, Control. Clin. Trials 7, 177, 1986). Landings err by the first power of
+the step, flight and sliding by the second (docs/physics.md section 5): both are fitted, and the larger bound counts.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import cache
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.commands.accuracy import cells
+from walkergen.commands.accuracy.cells import REFERENCE, Row
+from walkergen.points.walkers import FEWEST_AT_ALL
+
+CELLS_PEAK = 31.2
+"""Peak speed of the plate of the cells, mm/s: 90 Hz and 1.8 g."""
+
+POWERS = (1, 2)
+"""Powers of the step by which the bias may fall."""
+
+
+class Slope(NamedTuple):
+    """Bias by the step that resolves the feet, as a share of the speed, with its errors."""
+
+    power: int
+    share: float
+    se: float
+    between: float
+    """Standard deviation between walkers."""
+    misfit: float
+    """Chi-square of the lines over its degrees of freedom: about 1 where the law holds."""
+
+    def bound(self, step: float) -> float:
+        """Largest bias (95 %), as a share, by a step that is `step` of what resolves the feet."""
+        se = self.se * math.sqrt(max(self.misfit, 1.0))  # what the line misses widens its error
+        return float((abs(self.share) + 2.0 * math.hypot(se, self.between)) * step**self.power)
+
+
+class Law(NamedTuple):
+    """Biases of walkers that are alike: as fast as the plate, or slow beside it."""
+
+    slopes: tuple[Slope, ...]
+    """One a power."""
+    floor: float
+    """Error (95 %) to which the references together are known, as a share: nothing is known below it."""
+    cells: int
+    """Number of cells behind it."""
+
+    def bound(self, step: float) -> float:
+        """Largest bias (95 %), as a share, whichever power holds."""
+        return max(slope.bound(step) for slope in self.slopes)
+
+
+def unit(speed: float, peak: float) -> float:
+    """Speed of which an error is a share: a walker's own, or a fifth of the plate's where it is slower."""
+    return max(abs(speed), FEWEST_AT_ALL * peak)
+
+
+def known_rows(rows: Iterable[Row]) -> list[list[Row]]:
+    """Rows with a speed and its error, cell by cell, finest step first."""
+    known = [row for row in rows if row.speed_mm_s is not None and row.se_mm_s]
+    return [list(cell) for _, cell in groupby(known, key=lambda row: row.cell)]
+
+
+@cache
+def laws(peak: float, rows: tuple[Row, ...] | None = None) -> dict[bool, Law]:
+    """Law of slow walkers (True) and of the others, from cells whose plate has a peak speed, mm/s."""
+    every = [cell for cell in known_rows(cells.read() if rows is None else rows) if cell[0].share == REFERENCE]
+    slow: dict[bool, list[list[Row]]] = {True: [], False: []}
+    for cell in every:
+        slow[is_slow(cell[0].speed_mm_s or 0.0, peak)].append(cell)
+    return {key: _law(group, peak) for key, group in slow.items() if group}
+
+
+def is_slow(speed: float, peak: float) -> bool:
+    """Whether errors of a speed are shares of the plate's instead."""
+    return abs(speed) < FEWEST_AT_ALL * peak
+
+
+def _law(group: Sequence[Sequence[Row]], peak: float) -> Law:
+    finest = [(row.se_mm_s or 0.0) / unit(row.speed_mm_s or 0.0, peak) for row in (cell[0] for cell in group)]
+    floor = 2.0 / math.sqrt(sum(se**-2 for se in finest))
+    return Law(tuple(_slope(group, peak, power) for power in POWERS), floor, len(group))
+
+
+def _slope(group: Sequence[Sequence[Row]], peak: float, power: int) -> Slope:
+    lines = [_line(cell, peak, power) for cell in group]
+    share, se = (np.array(column) for column in zip(*(line[:2] for line in lines), strict=True))
+    weights, freedom = se**-2.0, len(lines) - 1
+    mean = float(np.sum(weights * share) / np.sum(weights))
+    excess = float(np.sum(weights * (share - mean) ** 2)) - freedom
+    room = float(np.sum(weights) - np.sum(weights**2) / np.sum(weights))
+    between = math.sqrt(max(excess / room, 0.0)) if freedom else 0.0
+    weights = 1.0 / (se**2 + between**2)
+    mean = float(np.sum(weights * share) / np.sum(weights))
+    misfit = sum(line[2] for line in lines) / max(sum(line[3] for line in lines), 1)
+    return Slope(power, mean, float(np.sum(weights) ** -0.5), between, misfit)
+
+
+def _line(cell: Sequence[Row], peak: float, power: int) -> tuple[float, float, float, int]:
+    """Slope of a cell's speeds over the step to a power, as a share, its error, chi-square and freedom."""
+    steps = np.array([row.share for row in cell]) ** power
+    speeds, errors = (np.array([getattr(row, name) for row in cell]) for name in ("speed_mm_s", "se_mm_s"))
+    design = np.column_stack([np.ones_like(steps), steps]) / errors[:, None]
+    covariance = np.linalg.inv(design.T @ design)
+    offset, slope = covariance @ design.T @ (speeds / errors)
+    chi2 = float(np.sum(((speeds - offset - slope * steps) / errors) ** 2))
+    size = unit(float(offset), peak)
+    return float(slope) / size, math.sqrt(float(covariance[1, 1])) / size, chi2, len(cell) - 2

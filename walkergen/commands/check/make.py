@@ -1,0 +1,99 @@
+"""Printability checks of walkers on arranged plates: walls in printed lines, what is wrong."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from walkergen.core.printing import packing, plates, sheet, walls
+from walkergen.core.printing.findings import Finding, listed
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import report
+from walkergen.files.report import Report, Table
+
+
+class Wall(NamedTuple):
+    """Wall of a thickness that occurs among the members, as the printer prints it."""
+
+    wall: str
+    thickness_mm: float
+    lines: float
+    """Thickness of the wall in printed lines."""
+    plastic_percent: float
+    """Expected deviation of the wall's plastic from the mesh, percent."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CheckReport(Report):
+    """Walls of walkers, and what the checks say of them; errors are left to `findings.refuse`."""
+
+    findings: Sequence[Finding]
+
+
+def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> CheckReport:
+    """Run the printability checks on arranged copies of the members; writes nothing."""
+    built = [solids.build(design) for design in members]
+    layout = plates.unplaced(members, built, copies, printer)
+    if all(packing.capacity(part, printer) for part in layout.parts):
+        layout = plates.arrange(members, built, copies, printer)
+    else:  # a part is too large for any plate: the findings name it
+        layout = plates.checked(layout)
+    unlike_walls = dict.fromkeys(
+        Wall(
+            wall.name,
+            wall.thickness,
+            wall.section / printer.line_width_mm,
+            100.0 * walls.deviation(wall.section, printer),
+        )
+        for design in members
+        for wall in walls.of_design(design)
+    )
+    attitudes = list(dict.fromkeys(sheet.lying(design) for design in members))
+    return _report(list(unlike_walls), layout, attitudes, sum(copies))
+
+
+def _report(unlike_walls: Sequence[Wall], layout: plates.Layout, attitudes: Sequence[str], parts: int) -> CheckReport:
+    """Report of the walls, of how the walkers lie on the bed, and of all that the checks found."""
+    findings, printer = listed(layout.findings), layout.printer.name
+    counts = [_count(sum(finding.level == level for finding in findings), level) for level in ("error", "warning")]
+    sheets = len(layout.plates)  # none when a part fits no plate
+    return CheckReport(
+        name="check",
+        title=f"Checks for {printer}",
+        tables=[
+            Table(
+                "walls",
+                unlike_walls,
+                Wall._fields,
+                (
+                    report.text("wall", "wall"),
+                    report.fixed("mm", "thickness_mm", 2),
+                    report.fixed("lines", "lines", 2),
+                    report.Column("plastic, against the mesh", _plastic, True),
+                ),
+            )
+        ],
+        facts={
+            "walls": [wall._asdict() for wall in unlike_walls],
+            "findings": [finding._asdict() for finding in findings],
+            "orientations": list(attitudes),
+            "parts": parts,
+            "plates": sheets,
+        },
+        lines=[
+            *(f"printed {attitude}" for attitude in attitudes),
+            *(f"{finding.level}: {finding.line}" for finding in findings if finding.level != "error"),
+            f"{_count(parts, 'part')} on {_count(sheets, 'plate')} of {printer}: {', '.join(counts)}",
+        ],
+        findings=layout.findings,
+    )
+
+
+def _plastic(wall: Wall) -> str:
+    percent = round(wall.plastic_percent)
+    return f"{percent:+d} %" if percent else "as drawn"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

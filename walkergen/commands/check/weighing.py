@@ -1,0 +1,98 @@
+"""Mass properties of any mesh file, in the file's own axes: of each object and of all together."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker import mass
+from walkergen.core.walker.mass import SolidMass
+from walkergen.readers.drawings import units
+from walkergen.readers.meshes import faults, meshes
+
+DENSITY = 1.24
+"""Density of PLA, g/cm3."""
+
+
+class Weighed(NamedTuple):
+    """Mass properties of one object, or of all; axes are the file's."""
+
+    name: str
+    triangles: int
+    volume_mm3: float
+    mass_g: float
+    centre_mm: Array
+    """Centre of mass, shape (3,)."""
+    tensor_g_mm2: Array
+    """Inertia tensor about the centre of mass, shape (3, 3)."""
+    moments_g_mm2: Array
+    """Principal moments of inertia, ascending, shape (3,)."""
+    axes: Array
+    """Principal axes, a unit vector a row, right-handed, shape (3, 3)."""
+
+
+class Weighing(NamedTuple):
+    """Results of weighing."""
+
+    parts: tuple[Weighed, ...]
+    total: Weighed
+    sha256: str
+    """Hash of the file's bytes."""
+    notes: tuple[str, ...]
+    """What was left out of the file or mended, a few words each."""
+
+
+def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
+    """Weigh every object of a mesh file, and all of them together.
+
+    `scale_mm` is the length of the file's unit in mm (3MF names its unit; there it multiplies). A
+    3MF file may hold several objects, each one body; any other file is one body. Raises InputError
+    for what cannot be read or is not sound.
+    """
+    for name, value, most in (("density", density_g_cm3, 100.0), ("scale", scale_mm, 1e6)):
+        if not 1e-6 <= value <= most:
+            raise InputError(f"‹{name}=›{value:g}: must lie in 1e-06..{most:g}")
+    source = str(path)[-80:]
+    loaded = meshes.load(path, source)
+    several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
+    surfaces = loaded.parts if several else (meshes.joined(loaded.parts),)
+    solids = []
+    for surface in surfaces:
+        mesh = Mesh(surface.vertices * scale_mm, surface.triangles)
+        faults.refuse(mesh, f"{source}: {surface.name}" if several else source)
+        solids.append(mass.weigh(mesh, 1e-3 * density_g_cm3))
+    counts = [len(surface.triangles) for surface in surfaces]
+    parts = tuple(
+        _weighed(surface.name, count, solid) for surface, count, solid in zip(surfaces, counts, solids, strict=True)
+    )
+    side = max(float(np.ptp(surface.vertices, axis=0).max()) for surface in surfaces) * scale_mm
+    notes = (*loaded.notes, *_doubt(side))
+    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256, notes)
+
+
+def _doubt(side_mm: float) -> list[str]:
+    """What is to be said of a size that no walker has."""
+    if units.SMALLEST < side_mm <= units.LARGEST:
+        return []
+    return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]
+
+
+def principal(tensor: Array) -> tuple[Array, Array]:
+    """Principal moments, ascending, and axes, a row each: right-handed, largest parts positive.
+
+    The third axis follows from the first two; axes of equal moments are any of their plane.
+    """
+    moments, columns = np.linalg.eigh(tensor)
+    axes = columns.T
+    for axis in axes[:2]:
+        axis *= np.sign(axis[np.argmax(np.abs(axis))])
+    axes[2] = np.cross(axes[0], axes[1])
+    return moments, axes + 0.0
+
+
+def _weighed(name: str, triangles: int, solid: SolidMass) -> Weighed:
+    tensor = 0.5 * (solid.tensor + solid.tensor.T)  # rounding alone makes it unequal
+    volume, mass_g = float(solid.volume), float(solid.mass)
+    return Weighed(name, triangles, volume, mass_g, solid.centre, tensor, *principal(tensor))

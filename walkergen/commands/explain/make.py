@@ -1,0 +1,143 @@
+"""Effects of a scene: which are on, how large they are, what each changes of the speed and costs."""
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen.commands.explain import measured as measuring
+from walkergen.commands.explain.measured import Measured
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects.effect import Effect
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import report
+from walkergen.files.report import Column, Report, Table
+from walkergen.points import simplest, variants
+from walkergen.points.experiments import Walker
+from walkergen.points.simplest import Simplest
+from walkergen.points.variants import Change
+
+
+class Row(NamedTuple):
+    """Effect of a scene: its size, why it is on or off, and what the scene without it, or with it, changes."""
+
+    effect: str
+    on: bool
+    number: float
+    meaning: str
+    reason: str
+    switch: str
+    change: str
+    """What differs in the variant of the scene that was measured; "" where none was."""
+    change_mm_s: float | None
+    """Mean speed of the variant less that of the scene."""
+    change_se_mm_s: float | None
+    cpu_ratio: float | None
+    """CPU time of the variant over that of the scene."""
+    cpu_ratio_se: float | None
+
+
+SHORT = (
+    report.text("effect", "effect"),
+    report.number("size", "number", 3),
+    Column("without it\nmm/s", lambda row: measuring.in_words(row.change_mm_s, row.change_se_mm_s), True),
+    Column("CPU time\nwithout it", lambda row: measuring.factor(row.cpu_ratio, row.cpu_ratio_se), True),
+)
+REASONS = (
+    report.text("effect", "effect"),
+    Column("", lambda row: "on" if row.on else "off"),
+    report.number("size", "number", 3),
+    Column("why", lambda row: f"{row.reason} ({row.meaning})" + (f"; switch {row.switch}" if row.switch else "")),
+)
+
+
+def explain(
+    scene: Scene,
+    design: Design,
+    progress: Progress,
+    cost: bool = True,
+    measure: bool = False,
+    whole: bool = False,
+    folder: Path | None = None,
+) -> Report:
+    """Say which effects a scene calls for, and what each costs where it can be off.
+
+    What the scene's accepted error leaves out is said, too. `measure`: also what effects that are off would change,
+    for ten seconds; `whole`: with all reasons; written where `folder` says. Raises InputError for a scene that
+    contradicts itself or the design.
+    """
+    walker = Walker(scene, design, solids.mass_of(design))
+    plan = prepare(scene, design, walker.mass)
+    effects = [effect for _, effect in variants.judged(plan)]
+    found: Measured | None = None
+    if measure:
+        found = measuring.measure(walker, progress)
+    elif cost:
+        found = measuring.priced(walker, progress)
+    simple = simplest.simplest(walker, progress) if cost or measure else Simplest(walker, scene.run.accepted_error)
+    rows = _rows(effects, () if found is None else found.changes)
+    on, off = ([row for row in rows if row.on == wanted] for wanted in (True, False))
+    effects_table = Table(
+        "effects",
+        rows,
+        Row._fields,
+        REASONS if whole else SHORT,
+        read=None if whole else on,
+        notes=[] if found is None else ["± is one standard error, by pairs of runs with common random numbers"],
+    )
+    caption = f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}"
+    made = Report(
+        name="explain",
+        title="Effects",
+        caption=caption,
+        tables=[effects_table, *([measuring.table(found)] if measure and found is not None else [])],
+        facts=_facts(rows, found) | (simple.facts if found is not None else {}),
+        lines=[
+            *([] if whole else [f"off: {', '.join(row.effect for row in off)}; ‹all›: why, and what sizes mean"]),
+            *([] if found is None or not measure else [found.advice]),
+            *_accepted(simple, found is not None),
+        ],
+        warnings=[plan.resolved.idle] if plan.resolved.idle else [],
+        figures={} if found is None or not measure else {"explain": partial(measuring.figure, found, caption)},
+        folder=folder,
+    )
+    if folder is not None:
+        with Folder(folder) as target:
+            made.write(target, pictures=measure)
+    return made
+
+
+def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
+    """Rows of all effects, with what was measured of them."""
+    by_effect: Mapping[str, Change] = {change.effect: change for change in reversed(changes)}
+    rows = []
+    for effect in effects:
+        change = by_effect.get(effect.name)
+        numbers = ("", None, None, None, None)
+        if change is not None:
+            speed, cpu = change.speed, change.cpu
+            numbers = (change.change, speed.value, speed.se, cpu.value, cpu.se)  # type: ignore[assignment]
+        rows.append(Row(*effect, *numbers))
+    return rows
+
+
+def _accepted(simple: Simplest, measured: bool) -> list[str]:
+    """What runs leave out where an error is accepted."""
+    if simple.accepted is None:
+        return []
+    key = f"run.accepted_error = {simple.accepted:g}"
+    if not measured:
+        return [f"{key}: what it leaves out is measured; leave ‹cost=False› out"]
+    return [key, *(f"{name}: {value}" for name, value in simple.lines)]
+
+
+def _facts(rows: Sequence[Row], found: Measured | None) -> dict[str, object]:
+    facts: dict[str, object] = {"rows": [row._asdict() for row in rows]}
+    if found is not None:
+        facts |= {"measured": [row._asdict() for row in measuring.rows(found)], "runs": found.pairs}
+        facts |= {"speed_mm_s": found.speed.value, "advice": found.advice}
+    return facts

@@ -1,0 +1,46 @@
+"""What `explain` is asked for."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from walkergen import request
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.files.report import Report
+
+
+class ExplainRequest(request.Request):
+    """Say which effects a scene calls for, how large they are, what they change and what they cost.
+
+    With --measure each effect is turned off, or on at its usual size, alone and the two largest together, for ten
+    seconds: what the speed and the CPU time change by, a picture, and what can be left out.
+    """
+
+    design: request.Walker = request.PAPER
+    scene: request.Home = None
+    tilt: request.Tilt = None
+    legs: request.Legs = None
+    friction: request.Friction = None
+    gamma: request.Gamma = None
+    frequency: request.Frequency = None
+    text: request.Text = None
+    mirror: request.Mirror = None
+    set: request.Settings = {}
+    measure: Annotated[bool, Flag("Measure for 10 s what each effect, on or off, changes; draw it.")] = False
+    cost: Annotated[bool, Flag("Measure what each effect that is on costs.")] = True
+    all: Annotated[bool, Flag("Print all effects, with the reasons.")] = False
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Explain the scene's effects."""
+        from walkergen.commands.explain import make
+        from walkergen.core.walker import names
+
+        given = self.inputs()
+        design = given.one(self.design, self.tilt, self.legs)
+        scene = given.scene(request.ground(self.scene, [design]))
+        place = Path("out") / "explain" / f"{design.name}_{names.tilt(design)}_{design.kind}_{scene.name}"
+        folder = self.folder(place) if self.measure else self.out
+        return make.explain(scene, design, progress, self.cost, self.measure, self.all, folder)

@@ -1,0 +1,274 @@
+"""Walkers as models of MuJoCo: MJCF with the mass properties, hinges, feet and plate of ours.
+
+Units are those of this program: mm, g, s. Frame: x along the run, y to the left, z up. Three things
+differ, and the file lists them: legs do not twist, friction has a damper in place of its spring, and tips are linear.
+
+A Hertzian tip, F = K d^1.5, is replaced by the linear spring with the same contact time. A mass m that lands at a
+speed v stays for I d/v, d its greatest depth, with I = 2 sqrt(pi) Gamma(7/5) / Gamma(9/10) = 2.943. On a linear spring
+it stays for pi sqrt(m/k). With K d^2.5 = 1.25 m v^2 both are equal for k = pi^2 / (1.25 I^2) K sqrt(d), which is
+k = 1.20 (E*^4 R^2 m v^2)^(1/5).
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.printing.export import stl_bytes
+from walkergen.core.scene import GRAVITY, Drive, Scene, forcing
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.simulation.effects import compliance, feet, turning
+from walkergen.core.simulation.effects.effect import LID, WALLS
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.simulation.space.state import Walker
+from walkergen.core.simulation.space.walker import mobility
+from walkergen.core.theory.hertz import landing_depth
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties, from_centre
+
+Array = npt.NDArray[np.float64]
+
+UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Turns our frame (y up, z across) into MuJoCo's (z up)."""
+
+RADIUS = 1e-3
+"""Radius (mm) of the spheres that stand for corners, which are their lowest points."""
+
+IMPEDANCE = 1e-4
+"""MuJoCo's least: contacts are then springs and dampers in physical units, to this share of mass.
+"""
+
+IMPRATIO = 100.0
+"""Impedance of friction over that of the normal; at 1 sliding would press feet on."""
+
+FINER = 4.0
+"""Our step over MuJoCo's, whose contacts are explicit: docs/mujoco.md says what that is worth."""
+
+PLATE = 1e9
+"""Mass of the plate, g: walkers do not move it."""
+
+
+HERTZ_TIME = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+"""Contact time of a landing on a Hertzian tip without damper, times speed over greatest depth."""
+
+ALLOWED = {compliance.NAME, feet.NAME, turning.NAME, WALLS, LID}
+"""Effects that have a switch and that the file holds."""
+
+
+def files(design: Design, scene: Scene) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of a walker's MJCF and of the STL files that it shows.
+
+    Raises InputError for a scene with what the model leaves out.
+    """
+    name, built = names.part(design), solids.build(design)
+    mass = solids.weigh(design, built)
+    plan = _plan_of(design, scene, mass)
+    walker = plan.world.walker
+    yield f"{name}.xml", _text(name, plan).encode()
+    for part, mesh in _meshes(design, mass, walker, built):
+        yield f"{name}_{part}.stl", stl_bytes(mesh, f"{name} {part}")
+
+
+def linear_springs(plan: Plan) -> Array:
+    """Return the stiffness (g/s^2) of each point of contact in the file, shape (k,).
+
+    The leg's corner is in series with the tip's linear spring. A corner lands with its share of the mass at the speed
+    that the step and the surrogate take. A plate that hardly moves is replaced by the weight that rests on a corner.
+    """
+    walker = plan.world.walker
+    share = walker.mass / np.count_nonzero(walker.place == 0.0)
+    speed = feet.LANDING_SPEED * plan.shaken.peak_speed
+    depths = np.array([landing_depth(tip, share, speed, GRAVITY * share) for tip in walker.tip])
+    depths[np.isinf(walker.tip)] = 1.0  # any: rigid tips are infinitely stiff
+    tips = math.pi**2 / (1.25 * HERTZ_TIME**2) * walker.tip * np.sqrt(depths)
+    return np.asarray(1.0 / (1.0 / walker.spring + 1.0 / tips))
+
+
+def _plan_of(design: Design, scene: Scene, mass: MassProperties) -> Plan:
+    """Plan of a walker in space without twist. Raises InputError."""
+    effects = scene.effects.force("leg_twist", False)
+    plan = prepare(scene.model_copy(update={"effects": effects}), design, mass)
+    resolved = plan.resolved
+    if not resolved.on(turning.NAME):
+        raise InputError(f"{forcing(turning.SWITCH, False)}: MJCF is of walkers that are free to turn")
+    for effect in resolved.effects:
+        if effect.on and effect.switch and effect.name not in ALLOWED:
+            away = f"‹set› 'scene.{forcing(effect.switch, False)}'"
+            raise InputError(f"{effect.name} ({effect.reason}): MJCF leaves it out; write {away}")
+    return plan
+
+
+def _meshes(design: Design, mass: MassProperties, walker: Walker, built: solids.Solids) -> Iterator[tuple[str, Mesh]]:
+    """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
+    O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
+    middle = np.array([*from_centre(design.limbs, mass, np.zeros(2)), -half]) + O
+    yield "body", _turned(built._replace(walker=built.body).seen, middle)
+    for name, limb, leg, mesh in zip(names.legs(design), design.limbs, mass.legs, built.legs, strict=True):
+        anchor = np.array([*leg.anchor, limb.across]) + O
+        anchor = np.zeros(3) if leg.m > 0.0 else anchor
+        yield name, _turned(mesh, anchor - (0.0, 0.0, 0.5 * limb.width))
+
+
+def _turned(mesh: Mesh, offset: Array) -> Mesh:
+    """Mesh seen from elsewhere, in MuJoCo's frame."""
+    return mesh._replace(vertices=(mesh.vertices + offset) @ UP.T)
+
+
+def _text(name: str, plan: Plan) -> str:
+    """MJCF of a walker, let go an amplitude over the plate, which is at its highest."""
+    scene, design, mass, walker = plan.scene, plan.case.design, plan.case.mass, plan.world.walker
+    drive, called = scene.drive, names.legs(design)
+    period = 2.0 * math.pi / drive.omega
+    own = period / math.ceil(FINER * period / plan.world.options.step)
+    height = 2.0 * drive.amplitude - float((walker.root + _on_foot(walker))[:, 1].min())
+    free = [k for k, leg in enumerate(mass.legs) if float(leg.m) > 0.0]
+    legs = "".join(_leg(number, called[k], mass, walker, k) for number, k in enumerate(free))
+    shown = ["body", *(called[k] for k in range(len(called)) if k not in free)]
+    assets = "".join(
+        f'''
+    <mesh name="{part}" file="{name}_{part}.stl" inertia="shell"/>'''
+        for part in ("body", *called)
+    )
+    assert mass.spatial is not None
+    return f"""<!-- {name} by walkergen: units mm, g, s (forces in uN, energies in nJ); x along the
+  run, y to the left, z up. Masses and inertias are walkergen's, not the meshes', which are only
+  seen. Left out: the twist of the legs, and the spring of friction, which a damper replaces.
+  Feet have linear springs. walkergen's tips are Hertzian, stiffer the deeper they are pressed. A
+  linear spring here has the same contact time for a quarter of the mass at twice the plate's peak
+  speed (four corners; in general an equal share), in series with the leg. The damper gives the
+  scene's restitution. With small gamma, below about 1.4, walkers run slower than on Hertzian tips.
+  The plate, heavy enough not to feel the walker, swings on a spring: {drive.frequency:g} Hz,
+  {drive.peak_gamma:g} g, amplitude {1e3 * drive.amplitude:.6g} um, at its highest at time 0.
+  solref of the feet: stiffness and damping of a corner in g/s^2 and g/s, times MuJoCo's inverse
+  mass of its body (1/g): with the impedance near 0 contacts have these, whatever they carry. -->
+<mujoco model="{name}">
+  <compiler angle="radian" inertiafromgeom="false" autolimits="true"/>
+  <option timestep="{own!r}" gravity="0 0 {-GRAVITY!r}" cone="elliptic" impratio="{IMPRATIO:g}"
+    integrator="implicitfast" solver="Newton" tolerance="1e-16" iterations="50"/>
+  <statistic extent="{3.0 * design.size.length!r}" center="0 0 0"/>
+  <asset>{assets}
+  </asset>
+  <worldbody>
+    <light pos="0 -300 300" dir="0 1 -1"/>{_plate(scene.drive, walker, height)}
+    <body name="walker" pos="0 0 {height!r}">
+      <freejoint name="walker"/>
+      {_inertial(walker.centre, float(mass.M), mass.spatial.body)}{_shown(shown)}
+      {_corners(walker, -1)}{legs}
+    </body>
+  </worldbody>
+  <contact>{_pairs(mass, walker, free, linear_springs(plan))}
+  </contact>
+</mujoco>
+"""
+
+
+def _leg(number: int, called: str, mass: MassProperties, walker: Walker, place: int) -> str:
+    """A free leg on its hinge, with the corners of its foot."""
+    leg, row = mass.legs[place], int(np.flatnonzero(walker.leg == number)[0])
+    assert leg.tensor is not None
+    centre = np.array([*leg.c_A, leg.across - walker.centre[2] - walker.root[row, 2]])
+    return f"""
+      <body name="{called}" pos="{_point(walker.root[row])}">
+        <joint name="{called}" type="hinge" axis="{_point(np.array([0.0, 0.0, 1.0]))}"
+          stiffness="{float(walker.stiffness[number])!r}"
+          damping="{float(walker.damping[number])!r}"/>
+        {_inertial(centre, float(leg.m), leg.tensor)}{_shown([called])}
+        {_corners(walker, number)}
+      </body>"""
+
+
+def _on_foot(walker: Walker) -> Array:
+    """Vectors from the anchors of contacts to the contacts, shape (k, 3), mm."""
+    return np.column_stack([walker.reach, walker.side])
+
+
+def _corners(walker: Walker, leg: int) -> str:
+    """Spheres of the points of contact on a leg, or on the body (-1)."""
+    spheres = []
+    for k in np.flatnonzero(walker.leg == leg):
+        on_body = walker.root[k] if leg < 0 else 0.0
+        inward = [0.0, 0.0, -math.copysign(RADIUS, walker.root[k, 2])]
+        inward = inward if walker.place[k] > 0.0 else [0.0, math.copysign(RADIUS, walker.place[k]), 0.0]
+        spheres.append(
+            f'<geom name="corner{k}" type="sphere" size="{RADIUS}" mass="0" contype="0" '
+            f'conaffinity="0" pos="{_point(on_body + _on_foot(walker)[k] + inward)}"/>'
+        )
+    return "\n        ".join(spheres)
+
+
+def _plate(drive: Drive, walker: Walker, height: float) -> str:
+    """The plate on its spring, and walls that ride on it, twice as high as the body's middle, or a lid."""
+    place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
+    for side in (-1, 1) if place > 0.0 else ():
+        walls += f"""
+      <geom name="wall{side:+d}" type="box" size="2000 5 {height!r}" rgba=".6 .6 .6 .2"
+        pos="0 {side * (place + 5.0)!r} {height!r}" contype="0" conaffinity="0"/>"""
+    if lid > 0.0:
+        walls += f"""
+      <geom name="lid" type="box" size="2000 2000 5" pos="0 0 {lid + 5.0!r}" rgba=".6 .6 .6 .2" contype="0"
+        conaffinity="0"/>"""
+    return f"""
+    <body name="plate" pos="0 0 {drive.amplitude!r}" gravcomp="1">
+      <joint name="plate" type="slide" axis="0 0 1" stiffness="{PLATE * drive.omega**2!r}"
+        springref="{-drive.amplitude!r}"/>
+      <inertial pos="0 0 0" mass="{PLATE!r}" diaginertia="{PLATE!r} {PLATE!r} {PLATE!r}"/>
+      <geom name="plate" type="box" size="2000 2000 5" pos="0 0 -5" rgba=".6 .6 .6 1"
+        contype="0" conaffinity="0"/>{walls}
+    </body>"""
+
+
+def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: Array) -> str:
+    """Contacts of corners with the plate, and of the body's points with both walls, or with a lid, of these springs."""
+    H, inverse = mobility(walker), _inverse_masses(mass, walker, free)
+    pairs = ""
+    for k, friction in enumerate(walker.friction):
+        unit = (1.0 - IMPEDANCE) * inverse[k]
+        slip = max(H[3 * k + 1, 3 * k + 1], H[3 * k + 2, 3 * k + 2])
+        sideways = 2.0 * math.sqrt(walker.shear[k] * springs[k] / slip) * unit / IMPRATIO
+        normal = _numbers(-unit * springs[k], -unit * walker.damper[k] * math.sqrt(springs[k]))
+        for other in {1.0: ("wall-1", "wall+1"), 0.0: ("plate",), -1.0: ("lid",)}[np.sign(walker.place[k])]:
+            pairs += f'''
+    <pair geom1="{other}" geom2="corner{k}" condim="3" solref="{normal}"
+      solreffriction="{_numbers(-1.0, -sideways)}" friction="{_numbers(friction, friction)} 0 0 0"
+      solimp="{IMPEDANCE} {IMPEDANCE} 1 0.5 1"/>'''
+    return pairs
+
+
+def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -> Array:
+    """Inverse mass (1/g) of the body of each contact as MuJoCo has it, shape (k,): the mean over
+    three directions at its own centre of mass.
+    """
+    root, reach, side = walker.root.copy(), 0.0 * walker.reach, 0.0 * walker.side
+    for k, number in enumerate(walker.leg):
+        if number < 0:
+            root[k] = walker.centre
+        else:
+            leg = mass.legs[free[number]]
+            reach[k], side[k] = leg.c_A, leg.across - walker.centre[2] - root[k, 2]
+    H = mobility(walker._replace(root=root, reach=reach, side=side, place=0.0 * walker.place))
+    return np.asarray(np.diag(H).reshape(-1, 3).mean(axis=1))
+
+
+def _inertial(centre: Array, mass: float, tensor: Array) -> str:
+    tensor = UP @ tensor @ UP.T
+    entries = _numbers(*(tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))))
+    return f'<inertial pos="{_point(centre)}" mass="{mass!r}"\n          fullinertia="{entries}"/>'
+
+
+def _shown(parts: Sequence[str]) -> str:
+    return "".join(
+        f'''
+        <geom type="mesh" mesh="{part}" mass="0" contype="0" conaffinity="0" group="1"/>'''
+        for part in parts
+    )
+
+
+def _point(place: Array) -> str:
+    return _numbers(*(UP @ place))
+
+
+def _numbers(*values: float) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)

@@ -1,0 +1,70 @@
+"""Profiles: a walker's side view as polygons, and drawings of it for laser cutters.
+
+A walker that prints on its side is a prism: its profile and its depth are all of it, but for digits
+engraved. Of a body in plan view the drawing is its outline, without legs.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from walkergen.core.errors import InputError, SolidError
+from walkergen.core.files import output
+from walkergen.core.shapes.extrusion import NARROWEST_WINDOW
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.readers.drawings import dxf, svg
+from walkergen.readers.drawings.outlines import Polygon
+
+FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "svg": svg.pack}
+"""Formats of drawings."""
+
+
+def drawing_of(design: Design) -> list[Polygon]:
+    """Polygons, mm, of which a walker or its body is the prism: outer contours first, then holes.
+
+    Of a body in plan view its outline seen from above, else the profile of body and legs. Raises
+    InputError for a walker that is neither.
+    """
+    depth, why = design.size.depth, "its legs are narrower than its body"
+    if design.parts:
+        why = f"its body has pockets ({', '.join(design.parts)})"
+    elif design.body.flat and design.shape.mesh is not None:
+        why = "it stands on a base plate"
+    elif design.body.flat:
+        return list(design.shape.plan)
+    elif solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
+        return profile_of(design)
+    elif design.body.mesh:
+        why = "its body is a mesh"
+    raise InputError(f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or 3mf")
+
+
+def profile_of(design: Design) -> list[Polygon]:
+    """Profile of body and legs, in the design's frame, mm: outer contour first, then windows.
+
+    Raises SolidError when it is not one piece.
+    """
+    import shapely
+
+    body, limbs = solids.outline(design)
+    legs = [part + np.array(limb.anchor) for limb, parts in zip(design.limbs, limbs, strict=True) for part in parts]
+    united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
+    if not isinstance(united, shapely.Polygon):
+        raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")
+    least = NARROWEST_WINDOW * united.area  # as in the solid: slivers are no windows
+    holes = [ring for ring in united.interiors if shapely.Polygon(ring).area > least]
+    oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))
+    rings = (oriented.exterior, *oriented.interiors)
+    return [np.array(ring.coords, dtype=np.float64)[:-1, :2] for ring in rings]
+
+
+def write_dxf(path: Path, polygons: Sequence[Polygon]) -> None:
+    """Write polygons in mm as DXF, its unit stated, whole or not at all. Raises OutputError."""
+    output.write(path, dxf.pack(polygons))
+
+
+def write_svg(path: Path, polygons: Sequence[Polygon]) -> None:
+    """Write polygons in mm as SVG, its size stated, whole or not at all. Raises OutputError."""
+    output.write(path, svg.pack(polygons))

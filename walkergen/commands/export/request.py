@@ -1,0 +1,89 @@
+"""What `export` is asked for."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from walkergen import inputs, request
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.files.report import Report
+
+HELP = (
+    "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
+    "are prisms, outlines of bodies in plan view; mjcf: the walker on its plate, for MuJoCo. STEP "
+    "needs a heavy kernel and is not written."
+)
+
+ENDING = re.compile(r"\.(?!\d+$)[A-Za-z0-9]{1,4}")
+"""Ending of a file's name, by which it is none of a folder."""
+
+Format = Literal["stl", "3mf", "dxf", "svg", "mjcf"]
+
+
+class ExportRequest(request.Request):
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
+
+    by_position: ClassVar = ("design", "out")
+
+    design: request.Walker = request.PAPER
+    tilt: request.Tilts = None
+    legs: request.Kinds = None
+    format: Annotated[list[Format], request.Words, Flag(HELP, "FORMAT", takes="str | Iterable[str]")] = ["stl"]
+    caps: request.Caps = None
+    scene: Annotated[
+        Any,
+        request.file_flag(
+            "scenes",
+            f"Scene of mjcf: a template or a TOML file; {request.LANE}, of a walker with a motor {request.TABLE}.",
+            optional=True,
+        ),
+    ] = None
+    text: request.Text = None
+    mirror: request.Mirror = None
+    set: request.Settings = {}
+    sweep: Annotated[
+        Path | None,
+        request.File,
+        Flag("Walkers of every point of a sweep's file instead.", "FILE", takes="Name | None"),
+    ] = None
+    out: Annotated[
+        Path | None,
+        request.Target,
+        Flag(
+            "Folder to write to, or a file whose ending says the format; out/NAME by default.",
+            "FOLDER",
+            takes="Name | None",
+        ),
+    ] = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Write the walkers."""
+        from walkergen.commands.export import make
+
+        single = self.out is not None and ENDING.fullmatch(self.out.suffix) is not None
+        moving = self.out.suffix.lower() == make.MODEL if self.out and single else make.MJCF in self.format
+        if self.scene is not None and not moving:
+            raise InputError(f"‹scene=›{str(self.scene)[:60]}: only ‹format=›{make.MJCF} has a scene", "scene")
+        if self.sweep is not None:
+            from walkergen.commands.export import swept
+
+            self.refuse("not with ‹sweep›, whose file says it", "design", "tilt", "legs", "caps", "set")
+            if single or moving:
+                raise InputError("‹sweep›: writes meshes and drawings, numbered, into a folder", "sweep")
+            return swept.write(self.sweep, self.format, self.out, progress)
+        given = self.inputs()
+        if not moving:
+            given.refuse(given.of("scene"), f"only ‹format=›{make.MJCF} has a scene")
+        design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design])) if moving else None
+        members = inputs.capped(given.members(design, self.tilt, self.legs, whole=False), self.caps)
+        if self.out is not None and single:
+            self.refuse(f"{self.out} says the format of one file", "format", "caps")
+            if len(members) > 1:
+                raise InputError(f"‹out=›{self.out}: is one file, seen {len(members)} walkers: name a folder", "out")
+            return make.one(members[0], self.out, scene)
+        return make.make(members, self.format, self.out or Path("out") / design.name, progress, scene)

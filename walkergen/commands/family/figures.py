@@ -1,0 +1,173 @@
+"""Figures: speed against tilt, as in the paper's figure 2."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.analysis.speeds import Measured
+from walkergen.commands.family.chart_data import SURE, ChartData
+from walkergen.core.theory.prediction import Curve, Prediction
+from walkergen.core.walker.limbs import Kind
+from walkergen.files.figures import BLACK, COLUMN, INK, SMALLEST, STYLES, Look, grid_of, level, name, points, style
+from walkergen.points.members import Simulated
+
+BOUNDS = "68 and 95 %"
+THEORY = "theory (eq. 15): all landings alike"
+
+BAND, CORE = 0.16, 0.3
+"""Shades of the bounds of 95 and 68 %."""
+
+CROSSES = {"flexible": Look(BLACK, "", "x"), "braced": Look(BLACK, "", "+")}
+"""Looks of measured speeds by the kind of legs."""
+
+ALONE_DEG = 5.0
+"""Tilts that are shown on either side of a single tilt that has no curve."""
+
+
+class Shown(NamedTuple):
+    """Place of a walker on the figure's axis, with what is known of it."""
+
+    x: float
+    row: Prediction
+    simulated: Simulated | None
+
+
+@style()
+def speed_figure(
+    rows: Sequence[Prediction],
+    chart_data: ChartData,
+    title: str,
+    simulated: Sequence[Simulated] = (),
+    named: bool = False,
+) -> Figure:
+    """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
+
+    One dashed line is the theory, of flexible legs where there are any. Kinds without a curve have
+    their bounds as bars, as walkers that only runs know. Walkers whose legs follow no common tilt
+    stand side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
+    95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
+    """
+    figure, (axes,) = grid_of(title, 1, 1, 3.3, COLUMN)
+    places = range(len(rows)) if named else [row.tilt_deg for row in rows]
+    with_runs = [*simulated, *[None] * (len(rows) - len(simulated))]
+    walkers = [Shown(*walker) for walker in zip(places, rows, with_runs, strict=True)]
+    legend: dict[str, Any] = {}
+    for kind, curve in chart_data.curves.items():
+        legend |= _draw_curve(axes, kind, curve)
+    legend |= _draw_theory(axes, chart_data.curves)
+    for legs in dict.fromkeys(row.legs for row in rows):
+        own = [walker for walker in walkers if walker.row.legs == legs]
+        between = next((curve for kind, curve in chart_data.curves.items() if kind == legs), None)
+        legend |= _draw_predicted(axes, own, legs, between)
+        legend |= _draw_simulated(axes, own, legs)
+    if chart_data.stated is not None:
+        look: Any = {"color": BLACK, "markerfacecolor": "white", "markersize": 11, "zorder": 2.5}
+        legend[f"the paper: {chart_data.stated[1]:g} mm/s"] = axes.plot(*chart_data.stated, "*", **look)[0]
+    if chart_data.measured is not None:
+        at = {walker.row.legs: float(walker.x) for walker in walkers} if named else {}
+        legend |= _draw_measured(axes, chart_data.measured, at)
+    _mark_sticking(axes, chart_data.curves)
+    level(axes)
+    mixed = simulated or chart_data.measured
+    name(
+        axes, "legs as designed" if named else "tilt of the legs (deg)", f"{'' if mixed else 'predicted '}speed (mm/s)"
+    )
+    _limit(axes, walkers, named)
+    figure.legend(legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2)
+    return figure
+
+
+def _limit(axes: Axes, walkers: Sequence[Shown], named: bool) -> None:
+    """Set the ends of the axis of tilts: of a single one without a curve some degrees to either side."""
+    if named:
+        axes.set_xticks([walker.x for walker in walkers], [walker.row.legs for walker in walkers])
+        axes.set_xlim(-0.7, len(walkers) - 0.3)
+        return
+    low, high = axes.get_xlim()
+    if len({walker.x for walker in walkers}) == 1 and high - low < 2.0 * ALONE_DEG:
+        axes.set_xlim(walkers[0].x - ALONE_DEG, walkers[0].x + ALONE_DEG)
+
+
+def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
+    """Draw a kind's predicted speed between the members, with its bounds."""
+    look = STYLES[kind]
+    (middle,) = axes.plot(curve.tilt_deg, curve.speed, look.line, color=look.colour)
+    bands = [
+        axes.fill_between(
+            curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=look.colour, alpha=a, linewidth=0
+        )
+        for low, high, a in ((0, 3, BAND), (1, 2, CORE))
+    ]
+    return {f"{kind}, {BOUNDS}": (*bands, middle)}
+
+
+def _draw_theory(axes: Axes, curves: Mapping[Kind, Curve]) -> dict[str, Any]:
+    """Draw the theory as one dashed line: of flexible legs where there are any, since braced ones stand."""
+    curve = curves.get("flexible", next(iter(curves.values()), None))
+    if curve is None:
+        return {}
+    return {THEORY: axes.plot(curve.tilt_deg, curve.theory, "--", color=INK, linewidth=0.9)[0]}
+
+
+def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, curve: Curve | None) -> dict[str, Any]:
+    """Draw the members' speeds, with bounds as bars where no band of a curve shows them."""
+    colour, _, marker = STYLES[kind]
+    x, speeds = [walker.x for walker in walkers], np.array([walker.row.speed_mm_s for walker in walkers], float)
+    (marks,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
+    if curve is not None:
+        walkers = [walker for walker in walkers if np.isnan(np.interp(walker.x, curve.tilt_deg, curve.speed))]
+        x = [walker.x for walker in walkers]
+    if not walkers:
+        return {}
+    for share, width, shade in ((95, 1.2, 0.5), (68, 5.0, CORE)):
+        low, high = (
+            np.array([getattr(one.row, f"speed_{end}_{share}_mm_s") for one in walkers], float)
+            for end in ("low", "high")
+        )
+        axes.vlines(x, low, high, color=colour, linewidth=width, alpha=shade)
+    return {f"{kind}, {BOUNDS}": marks}
+
+
+def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str, Any]:
+    """Draw the members' simulated speeds, as far as there are any, with bars of 95 % where known."""
+    runs = [(one.x, one.simulated) for one in walkers if one.simulated and one.simulated.sim_speed_mm_s is not None]
+    if not runs:
+        return {}
+    speeds = np.array([run.sim_speed_mm_s for _, run in runs], dtype=float)
+    low, high = (
+        np.array([getattr(run, f"sim_{end}_95_mm_s") for _, run in runs], dtype=float) for end in ("low", "high")
+    )
+    drawn = points(axes, ([x for x, _ in runs], speeds, [speeds - low, high - speeds]), STYLES[kind], hollow=True)
+    return {f"{kind}, simulated, 95 %": drawn}
+
+
+def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> dict[str, Any]:
+    """Draw measured speeds, with bars of 95 % where their errors are known.
+
+    They stand at their tilts, or at the places of walkers with such legs where these are given.
+    """
+    legend: dict[str, Any] = {}
+    for kind, look in CROSSES.items():
+        chosen = np.array([legs == kind for legs in measured.legs])
+        if not chosen.any() or (at and kind not in at):
+            continue
+        x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
+        bars = None if measured.se is None else SURE * measured.se[chosen]
+        drawn = points(axes, (x, measured.speed[chosen], bars), look)
+        drawn.lines[0].set(markersize=5.0, markeredgewidth=1.2, zorder=3.4)
+        legend[f"{kind}, measured" + ("" if bars is None else ", 95 %")] = drawn
+    return legend
+
+
+def _mark_sticking(axes: Axes, curves: Mapping[Kind, Curve]) -> None:
+    """Shade the tilts at which a flexible foot can stick, where the paper's formula fails."""
+    curve = curves.get("flexible")
+    if curve is None or not curve.can_stick.any():
+        return
+    low, high = curve.tilt_deg[curve.can_stick].min(), curve.tilt_deg[curve.can_stick].max()
+    axes.axvspan(low, high, color="0.92", linewidth=0, zorder=-1)
+    above: Any = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    axes.annotate("feet can stick", (0.5 * (low + high), 1.0), (0, 2), color=INK, fontsize=SMALLEST, **above)

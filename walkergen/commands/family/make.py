@@ -1,0 +1,245 @@
+"""The main job: from one design to solids, STL, plates, predicted speeds, pictures in a folder."""
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from walkergen.analysis.speeds import SAME_PLATE, Measured
+from walkergen.commands.family import chart_data, report, runs
+from walkergen.commands.family.chart_data import ChartData
+from walkergen.commands.family.report import FamilyReport
+from walkergen.core.errors import GeometryError
+from walkergen.core.files.output import Folder, versions
+from walkergen.core.files.progress import Progress
+from walkergen.core.printing import export, plates, sheet
+from walkergen.core.printing import packing as plate
+from walkergen.core.printing.findings import Finding, refuse
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Drive, Scene
+from walkergen.core.theory import networks, prediction
+from walkergen.core.theory.prediction import Curve
+from walkergen.core.theory.speed import Mode
+from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Kind, Legs
+from walkergen.core.walker.weights import Weighings
+from walkergen.points import members
+from walkergen.points.members import Member
+from walkergen.points.speeds import Model
+
+AROUND_DEG = 10.0
+"""Tilts around a single one at which its theory is drawn as well."""
+STEEPEST_DEG = 85.0
+"""Largest tilt of a design's legs."""
+
+
+class Job(NamedTuple):
+    """Choices of the family command."""
+
+    design: Design
+    members: Sequence[Design]
+    scene: Scene
+    printer: Printer
+    mode: Mode
+    pictures: bool
+    model: Model = "best"
+    simulate: bool = False
+    copies: Sequence[int] = ()
+    """Number of copies of each member on the plates; one of each by default."""
+    max_parts: int = plate.MOST_PARTS
+    """Largest number of parts on a plate."""
+    prusaslicer: bool = False
+    """True to declare the 3MF files PrusaSlicer's own."""
+    weighed: Mapping[str, Weighings] = MappingProxyType({})
+    """Masses from a balance by the members' names."""
+    strict: bool = False
+    """True to refuse what prints otherwise than predicted, not only what fails."""
+    measured: Measured | None = None
+    """Measured speeds of printed walkers, for the figure."""
+    page: bool = False
+    """True to write report.html, one page of all of it that opens offline."""
+
+
+Tell = Callable[[Sequence[Finding]], None]
+"""Function called once, before writing, with the findings of the printability checks."""
+
+
+def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
+    """Write a family's folder; finished files stay whole whatever happens later.
+
+    Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
+    speed.csv (what speed.png shows beside the members), speed.png, speed.pdf, preview.png,
+    report.html, manifest.json. Files of an earlier run that this run does not
+    make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
+    too large for the printer, PrintabilityError when a part would not print and InputError when
+    weighed masses are impossible, all before anything is written, and OutputError when a file
+    cannot be written.
+    """
+    started = time.perf_counter()
+    steps = len(job.members) + 2
+    built = [solids.build(design) for design in job.members]
+    layout = plates.arrange(
+        job.members, built, job.copies or [1] * len(job.members), job.printer, max_parts=job.max_parts
+    )
+    tell(layout.findings)
+    refuse(layout.findings, job.strict)
+    draw = None
+    if job.pictures:
+        from walkergen.sheets import plate_map  # brings matplotlib
+
+        draw = plate_map.pictures
+    with Folder(path) as folder:
+        walkers: list[Member] = []
+        every = members.predicted(job.members, built, job.scene, job.mode, job.weighed, job.model, progress)
+        for member, mesh in zip(every, layout.meshes, strict=True):
+            folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
+            walkers.append(member)
+            progress(member.name, len(walkers), steps)
+        for name, data in plates.files(layout, "family", draw, job.prusaslicer):
+            folder.write(f"plates/{name}", data)
+        parts = [*(member.name for member in walkers), *weights.carried(job.design)]
+        weights.write_template(path, parts)  # people's: not in the manifest
+        progress("plates", len(walkers) + 1, steps)
+        written = report.of(job.design, job.scene, job.mode, walkers, path)
+        written.write(folder, pictures=False)
+        if job.simulate:  # takes long: everything else is already safe in the folder
+            walkers = runs.simulated(job.scene, walkers, progress)
+        shown = _beside(job, walkers) if job.pictures else None
+        if job.simulate or job.pictures:
+            written = report.of(job.design, job.scene, job.mode, walkers, path, shown)
+            written.write(folder, job.pictures)
+        if job.pictures:
+            folder.write("preview.png", _preview(job, walkers))
+            if (picture := _taken(job.design)) is not None:
+                folder.write("taken.png", picture)
+        facts = _facts(job, layout.findings, time.perf_counter() - started)
+        if job.page:
+            from walkergen.commands.family import page
+
+            files = {name: (path / name).read_bytes() for name in sorted(folder.hashes)}
+            folder.write("report.html", page.render(report.view_parts(walkers), files, facts))
+        folder.finish(facts)
+        progress("done", steps, steps)
+    return written
+
+
+def drawn(error: GeometryError, path: Path | None) -> GeometryError:
+    """Mistake of a design; of a body under which no legs stand with its picture, written into a folder.
+
+    Raises OutputError.
+    """
+    from walkergen.readers.walkers.placing import UnplacedError
+
+    if path is None or not isinstance(error, UnplacedError):
+        return error
+    from walkergen.commands.family import trouble
+    from walkergen.files import figures
+
+    with Folder(path, "") as folder:
+        folder.write("trouble.png", figures.png(trouble.figure(error), 100))
+    return GeometryError(f"{error.text}; drawn in {path / 'trouble.png'}", *error.keys)
+
+
+def _taken(design: Design) -> bytes | None:
+    """Picture (PNG) of what was taken of a photograph; None for other bodies."""
+    from walkergen.commands.family import taken
+    from walkergen.files import figures
+
+    source = taken.source(design)
+    return None if source is None else figures.png(taken.figure(source), 100)
+
+
+def _preview(job: Job, walkers: Sequence[Member]) -> bytes:
+    """Picture (PNG) of all members, side by side."""
+    from walkergen.commands.family import preview
+    from walkergen.files import figures
+
+    said = [prediction.brief(member.row) if len(walkers) <= preview.FEW else "" for member in walkers]
+    parts = [preview.Part(member.design, member.mesh, speed=text) for member, text in zip(walkers, said, strict=True)]
+    return figures.png(preview.preview_figure(parts, job.design.name), 150)
+
+
+def _beside(job: Job, walkers: Sequence[Member]) -> ChartData:
+    """Speeds that speed.png shows beside the members."""
+    measured = job.measured
+    if measured is not None and not job.design.follows:
+        measured = chart_data.of_members(measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers})
+    return ChartData(_curves(job, walkers), measured, _stated(job.design, job.scene))
+
+
+def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
+    """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
+
+    A single tilt is shown with the tilts around it. There is no curve of legs whose tilts are their
+    own, nor on a body on which the walker cannot be built at every tilt in between (legs would meet
+    a hole, or miss it).
+    """
+    if not job.design.follows:
+        return {}
+    tilts = [member.design.tilt_deg for member in walkers]
+    low, high = min(tilts), max(tilts)
+    if low == high:
+        low, high = max(low - AROUND_DEG, -STEEPEST_DEG), min(high + AROUND_DEG, STEEPEST_DEG)
+    curves = {}
+    for kind in dict.fromkeys(member.design.kind for member in walkers):
+        design = job.design.variant(kind=kind)
+        own = [member for member in walkers if member.design.kind == kind]
+        if _close(design, own, low, high) and not job.weighed:
+            curves[kind] = prediction.through([(one.design, one.mass, one.row) for one in own], job.scene, job.mode)
+            continue
+        try:
+            curves[kind] = prediction.curve(design, job.scene, job.mode, low, high)
+        except GeometryError:  # at a tilt in between; of members it would have been told before
+            return {}
+    return curves
+
+
+def _close(design: Design, walkers: Sequence[Member], low: float, high: float) -> bool:
+    """Whether members are a design at tilts from `low` to `high` (deg), at least half as close as a curve's points."""
+    tilts = np.sort([walker.design.tilt_deg for walker in walkers])
+    gaps = np.diff(tilts, prepend=low, append=high)
+    if gaps.max() > 2.0 * (high - low) / (prediction.POINTS - 1) or (np.diff(tilts) == 0.0).any():
+        return False
+    return all(one.design.unmarked == design.unmarked.variant(tilt_deg=one.design.tilt_deg) for one in walkers)
+
+
+def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
+    """Tilt (deg) and speed (mm/s) that the paper states; None unless walker and plate are its."""
+    if not isinstance(design.legs, Legs):
+        return None
+    legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
+    drive, paper = scene.drive, Drive(frequency_hz=90.0, gamma=1.8)
+    same = design.body == Body() and legs == Legs() and drive.kind == "plate"
+    if same and math.isclose(drive.peak_speed, paper.peak_speed, rel_tol=SAME_PLATE):
+        return 10.0, 60.0
+    return None
+
+
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
+    """Facts for the manifest: inputs resolved, versions of the software, time taken."""
+    return {
+        "design": job.design.model_dump(mode="json"),
+        "body": sheet.body_facts(job.design),
+        "members": [names.part(member) for member in job.members],
+        "legs_up": [names.part(member) for member in job.members if not solids.on_side(member)],
+        "copies": list(job.copies),
+        "weighed": {
+            name: {what: fact and fact._asdict() for what, fact in facts_of._asdict().items()}
+            for name, facts_of in job.weighed.items()
+        },
+        "scene": job.scene.model_dump(mode="json"),
+        "printer": job.printer.model_dump(mode="json"),
+        "print": sheet.facts(job.printer, findings),
+        "mode": job.mode,
+        "draws": prediction.DRAWS,
+        "seed": prediction.SEED,
+        "surrogate": networks.digest(),
+        "versions": versions(),
+        "time_taken_s": round(seconds, 3),
+    }

@@ -1,0 +1,86 @@
+"""Report of a family: a row a walker, as `predict` has, with runs, marks, and the figure."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from walkergen.commands.family import chart_data
+from walkergen.commands.family.chart_data import ChartData
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.walker import names
+from walkergen.core.walker.design import Design
+from walkergen.files.report import Report
+from walkergen.points import speed_table
+from walkergen.points.members import Member
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from walkergen.files.viewer import Part
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FamilyReport(Report):
+    """Family that was made, in its folder."""
+
+    members: Sequence[Member]
+
+    def markdown(self) -> str:
+        """Page of the tables and lines, and of the marks that tell parts apart."""
+        marks = names.legend([member.design for member in self.members])
+        return super().markdown() + (f"\n## Marks\n\n{marks}" if marks else "")
+
+    def _repr_html_(self) -> str:
+        from walkergen.files import viewer
+
+        return viewer.frame(view_parts(self.members), str(self.folder)) + super()._repr_html_()
+
+
+def view_parts(walkers: Sequence[Member]) -> "list[Part]":
+    """Return the walkers for a 3D view, each with its speed in words."""
+    from walkergen.files.viewer import Part
+
+    return [Part(names.part(one.design), one.design.kind, *one.mesh, prediction.brief(one.row)) for one in walkers]
+
+
+def of(
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path, shown: ChartData | None = None
+) -> FamilyReport:
+    """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
+    tables = speed_table.tables("family", design.name, walkers)
+    facts = {"rows": list(tables[0])}
+    if shown is not None:
+        tables.append(chart_data.table(shown))
+    return FamilyReport(
+        name="family",
+        title=design.name,
+        caption=speed_table.caption(design, scene, mode),
+        tables=tables,
+        facts=facts,
+        lines=speed_table.lines(walkers),
+        folder=folder,
+        members=walkers,
+        figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},
+    )
+
+
+def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData) -> "Callable[[], Figure]":
+    """What draws speed against tilt."""
+    drive, contact = scene.drive, scene.contact
+    shaken = drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g"
+    title = (
+        f"{design.name}: {shaken}, "
+        f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}"
+    )
+    simulated = [member.simulated for member in walkers if member.simulated is not None]
+
+    def draw() -> "Figure":
+        from walkergen.commands.family import figures
+
+        rows = [member.row for member in walkers]
+        return figures.speed_figure(rows, shown, title, simulated, not design.follows)
+
+    return draw

@@ -1,0 +1,235 @@
+"""Copies of walkers arranged on plates for printers: 3MF files, maps, sheets, forms for masses."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.core.files import output
+from walkergen.core.files.assignments import changed
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.printing import packing, plates, sheet
+from walkergen.core.printing.findings import Finding, of_printers, refuse
+from walkergen.core.printing.plates import Place
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker.design import Design
+from walkergen.files import report
+from walkergen.files.report import Report, Table
+from walkergen.sheets import caps
+from walkergen.sheets.caps import Capped
+
+
+class Order(NamedTuple):
+    """Choice of what to print, and on which printers."""
+
+    members: Sequence[Design]
+    copies: Sequence[int]
+    """Number of copies of each member."""
+    printers: Sequence[Printer]
+    """Printers to arrange for, each with all copies."""
+    max_plates: int | None = None
+    """Largest number of plates; None: no limit."""
+    max_parts: int = packing.MOST_PARTS
+    """Largest number of parts on a plate."""
+    pictures: bool = True
+    prusaslicer: bool = False
+    """True to declare the 3MF files PrusaSlicer's own."""
+    serial: int | None = None
+    """Number that the first copy bears, from which the others count; None: copies bear none."""
+    strict: bool = False
+    """True to refuse what prints otherwise than predicted, not only what fails."""
+
+
+class Room(NamedTuple):
+    """Number of copies of one walker that fit on one plate."""
+
+    printer: str
+    name: str
+    fit: int
+
+
+class Load(NamedTuple):
+    """Copies of one walker on one plate."""
+
+    printer: str
+    plate: int
+    copies: int
+    name: str
+    marks: str
+    """Marks that they bear, from the first to the last."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PlateReport(Report):
+    """Where each copy lies on which plate, and the files that were written."""
+
+    places: Sequence[Place]
+
+
+def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> Report:
+    """Count the copies of each member that fit on one plate of each printer with no other parts."""
+    built = [solids.build(design) for design in members]
+    rows = [
+        Room(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
+        for printer in printers
+        for part in plates.unplaced(members, built, [1] * len(built), printer).parts
+    ]
+    columns = (report.text("printer", "printer"), report.number("fit", "fit"), report.text("walker", "name"))
+    return Report(
+        name="room",
+        title="Copies that fit on one plate",
+        tables=[report.table("room", rows, columns)],
+        facts={"rows": [row._asdict() for row in rows]},
+    )
+
+
+def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> PlateReport:
+    """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
+
+    Members of several designs go onto the same plates, and have a weights_DESIGN.csv each.
+    Plates of an earlier run for the same printer that this run does not make, and that nobody
+    changed since, are removed.
+    `tell` is called with the printability checks' findings. Raises, before anything is written,
+    PlateError when a part is too large for a printer or more plates are needed than allowed, and
+    PrintabilityError when a part would not print (strict: would print otherwise than predicted).
+    """
+    members, copies = numbered(order)
+    built = [solids.build(design) for design in members]
+    layouts = [
+        plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts) for printer in order.printers
+    ]
+    capped = _capped(layouts[0])
+    findings = of_printers(
+        [(one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts]
+    )
+    tell(findings)
+    refuse(findings, order.strict)
+    steps = sum(plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts)
+    draw = None
+    if order.pictures:
+        from walkergen.sheets import plate_map  # brings matplotlib
+
+        draw = plate_map.pictures
+    of_caps = list(caps.files(capped, order.printers)) if capped else []
+    paths: list[Path] = []
+    for layout in layouts:
+        # A manifest a printer, so that plates for one do not sweep away those for another.
+        with Folder(folder / "plates", f"plate_{layout.printer.name}.json") as target:
+            for name, data in plates.files(layout, "plate", draw, order.prusaslicer):
+                target.write(name, data)
+                paths.append(target.path / name)
+                progress(name, len(paths), steps)
+            target.finish(_facts(layout))
+            paths.append(target.path / target.manifest)
+            progress(target.manifest, len(paths), steps)
+    if of_caps:
+        with Folder(folder / "caps", "caps.json") as target:
+            for name, data in of_caps:
+                target.write(name, data)
+                paths.append(target.path / name)
+            target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
+            paths.append(target.path / target.manifest)
+    rows = [row for layout in layouts for row in plates.places(layout)]
+    paths += _write_forms(order.members, rows, folder)
+    return _report(order, rows, paths, caps.advice(capped) if capped else [])
+
+
+def _capped(layout: plates.Layout) -> list[Capped]:
+    """Caps of all copies in the order of the map. Raises InputError."""
+    placed = [placement for plate in layout.plates for placement in plate.placements]
+    items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
+    return caps.numbered([layout.members[place.part] for place in placed], items)
+
+
+def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]) -> PlateReport:
+    """Report of what lies on which plate, of how to read the marks, and of caps."""
+    columns = [
+        report.text("printer", "printer"),
+        report.text("plate", "plate"),
+        report.text("copies", "copies"),
+        report.text("walker", "name"),
+    ]
+    if any(row.mark for row in rows):
+        columns.append(report.text("marks", "marks"))
+    lines = []
+    for printer in dict.fromkeys(row.printer for row in rows):
+        own = [row.plate for row in rows if row.printer == printer]
+        count = max(own)
+        lines.append(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
+    advice = dict.fromkeys(names.how_to_read(design.marks) for design in order.members)
+    lines += [text for text in advice if text]
+    if order.serial is not None:
+        last = order.serial + sum(order.copies) - 1
+        lines.append(f"copies bear numbers {order.serial} to {last}, last in each mark")
+    lines += of_caps
+    return PlateReport(
+        name="plates",
+        title="Plates",
+        lines=lines,
+        places=rows,
+        files=files,
+        tables=[Table("plates", list(_loads(rows)), (), columns)],
+        facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
+    )
+
+
+def _loads(rows: Sequence[Place]) -> Iterator[Load]:
+    """Copies of each walker on each plate, a row each."""
+    marks: dict[tuple[str, int, str], list[str]] = {}
+    for row in rows:
+        marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
+    for (printer, number, name), own in marks.items():
+        yield Load(printer, number, len(own), name, names.span(own))
+
+
+def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
+    """Members and copies of an order; with serial numbers every copy is a member of its own.
+
+    Numbers count over all members, so that no two copies of an order share one. Raises
+    GeometryError for a copy that has no room for its number, InputError for too large a number.
+    """
+    if order.serial is None:
+        return order.members, order.copies
+    packing.check_number(sum(order.copies))
+    every = [design for design, count in zip(order.members, order.copies, strict=True) for _ in range(count)]
+    members = [
+        changed(design, _number(design, number), design.name) for number, design in enumerate(every, start=order.serial)
+    ]
+    return members, [1] * len(members)
+
+
+def _number(design: Design, number: int) -> dict[str, int]:
+    """Keys that give a copy its number: on its body, and on its cap if it has one."""
+    own = {} if design.cap is None else {"cap.number": number}
+    return {"marks.serial": number, **own}
+
+
+def _facts(layout: plates.Layout) -> dict[str, Any]:
+    """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
+    by_name = names.by_design(layout.members)
+    return {
+        # Of several members of a design the first: names tell the tilts and kinds of the others.
+        "designs": {name: members[0].model_dump(mode="json") for name, members in by_name.items()},
+        "bodies": {name: sheet.body_facts(members[0]) for name, members in by_name.items()},
+        "members": [part.name for part in layout.parts],
+        "copies": [part.copies for part in layout.parts],
+        "serial": [part.serial for part in layout.parts if part.serial is not None],
+        "printer": layout.printer.model_dump(mode="json"),
+        "print": sheet.facts(layout.printer, layout.findings),
+        "versions": output.versions(),
+    }
+
+
+def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path) -> list[Path]:
+    """Write forms for the masses of each design's copies, but for those somebody filled in."""
+    design_of = dict(zip(names.parts(members), members, strict=True))
+    items: dict[str, dict[str, None]] = {}
+    for row in rows:  # with several printers a copy has several rows
+        items.setdefault(design_of[row.name].name, {})[row.item] = None
+    written = []
+    for name, own in items.items():
+        rows_of = [*own, *weights.carried(names.by_design(members)[name][0])]
+        written.append(weights.write_template(folder, rows_of, weights.form(members, name)))
+    return [path for path in written if path is not None]

@@ -1,0 +1,124 @@
+"""Order list: a CSV file that says how many walkers of which designs are printed together."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, reading, words
+from walkergen.core.printing import packing
+from walkergen.core.walker import names
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import KINDS, Kind
+from walkergen.files import templates
+
+REQUIRED, OPTIONAL = ("design", "tilt_deg", "copies"), ("legs",)
+MOST_BYTES = 1_000_000
+NAMED = 20
+"""Most mistakes that are told; the others are counted."""
+
+
+def read(path: Path) -> tuple[list[Design], list[int]]:
+    """Walkers that a list orders, in its order, with the copies of each; rows of one walker add up.
+
+    A row has a design (a template, or the path of a TOML file from the list's own folder), tilt_deg
+    and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError, a
+    line for each mistake, and PlateError for more parts than are arranged at once.
+    """
+    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    _check_columns(table.names, path)
+    if not table.rows:
+        raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
+    if len(table.rows) > packing.MOST_PARTS:
+        raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MOST_PARTS}")
+    shelf = _Shelf(path.parent)
+    members: dict[str, Design] = {}
+    copies: dict[str, int] = {}
+    problems: list[str] = []
+    for line, row in table.rows:
+        try:
+            count, member = _copies(row["copies"]), shelf.member(row, line)
+        except InputError as error:
+            problems += [f"{path}:{line}: {text}" for text in error.text.splitlines()]
+            continue
+        name = names.part(member, member.name)
+        members.setdefault(name, member)
+        copies[name] = copies.get(name, 0) + count
+    if problems:
+        more = len(problems) - NAMED
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join(problems[:NAMED] + tail))
+    packing.check_number(sum(copies.values()))
+    return list(members.values()), list(copies.values())
+
+
+class _Shelf:
+    """Designs that a list names, each read once; two that share a name must be the same."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.read: dict[str, Design] = {}
+        """Designs by what stands in a row."""
+        self.first: dict[str, tuple[int, Design]] = {}
+        """First design of each name, in small letters as some file systems see it, and its line."""
+
+    def member(self, row: Mapping[str, str], line: int) -> Design:
+        """Walker of a row at a line. Raises InputError."""
+        design = self._design(row["design"].strip(), line)
+        tilt, kind = _tilt(row["tilt_deg"]), _kind(row.get("legs", ""))
+        tilt = design.tilt_deg if tilt is None else tilt
+        (member,) = design.members([tilt], [kind or design.kind])
+        return member
+
+    def _design(self, word: str, line: int) -> Design:
+        if not word:
+            raise InputError("design is blank; give a template's name or the path of a TOML file, or leave out the row")
+        if word not in self.read:
+            self.read[word] = templates.load(word, "walkers", Design, self.folder)
+        design = self.read[word]
+        at, first = self.first.setdefault(design.name.casefold(), (line, design))
+        if first != design:
+            raise InputError(
+                f"design {word[:80]!r} is called {design.name}, and line {at} has another design "
+                f"called {first.name}: give one of them another name, by its key name"
+            )
+        return design
+
+
+def _check_columns(seen: list[str], path: Path) -> None:
+    """Raise InputError for a column that is missing or unknown."""
+    missing = [name for name in REQUIRED if name not in seen]
+    unknown = [name for name in seen if name not in REQUIRED + OPTIONAL]
+    if missing or unknown:
+        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
+        raise InputError(
+            f"{path}:1: {what}; columns are {', '.join(REQUIRED)} and, if wanted, "
+            f"{', '.join(OPTIONAL)}, separated by commas; seen: {', '.join(seen)[:80]!r}"
+        )
+
+
+def _copies(cell: str) -> int:
+    count = columns.whole(cell, packing.MOST_PARTS)
+    if count is None:
+        raise InputError(f"copies = {cell.strip()[:30]!r}: must be a whole number in 1..{packing.MOST_PARTS}")
+    return count
+
+
+def _tilt(cell: str) -> float | None:
+    """Tilt in a cell, deg, whose range the design checks; None in a blank one."""
+    if not cell.strip():
+        return None
+    value = words.value(cell)
+    if value is None:
+        raise InputError(
+            f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the design's own"
+        )
+    return value + 0.0  # without the sign of a zero, which would make a second walker
+
+
+def _kind(cell: str) -> Kind | None:
+    """Kind of legs in a cell; None in a blank one."""
+    word = cell.strip()
+    kind = next((kind for kind in KINDS if kind == word), None)
+    if word and kind is None:
+        raise InputError(f"legs = {word[:30]!r}: must be {' or '.join(KINDS)}, or blank for the design's own")
+    return kind

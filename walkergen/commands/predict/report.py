@@ -1,0 +1,80 @@
+"""Report of predicted speeds: a row a walker, and what their bounds are made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from walkergen.core.scene import Scene
+from walkergen.core.theory import prediction
+from walkergen.core.theory.prediction import Prediction, Speed
+from walkergen.core.theory.uncertain import Share
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.files.report import Report
+from walkergen.points import speed_table
+from walkergen.points.members import Member
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PredictReport(Report):
+    """Predicted speeds of walkers in a scene; of several, single numbers are the first one's."""
+
+    scene: Scene
+    members: Sequence[Member]
+
+    @property
+    def design(self) -> Design:
+        """Walker that was predicted."""
+        return self.members[0].design
+
+    @property
+    def mass(self) -> MassProperties:
+        """Masses that its speed follows from."""
+        return self.members[0].mass
+
+    @property
+    def row(self) -> Prediction:
+        """Row of the table, with units in its names."""
+        return self.members[0].row
+
+    @property
+    def speed(self) -> Speed:
+        """Median speed in mm/s; its `se` is the standard deviation of its distribution."""
+        return self.row.speed
+
+
+def of(
+    design: Design,
+    scene: Scene,
+    mode: str,
+    walkers: Sequence[Member],
+    shares: Sequence[Sequence[Share]] = (),
+    why: bool = True,
+) -> PredictReport:
+    """Report of walkers, with the shares of the variance behind their bounds, and what they rest on if `why`.
+
+    Notes are shown, too, where an accepted error may have left something out, and where the theory is all there is.
+    """
+    noted = why or scene.run.accepted_error is not None or all(one.row.has_theory_alone for one in walkers)
+    tables = speed_table.tables("prediction", design.name, walkers, noted)
+    rows = list(tables[0])
+    for row, member, own in zip(rows, walkers, shares, strict=False):
+        row["shares"] = [share._asdict() for share in own]
+        title = f"{member.name}: share of the variance behind the bounds"
+        tables.append(speed_table.shares(f"shares of {member.name}", own, title))
+    title = design.name
+    if len(walkers) == 1:
+        (walker,) = walkers
+        title += f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {prediction.sentence(walker.row)}"
+    said = [title] if len(walkers) == 1 else []
+    if why:
+        said.append(speed_table.caption(design, scene, mode))
+    return PredictReport(
+        name="predict",
+        title=title,
+        tables=tables,
+        facts={"rows": rows},
+        caption="\n".join(said),
+        lines=speed_table.lines(walkers) if noted else (),
+        scene=scene,
+        members=walkers,
+    )

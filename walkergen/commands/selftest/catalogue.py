@@ -1,0 +1,16 @@
+"""Catalogue of the hard cases of `walkergen selftest`: closed forms, space and geometry."""
+
+from walkergen.commands.selftest import any_walker, geometry, impacts, meshes, space, space_contact, space_rest
+from walkergen.commands.selftest.case import Case
+
+
+def _place(case: Case) -> tuple[int, ...]:
+    """Sort key of a case: its section of docs/physics.md by numbers, geometry last."""
+    numbers = case.section.split(".")
+    return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
+
+
+_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry, meshes
+
+CASES: tuple[Case, ...] = tuple(sorted((case for module in _MODULES for case in module.CASES), key=_place))
+"""Every case, sorted by the section of docs/physics.md that it answers."""

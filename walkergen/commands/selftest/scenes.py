@@ -1,0 +1,126 @@
+"""Scenes of the hard cases: plans on masses in closed form, and what is read from their states.
+
+Masses in closed form (a box on two thin uniform legs; braced legs without mass) make a walker and
+its mirror image exact images of each other, to the last bit, which a mesh does not.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.commands.selftest.case import Check, exactly
+from walkergen.core.scene import Scene, at_rest
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.simulation.run import ENDS, Outcome
+from walkergen.core.simulation.world import OK
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.mass import LegMass, MassProperties, Spatial
+
+Array = npt.NDArray[np.float64]
+
+LEG, HALF, TALL = 7.5, 6.5, 9.0
+"""Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
+
+ENDS_OF_PHYSICS = Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED
+
+STILL = at_rest(90.0)
+"""Drive of a plate at rest: its amplitude vanishes against the rounding of any height."""
+
+
+def shaken(gamma: float) -> dict[str, float]:
+    """Drive at the paper's 90 Hz with a peak acceleration over g."""
+    return {"frequency_hz": 90.0, "gamma": gamma}
+
+
+def design_of(tilt_deg: float) -> Design:
+    """Design of the paper's walker."""
+    return Design.model_validate({"legs": {"tilt_deg": tilt_deg}})
+
+
+def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
+    """Masses of a box on thin uniform legs, braced ones without mass.
+
+    The inertia across the run is that of the same box and of strips without thickness.
+    """
+    length, thickness, depth = design.size
+    density = 1e-3 * design.material.density_g_cm3
+    M = density * length * depth * thickness
+    J = M * (length**2 + thickness**2) / 12.0
+    size = np.array([length, thickness, depth])
+    box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
+    legs = tuple(_leg(limb, density, leg_mass) for limb in design.limbs)
+    return MassProperties(M, J, legs, design.rigid, Spatial(0.0, box))
+
+
+def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
+    m = density * limb.length * limb.thickness * limb.width
+    m = 0.0 if limb.rigid else (m if leg_mass is None else leg_mass)
+    c = 0.5 * np.array(limb.anchor_to_foot)
+    along = c / np.hypot(*c)
+    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2
+    place += np.diag([0, 0, limb.width**2])
+    strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
+    anchor, inertia = np.array(limb.anchor), m * limb.length**2 / 12.0
+    return LegMass(m, inertia, anchor, c, c, limb.across, strip)
+
+
+def plan_of(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any) -> Plan:
+    """The plan of the paper's walker at a tilt on a scene of the given tables."""
+    design = design_of(tilt_deg)
+    return prepare(Scene.model_validate(tables), design, masses(design, leg_mass))
+
+
+def scaled(scale: float, run: Mapping[str, float] | None = None, **tables: Any) -> Plan:
+    """Plan of the paper's walker at 1.8 g, lengths x s, times x sqrt(s); Young's moduli x s keep springs similar."""
+    one = design_of(10.0)
+    lengths = {
+        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
+        for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
+    }
+    design = Design.model_validate(lengths | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
+    drive = {"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8}
+    usual = Scene()
+    similar = {
+        "plate": {"youngs_modulus_gpa": usual.plate.elastic.youngs_modulus_gpa * scale},
+        "feet": {"tip_radius_um": usual.feet.tip_radius_um * scale},
+    }
+    scene = Scene.model_validate({"drive": drive, "run": run or {}, **similar, **tables})
+    return prepare(scene, design, masses(design))
+
+
+def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:
+    """Advance `state` in place; how it ended, and the record."""
+    tally = record.new(len(state))
+    status = plan.advance(state, seconds, tally)
+    return (Outcome.OK if status == OK else ENDS[status]), tally
+
+
+Limit = tuple[float, str]
+"""Limit of a check, and the reason why it is not tighter."""
+
+
+def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit) -> Iterator[Check]:
+    """Checks of any motion, however extreme: it ends as physics may, finite, over the plate, its energy accounted for.
+
+    Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
+    exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.
+    """
+    before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
+    sums = np.zeros_like(record.new(0).sums)
+    for _ in range(40):
+        outcome, tally = advance(plan, state, seconds / 40)
+        sums += tally.sums
+        lowest = min(lowest, float(plan.feet(state)[:, 1].min()))
+        if outcome is not Outcome.OK:
+            break
+    finite = bool(np.isfinite(state).all() and np.isfinite(sums).all())
+    physical = outcome in ENDS_OF_PHYSICS
+    yield exactly(f"{about}: a physical end ({outcome.value}), finite", physical and finite)
+    error = record.energy_error(sums, plan.energy(state) - before, before)
+    yield Check(f"{about}: energy unaccounted for", error, *tolerance)
+    yield Check(f"{about}: foot below the plate, mm", -lowest, *deepest)

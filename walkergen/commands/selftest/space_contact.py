@@ -1,0 +1,216 @@
+"""Hard cases of contacts in space: friction, jamming, stiffness from soft to rigid, walls."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
+from walkergen.commands.selftest.scenes import STILL, advance, design_of, masses, shaken
+from walkergen.commands.selftest.space_scenes import apart, deepest_of, in_space, reflected, survives, thrown, unslowed
+from walkergen.core.scene import GRAVITY, PAPER_CONTACT, Scene
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.space.state import C_X, C_Z, Q_Z, V_X, V_Y, V_Z
+from walkergen.core.simulation.space.walker import mobility, walker_of
+from walkergen.core.walker.mass import as_rigid
+
+RUN = 0.3
+"""Duration, s: some hundred landings of corners."""
+
+TOUCHED, GAP = 2e-5, 8.5
+"""Time (s) of the first touch of a wall and the plate, and the gap (mm) of the lane."""
+
+BOUNCED = 0.5
+"""Duration (s) of free bounces: a hundred landings of corners and more."""
+
+BALANCE = 1e-2, "second order in the steps, of landings inside a step; up to 2e-3 at the feet's own step"
+
+CUT = 0.1, "where no modes of the contacts agree in a step, forces are cut to the cone: some percent in one step"
+
+
+def _smooth() -> Iterator[Check]:
+    plan = in_space(drive=shaken(1.8), contact={"friction": 0.0, "restitution": 0.5})
+    yield unslowed(plan, RUN)
+
+
+def _rough() -> Iterator[Check]:
+    for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
+        for label in (0.02, 0.5, 1.0):
+            plan = in_space(tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label})
+            title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
+            yield from survives(plan, thrown(plan), RUN, title, CUT if friction > 1.0 else BALANCE)
+
+
+def _without_slip() -> Iterator[Check]:
+    """Check a landing at a tangential velocity of exactly zero: the limit of slow slips."""
+    for friction in (0.1, 0.25, 2.0):
+        plan = in_space(drive=STILL, contact={"friction": friction, "restitution": 0.5})
+        ends = []
+        for slip in (0.0, 1e-9, -1e-9):
+            state = plan.start(0.0, 4e-3, 0.0, 2e-3)
+            state[[V_X, V_Y]] = slip, -20.0
+            advance(plan, state, 2e-3)
+            ends.append(state)
+        finite = all(bool(np.isfinite(state).all()) for state in ends)
+        yield exactly(f"mu = {friction:g}: finite", finite)
+        yield Check(
+            f"mu = {friction:g}: end without slip against slips of +-1e-9 mm/s, mm",
+            max(apart(ends[0], ends[1]), apart(ends[0], ends[2])),
+            1e-9,
+            "2e-12 mm of way, grown by a landing",
+        )
+
+
+def _lossless() -> Iterator[Check]:
+    """Check that free bounces of undamped smooth feet gain no energy, and lose little of it by the step."""
+    for tilt in (5.0, 10.0, 20.0, 35.0):
+        own = 1e6 * in_space(tilt, drive=shaken(1.8)).world.options.step
+        whole, fine = _changes(tilt, own), _changes(tilt, own / 16.0)
+        gained = max(max(change for change, _ in whole), 0.0)
+        yield Check(
+            f"{tilt:g} deg: energy gained in {BOUNCED:g} s, relative", gained, 0.02, "steps of second order lose it"
+        )
+        lost = max(-math.log1p(change) / landings for change, landings in whole)
+        yield Check(
+            f"{tilt:g} deg: energy lost in a landing, relative",
+            lost,
+            0.02 * (1.0 - PAPER_CONTACT.restitution**2),
+            "the step takes less than a fiftieth of what the damper of the paper's restitution takes",
+        )
+        lost_by_fine = max(abs(change) / landings for change, landings in fine)
+        yield Check(
+            f"{tilt:g} deg: at a sixteenth of the step, over that",
+            lost_by_fine / lost,
+            1.0 / 16.0,
+            "of more than first order",
+        )
+
+
+def _changes(tilt: float, step_us: float) -> list[tuple[float, int]]:
+    """Relative change of energy over the bounces of ten drops that differ, and the landings of corners in each.
+
+    Energies count from the walker that stands.
+    """
+    plan = in_space(
+        tilt,
+        drive=STILL,
+        contact={"friction": 0.0, "restitution": 1.0},
+        legs={"damping_ratio": 0.0},
+        run={"step_us": step_us},
+    )
+    changes = []
+    for place in np.linspace(-1.0, 1.0, 10):
+        state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
+        at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+        before = plan.energy(state) - at_rest
+        _, tally = advance(plan, state, BOUNCED)
+        changes.append(((plan.energy(state) - at_rest) / before - 1.0, int(tally.counts[record.IMPACTS])))
+    return changes
+
+
+def _stiffness() -> Iterator[Check]:
+    tips: dict[str, dict[str, Any]] = {
+        "tips a hundred times softer": {"plate": {"youngs_modulus_gpa": 0.0167}},
+        "tips a hundred times stiffer": {"feet": {"tip_radius_um": 5e4}},
+        "rigid tips": {"feet": {"rigid_tips": True}},
+    }
+    for title, tables in tips.items():
+        plan = in_space(drive=shaken(1.8), contact={"restitution": 0.5}, **tables)
+        yield from survives(plan, thrown(plan), RUN, title, BALANCE)
+
+
+def _frozen() -> Iterator[Check]:
+    """Check joints without give: inverse mass and motion of the same walker without joints, on a soft plate."""
+    tilt, modulus = 20.0, 9000.0
+    design = design_of(tilt)
+    stiff = design.model_copy(update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})})
+    scene = Scene.model_validate(
+        {
+            "drive": STILL,
+            "arena": {"kind": "plane"},
+            "contact": {"restitution": 0.5},
+            "plate": {"youngs_modulus_gpa": 0.1},
+            "run": {"step_us": 1.0},
+        }
+    )
+    loose = prepare(scene, stiff, masses(stiff))
+    case = loose.case._replace(mass=as_rigid(masses(stiff)))
+    joined, _ = walker_of(case, loose.resolved)
+    joined = joined._replace(damper=loose.world.walker.damper)  # given for a corner of its own leg's mass
+    braced = loose._replace(world=loose.world._replace(walker=joined))
+    walker = loose.world.walker
+    frozen = mobility(walker._replace(hinge_mobility=0.0 * walker.hinge_mobility))
+    whole = mobility(braced.world.walker)
+    yield Check(
+        "inverse mass at the corners, relative",
+        float(np.abs(frozen - whole).max() / np.abs(whole).max()),
+        1e-12,
+        "rounding",
+    )
+    ends = []
+    for plan in (loose, braced):
+        state = plan.start(0.05, 4e-3, 0.0, 2e-3)
+        advance(plan, state, 8e-3)
+        ends.append(state[C_X : Q_Z + 1])
+    yield Check(
+        "velocities after five landings against those without joints, mm/s and rad/s",
+        float(np.abs(ends[0] - ends[1]).max()),
+        0.2,
+        "give of the joints, some thousandth of that of the tips; the walker falls at 31 mm/s",
+    )
+
+
+def _corner_of_lane() -> Iterator[Check]:
+    """Check edges that touch a wall in the step in which feet touch the plate."""
+    for label in (0.02, 0.5, 1.0):
+        plan = in_space(
+            drive=STILL,
+            arena={"kind": "lane", "gap_mm": GAP, "wall_restitution": label},
+            contact={"restitution": label},
+        )
+        state = plan.start(0.0, 0.0, 0.0)
+        state[C_Z] = 0.25
+        state[[V_X, V_Y, V_Z]] = 10.0, -20.0, 30.0
+        other = reflected(state)
+        touched = state.copy()
+        advance(plan, touched, TOUCHED)
+        pushed = bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0 - GRAVITY * TOUCHED)
+        yield exactly(f"e = {label:g}: wall and plate push at once", pushed)
+        title = f"e = {label:g}: both walls, alike, mm"
+        direct = state.copy()
+        advance(plan, direct, 1e-3)
+        advance(plan, other, 1e-3)
+        yield Check(title, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
+        yield from survives(plan, state, RUN, f"e = {label:g}", BALANCE)
+        play = 0.5 * (GAP - plan.case.design.size.depth)
+        yield Check(
+            f"e = {label:g}: middle of the walker beyond its play between the walls, mm",
+            max(abs(float(state[C_Z])) - play, 0.0),
+            deepest_of(plan, math.hypot(10.0, 20.0, 30.0)),
+            "all of the walker on one corner against a wall, at the speed of its start",
+        )
+
+
+CASES = [
+    Case("space: no friction, no push along the plate", "7", "Newton: momentum along a smooth plate", SPACE, _smooth),
+    Case("space: friction, jamming and beyond", "7", "first law: energy book; Coulomb's cone", SPACE, _rough),
+    Case("space: landing without slip", "7", "Coulomb: continuous in the slip", SPACE, _without_slip),
+    Case(
+        "space: undamped smooth feet keep their energy",
+        "7",
+        "first law: no loss without damper or slip",
+        SPACE,
+        _lossless,
+    ),
+    Case(
+        "space: feet a hundred times softer and stiffer",
+        "7",
+        "first law: energy book; static stiffness",
+        SPACE,
+        _stiffness,
+    ),
+    Case("space: stiff hinges and twist are braced legs", "7", "rigid bodies: parallel axes", SPACE, _frozen),
+    Case("space: wall and plate in one step", "7", "mirror symmetry; first law", SPACE, _corner_of_lane),
+]

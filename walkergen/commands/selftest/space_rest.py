@@ -1,0 +1,169 @@
+"""Hard cases of rest in space: a spin that stops, feet that do not creep, a roll that rights."""
+
+import math
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from walkergen.commands.selftest.case import SPACE, Case, Check, exactly
+from walkergen.commands.selftest.scenes import HALF, STILL, Array, advance, shaken
+from walkergen.commands.selftest.space_scenes import CALM, apart, in_space, settled, wound_up
+from walkergen.core.scene import AT_REST, GRAVITY
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import Outcome
+from walkergen.core.simulation.space.state import (
+    C_Y,
+    HEADING,
+    LEGS,
+    PITCH,
+    QUIET,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    V_X,
+    V_Y,
+    V_Z,
+    W_X,
+    W_Y,
+    W_Z,
+)
+
+STOOD = 5.0
+"""Time (s) for which a walker that stands is watched."""
+
+AWAKE = 0.02
+"""Time (s) for which a walker at rest is still followed step by step."""
+
+LONG = 1e5
+"""Duration of a long rest, s."""
+
+RAISED = 0.02
+"""Height (mm) of one uneven corner."""
+
+FIRST_RATE, FRICTION = 20.0, 0.25
+"""Rate (rad/s) of the spin, and the friction that stops it."""
+
+
+def _spin() -> Iterator[Check]:
+    """Check a spin on four corners against Coulomb friction on the circle through them."""
+    for tilt in (0.0, 10.0, 20.0):
+        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+        state = settled(plan)
+        state[[W_Y, QUIET]] = FIRST_RATE, 0.0
+        start, reach = state.copy(), math.hypot(HALF, 0.5 * plan.case.design.size.depth)
+        walker = plan.world.walker
+        torque = FRICTION * walker.mass * GRAVITY * reach
+        turn = 0.5 * walker.inertia[1, 1] * FIRST_RATE**2 / torque
+        stops = 2.0 * turn / FIRST_RATE
+        advance(plan, state, 1.2 * stops)
+        stopped, rings = state.copy(), 2.0 * wound_up(plan) / reach
+        advance(plan, state, 0.5)
+        title = f"{tilt:g} deg"
+        yield Check(
+            f"{title}: turn against that of Coulomb's torque, relative",
+            abs((state[HEADING] - start[HEADING]) / turn - 1.0),
+            5e-3,
+            "corners of tilted legs are not on a circle about C; springs wind up first",
+        )
+        yield Check(
+            f"{title}: turn after 1.2 of Coulomb's time, rad",
+            abs(float(state[HEADING] - stopped[HEADING])),
+            2.0 * rings,
+            "it has stopped, and swings on springs that friction has wound up: twice their range",
+        )
+        yield Check(
+            f"{title}: rates half a second later, rad/s",
+            float(np.abs(state[W_X : W_Z + 1]).max()),
+            0.0,
+            "exact: it rides on the plate",
+        )
+        if tilt == 0.0:
+            drift = float(np.abs(state - start)[[SHOWN_X, SHOWN_Y]].max())
+            yield Check(f"{title}: drift, mm", drift, 1e-9, "none by symmetry; rounding")
+
+
+def _raised(plan: Plan, height: float) -> Plan:
+    """Plan whose corner 1 is higher than the others by `height`, mm."""
+    walker = plan.world.walker
+    reach = walker.reach.copy()
+    reach[1, 1] += height
+    return plan._replace(world=plan.world._replace(walker=walker._replace(reach=reach)))
+
+
+def _awake(plan: Plan, state: Array, seconds: float) -> None:
+    """Advance a walker that would otherwise ride on the plate once it has come to rest."""
+    for _ in range(round(seconds / AWAKE)):
+        state[QUIET] = 0.0
+        advance(plan, state, AWAKE)
+
+
+def _stands() -> Iterator[Check]:
+    for tilt in (0.0, 10.0, 20.0, 35.0):
+        for height in (0.0, RAISED):
+            plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+            plan = _raised(plan, height)
+            state = plan.start(0.0, 0.0, 0.0)
+            _awake(plan, state, CALM)
+            before = state.copy()
+            _awake(plan, state, STOOD)
+            how = f"one corner {1e3 * height:g} um high" if height else "even"
+            yield Check(
+                f"{tilt:g} deg, {how}: creep in {STOOD:g} s of a walker kept awake, mm or rad",
+                apart(state, before),
+                2.0 * wound_up(plan),
+                "what friction lets springs swing, however long",
+            )
+
+
+def _long_rest() -> Iterator[Check]:
+    """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
+    for gamma in (AT_REST, 0.5):
+        plan = in_space(
+            drive=STILL if gamma == AT_REST else shaken(gamma), contact={"friction": 0.6, "restitution": 0.3}
+        )
+        state, legs = settled(plan), len(plan.world.walker.stiffness)
+        state[[V_X, V_Y, V_Z, W_X, W_Y, W_Z, LEGS + legs]] += 1e-3  # whose energy then is lost
+        before, energy, started = state.copy(), plan.energy(state), time.process_time()
+        outcome, tally = advance(plan, state, LONG)
+        title = f"{gamma:g} g"
+        yield exactly(f"{title}: it ends well ({outcome.value})", outcome is Outcome.OK)
+        moved = float(np.abs(state - before)[[SHOWN_X, SHOWN_Y, HEADING, PITCH, ROLL]].max())
+        yield Check(f"{title}: way in {LONG:g} s, mm or rad", moved, 0.0, "exact: it rides on the plate")
+        rates = float(np.abs(state[[V_X, V_Z, W_X, W_Y, W_Z, *range(LEGS + legs, LEGS + 2 * legs)]]).max())
+        yield Check(f"{title}: rates, mm/s or rad/s", rates, 0.0, "exact: it rides on the plate")
+        cost = time.process_time() - started
+        yield Check(f"{title}: time on the processor, s", cost, 1.0, "a few steps")
+        gained = plan.energy(state) - energy - float(tally.sums[record.PLATE_WORK] - tally.sums[record.DAMPING_LOSS])
+        whole = plan.world.walker.mass * GRAVITY * float(state[C_Y])
+        yield Check(f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding")
+
+
+def _rights_itself() -> Iterator[Check]:
+    for tilt in (0.0, 10.0):
+        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+        # It topples where C stands over the edge of its feet
+        level = plan.start(0.0, 0.0, 0.0)
+        edge = math.atan2(0.5 * plan.case.design.size.depth, float(level[C_Y]))
+        for side in (1.0, -1.0):
+            for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
+                state = plan.start(0.0, 0.0, 0.0, side * (edge + beyond))
+                outcome, _ = advance(plan, state, 1.0)
+                title = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
+                yield exactly(f"{title}: {outcome.value}", outcome is wanted)
+                angle = 0.0 if wanted is Outcome.OK else 0.5 * math.pi
+                yield Check(
+                    f"{title}: roll at the end from {angle:.2g}, rad",
+                    abs(side * float(state[ROLL]) - angle),
+                    1e-3 if wanted is Outcome.OK else 0.02,
+                    "ringing" if wanted is Outcome.OK else "feet in the air or pressed down",
+                )
+
+
+CASES = [
+    Case("space: a spin stops", "7", "Coulomb: torque mu m g r on a ring", SPACE, _spin),
+    Case("space: stands without creep", "7", "statics: a body at rest stays", SPACE, _stands),
+    Case("space: 1e5 s at rest", "7", "statics: below 1 g nothing lifts off", SPACE, _long_rest),
+    Case("space: rights itself, or topples", "7", "statics: C over the edge of its feet", SPACE, _rights_itself),
+]

@@ -1,0 +1,125 @@
+"""Scenes of the hard cases in space: plans, throws, images of states, and what must always hold."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.commands.selftest.case import Check
+from walkergen.commands.selftest.scenes import Array, Limit, advance, endures, plan_of
+from walkergen.core.scene import GRAVITY
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.space.state import (
+    C_X,
+    C_Z,
+    HEADING,
+    LEGS,
+    Q_0,
+    Q_X,
+    Q_Y,
+    Q_Z,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    V_X,
+    V_Z,
+    W_X,
+    W_Y,
+    W_Z,
+)
+
+PLACE = slice(SHOWN_X, ROLL + 1)
+"""Place of O (mm) and the three angles (rad) in a state."""
+
+CALM = 1.0
+"""Start (s) after which a walker put down on a still plate has come to rest."""
+
+
+def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
+    """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
+    return plan_of(tilt_deg, **({"arena": {"kind": "plane"}} | tables))
+
+
+def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
+    """A drop with everything moving."""
+    state = plan.start(gap, 4e-3, 1.0, roll)
+    state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
+    return state
+
+
+def settled(plan: Plan) -> Array:
+    """A walker that was put down on its feet, and came to rest."""
+    state = plan.start(0.0, 0.0, 0.0)
+    advance(plan, state, CALM)
+    return state
+
+
+def reflected(state: Array) -> Array:
+    """State of the mirror image z -> -z of a two-legged walker with twist, but for the contacts."""
+    image = state.copy()
+    twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]
+    image[[SHOWN_Y, HEADING, ROLL, C_Z, V_Z, W_X, W_Y, Q_X, Q_Y, *twists]] *= -1.0
+    return image
+
+
+def quarter_turned(state: Array) -> Array:
+    """State after a quarter turn about the vertical, to the left."""
+    image, half = state.copy(), math.sqrt(0.5)
+    q, i, j, k = state[Q_0 : Q_Z + 1]
+    image[Q_0 : Q_Z + 1] = half * (q - j), half * (i + k), half * (j + q), half * (k - i)
+    for x, z in ((C_X, C_Z), (V_X, V_Z)):
+        image[x], image[z] = state[z], -state[x]
+    image[SHOWN_X], image[SHOWN_Y] = -state[SHOWN_Y], state[SHOWN_X]
+    image[HEADING] += 0.5 * math.pi
+    return image
+
+
+def apart(a: Array, b: Array) -> float:
+    """Largest difference of place (mm) and angles (rad)."""
+    return float(np.abs(a[PLACE] - b[PLACE]).max())
+
+
+def deepest_of(plan: Plan, speed: float) -> float:
+    """Upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
+
+    All of the walker on one corner: its leg and its tip each take all of the energy, and the most that the weight gains
+    on the other, half of m g sag or 0.6 of it. The tip's 0.4 K d^2.5 = m v^2 / 2 + m g d then ends before
+    d = (1.25 m v^2 / K)^0.4 + (2.5 m g / K)^(2/3). Other corners, hinges and dampers take their part.
+    """
+    walker, on_plate = plan.world.walker, plan.world.walker.place == 0.0
+    k, tip = float(walker.spring[on_plate].min()), float(walker.tip[on_plate].min())
+    weight = walker.mass * GRAVITY
+    leg_sag, tip_sag = weight / k, (weight / tip) ** (2.0 / 3.0)
+    leg = leg_sag + math.sqrt(leg_sag**2 + walker.mass / k * (speed**2 + 1.2 * GRAVITY * tip_sag))
+    pressed = (1.25 * walker.mass * (speed**2 + GRAVITY * leg_sag) / tip) ** 0.4
+    return float(leg + pressed + (2.5 * weight / tip) ** (2.0 / 3.0))
+
+
+def wound_up(plan: Plan) -> float:
+    """Return how far (mm) friction can wind up a corner on which the walker stands: its tip, hinge and twist."""
+    walker = plan.world.walker
+    load = walker.mass * GRAVITY / np.count_nonzero(walker.place == 0.0)
+    depth = (load / float(walker.tip[0])) ** (2.0 / 3.0)
+    tangent = 1.0 / (1.0 / float(walker.spring[0]) + 1.0 / (1.5 * float(walker.tip[0]) * math.sqrt(depth)))
+    gives = 1.0 / (float(walker.shear[0]) * tangent)
+    hinge, twist = float(walker.stiffness[0]), float(walker.stiffness[1])
+    gives += 2.0 * (float(np.hypot(*walker.reach[0])) ** 2 / hinge + float(walker.side[0]) ** 2 / twist)
+    return float(walker.friction[0] * load * gives)
+
+
+def unslowed(plan: Plan, seconds: float) -> Check:
+    """Check that a walker thrown on a plate without friction keeps its velocity along it."""
+    state = thrown(plan)
+    before = state[[V_X, V_Z]]
+    advance(plan, state, seconds)
+    change = float(np.abs(state[[V_X, V_Z]] - before).max())
+    return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
+
+
+def survives(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
+    """Checks of a motion in space: those of `endures`, with the depth that its fall explains."""
+    fallen = max(plan.energy(state) - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
+    speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
+    reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"
+    return endures(plan, state, seconds, about, tolerance, (deepest_of(plan, 2.0 * speed), reason))

@@ -1,0 +1,102 @@
+"""Simulation of a walker: the speed of its runs, their motion and landings."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.analysis import landings
+from walkergen.analysis.landings import Landings
+from walkergen.analysis.motion import Motion
+from walkergen.commands.simulate import orbit
+from walkergen.commands.simulate.orbit import Orbit
+from walkergen.core.files.progress import Expect, Progress, silent, unheard
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.observables import SPEED
+from walkergen.core.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.core.tolerance import Tolerance
+from walkergen.core.walker import names
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.points import resolution, trajectory, walkers
+from walkergen.points.experiments import Results, Walker
+from walkergen.points.simplest import Simplest
+from walkergen.points.walkers import Met
+
+MOST_S = 500.0
+"""Time of all runs together (s) up to which every landing is kept: 0.3 MB a second."""
+
+
+class Simulated(NamedTuple):
+    """Results of a simulation."""
+
+    point: Results
+    errors: Mapping[str, float | None]
+    """Standard errors of all observables, of the runs and the step together; None where either is unknown."""
+    orbit: Orbit | None = None
+    """Orbit that all runs share: they tell no error then, and the bounds are those of prints."""
+    motion: Motion | None = None
+    untold: str = ""
+    """Reason why there is no `motion`; "" when there is one."""
+    landings: Sequence[Landings] = ()
+    """Landings of each run that ended well; none where they were not kept."""
+    legs: tuple[str, ...] = ()
+    """Names of the legs, in the order of their landings."""
+    chosen: Met | None = None
+    """What was taken to meet an error; None where none was asked for."""
+    simplest: Simplest | None = None
+    """What was left out of the scene, within an error that it accepts; None where nothing was tried."""
+
+    @property
+    def scene(self) -> Scene:
+        """Scene with the runs and the step that were taken."""
+        return self.point.walker.scene
+
+
+def asked(scene: Scene, design: Design, mass: MassProperties, interval: float | None = None) -> Walker:
+    """Walker in a scene: with landings of runs that are not too long, and samples `interval` s apart."""
+    few = scene.run.runs * scene.run.seconds <= MOST_S
+    return Walker(scene, design, mass, impacts=few, sample_interval=interval)
+
+
+def measure(
+    walker: Walker, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED, expect: Expect = unheard
+) -> Simulated:
+    """Simulate what is asked, and measure its motion and landings.
+
+    With an error of the observable `of` as many runs as that needs, without landings; `expect` is told of their time
+    once the first ones are made. Raises
+    InputError where the scene contradicts itself, asks for too many samples, or no number of runs
+    gives the observable to an error.
+    """
+    if walker.sample_interval is not None:
+        trajectory.check(walker.scene, walker.sample_interval, walker.scene.run.runs)
+    if wanted is None:
+        return measured(walkers.simulate(walker, progress), progress)
+    met = walkers.to_error(walker._replace(impacts=False, sample_interval=None), wanted, of, progress, expect=expect)
+    return measured(met.results, progress)._replace(chosen=met)
+
+
+def measured(point: Results, progress: Progress = silent) -> Simulated:
+    """What a simulated point says of shared orbits, of motion and landings."""
+    walker = point.walker
+    errors = resolution.errors(point.step_errors, point.summary)
+    shared = orbit.of(point, progress)
+    if shared is not None:
+        point = point._replace(summary=orbit.of_prints(point.summary, shared))
+        errors = dict.fromkeys(errors)
+    simulated = Simulated(point, errors, shared)
+    good = [result for result in point.results if result.outcome in ENDED_WELL]
+    if not good:
+        return simulated._replace(untold="no run ended well")
+    moved, untold = walkers.motion_of(good, walker.scene, walker.sample_interval)
+    legs = names.legs(walker.design)
+    landed = [_landings(result, len(legs)) for result in good] if walker.impacts else []
+    return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)
+
+
+def _landings(result: RunResult, feet: int) -> Landings:
+    """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
+    rows = impacts_of(result)
+    rows = rows[rows[:, 1] < feet * landings.CORNERS]
+    return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)

@@ -1,0 +1,238 @@
+"""Report of simulated runs: what was simulated, the mean speed, and all that came with it."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.analysis import facts
+from walkergen.analysis.motion import Motion
+from walkergen.commands.simulate import numbers, tables, trajectories
+from walkergen.commands.simulate.make import Simulated
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.files.progress import Progress, silent
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.ensemble import Summary
+from walkergen.core.simulation.run import ENDED_WELL, Outcome
+from walkergen.core.theory.prediction import Speed, speed_of
+from walkergen.core.walker.design import Design
+from walkergen.files import quantities, report
+from walkergen.files.report import Column, Report, Table
+from walkergen.points.walkers import tracks_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RATE_HZ = 1000.0
+"""Samples per second of trajectories, as on the command line."""
+
+
+class Line(NamedTuple):
+    """Name and value of what was found; a quantity is formatted where people read it."""
+
+    name: str
+    value: str | Quantity
+
+
+def _cell(line: Line) -> str:
+    """Return the text of a line; of a quantity with its unit."""
+    number = line.value
+    return number if isinstance(number, str) else quantities.format_value(number, quantities.unit_of(number))
+
+
+LINES = (report.text("", "name"), Column("", _cell))
+
+FIRST = (
+    "walker",
+    "plate",
+    "contact",
+    "left out",
+    "kept",
+    "mean speed",
+    "this simulation",
+    "your print",
+    "prints",
+    "chosen",
+    "error, 95 %",
+    "turning bias",
+    "self alignment",
+    "persistence time",
+    "runs",
+)
+"""Names of the lines that people read unless they ask for all."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SimulationReport(Report):
+    """Runs of one walker in a scene, and what they say of its speed and motion."""
+
+    simulated: Simulated
+    """Everything that was measured."""
+
+    @property
+    def summary(self) -> Summary:
+        """Statistics of all runs, with units in the names."""
+        return self.simulated.point.summary
+
+    @property
+    def motion(self) -> Motion | None:
+        """Motion of the walker: turning, persistence, spread; None where it is not known."""
+        return self.simulated.motion
+
+    @property
+    def speed(self) -> Speed:
+        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step.
+
+        Where all runs end on one orbit they tell no error, and bounds are those of prints.
+        """
+        return _speed_of(self.simulated)
+
+    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
+
+        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
+        theta (rad) from above, then t_s and what a trajectory shows. The runs are simulated again. Raises
+        InputError for more samples than can be kept.
+        """
+        if not 1e-3 <= rate_hz <= 1e7:
+            raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
+        walker = self.simulated.point.walker._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.of(walker, self.simulated.point, progress or silent)
+        title = f"trajectories of {self.summary.runs} runs"
+        return Table("trajectory", list(states.rows), states.columns, title=title)
+
+
+def of(simulated: Simulated, whole: bool = False) -> SimulationReport:
+    """Report of the runs of a walker in a scene, and of what an error that was asked for took.
+
+    People read the first lines of the summary, or the `whole` of it.
+    """
+    scene, design = simulated.scene, simulated.point.walker.design
+    lines = [Line(*line) for line in _lines(simulated, scene, design)]
+    first = None if whole else _first(lines, simulated)
+    return SimulationReport(
+        name="simulate",
+        title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
+        tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
+        lines=[] if whole else ["‹all›: how it turns and spreads, impacts, contact, power"],
+        facts=_facts(simulated, scene),
+        warnings=simulated.point.warnings,
+        figures=_figures(simulated, design),
+        simulated=simulated,
+    )
+
+
+def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
+    """Lines that people read first: without refused numbers; how runs ended if not well."""
+    ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
+    names = {*FIRST, *(() if ended_well else ("outcomes",))}
+    return [line for line in lines if line.name in names and (isinstance(line.value, str) or line.value.known)]
+
+
+def _row(simulated: Simulated, design: Design) -> Table:
+    """Table of the summary in one row; tables within it become columns with a dot."""
+    named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind, "scene": simulated.scene.name}
+    values = named | _flat(numbers.of_drive(simulated.point.summary._asdict(), simulated.scene))
+    return Table("simulation", [tuple(values.values())], tuple(values))
+
+
+def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Values of tables within tables, by names with dots."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{before}{name}.")
+        else:
+            flat[f"{before}{name}"] = value
+    return flat
+
+
+def _speed_of(simulated: Simulated) -> Speed:
+    summary = simulated.point.summary
+    kind = "" if simulated.orbit is None else simulated.orbit.kind
+    return speed_of(
+        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, kind
+    )
+
+
+def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":
+    """What draws the runs: way against time in a lane, on a plane as seen from above.
+
+    Nothing where no run ended well.
+    """
+    good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
+
+    def draw() -> "Figure":
+        from walkergen.points.track_figure import tracks_figure
+
+        tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
+        title = f"{design.name}, {design.tilt_deg:g} deg: {_speed_of(simulated)}"
+        return tracks_figure(tracks, title)
+
+    return {"runs": draw} if good else {}
+
+
+def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
+    """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
+    data: dict[str, Any]
+    data = tables.contact_as_dict(scene) | simulated.point.summary._asdict()
+    data["partial"] = simulated.point.partial
+    if simulated.motion is not None:
+        data["motion"] = facts.of(simulated.motion)
+    if simulated.untold:
+        data["motion"] = {"refused": simulated.untold}
+    if simulated.landings:
+        data["landings"] = tables.landings_as_dict(simulated)
+    data["step"] = tables.step_as_dict(simulated)
+    data = numbers.of_drive(data, scene)
+    orbit = simulated.orbit
+    data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
+    if simulated.simplest is not None:
+        data |= simulated.simplest.facts
+    chosen = simulated.chosen
+    return data if chosen is None else data | {"chosen": chosen.facts}
+
+
+def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str | Quantity]]:
+    summary = simulated.point.summary
+    yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
+    yield scene.drive.kind, tables.plate_in_words(scene)
+    yield "contact", tables.contact_in_words(scene)
+    if simulated.simplest is not None:
+        yield from simulated.simplest.lines
+    yield "mean speed", _speed(simulated, scene)
+    yield from tables.bound_rows(simulated)
+    if simulated.chosen is not None:
+        yield from simulated.chosen.lines
+    if simulated.untold:
+        yield "motion", f"unknown: {simulated.untold}"
+    found = [numbers.motion_numbers(simulated), numbers.observed_numbers(simulated), numbers.landing_numbers(simulated)]
+    rest, marks = quantities.mark_reasons(chain(*found))
+    yield from ((quantities.name_of(number), number) for number in rest)
+    yield from marks.items()
+    yield from (("note", note) for note in numbers.notes(simulated))
+    yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
+    correlation = summary.correlation_time_s
+    yield "correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    yield "largest pitch", f"{summary.max_pitch_deg:.2f} deg, an extreme: the more, the longer"
+    outcomes = (f"{count} x {name}" for name, count in summary.outcomes.items())
+    yield "outcomes", ", ".join(outcomes)
+    rate = summary.simulated_s / summary.cpu_s if summary.cpu_s else 0.0
+    yield "time", f"{summary.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"
+
+
+def _speed(simulated: Simulated, scene: Scene) -> str:
+    """Mean speed with the error of the runs and that of the step, or why it has none."""
+    summary = simulated.point.summary
+    se = summary.speed_se_mm_s
+    if summary.speed_mm_s is None:
+        return "none: no run ended well"
+    mean = summary.speed_mm_s
+    speed = f"{words.fixed(mean, 2) if se is None else words.with_error(mean, se)} mm/s"
+    speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
+    speed += tables.speed_by_step(simulated)
+    if simulated.orbit is not None:
+        return f"{speed}; {simulated.orbit.kind}: all runs end so, and tell no error"
+    return speed if se is not None else f"{speed}; standard error unknown: needs 4 runs"

@@ -1,0 +1,157 @@
+"""What `simulate` is asked for."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+
+from walkergen import request
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.commands.simulate.report import SimulationReport
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
+    from walkergen.files.report import Report
+
+UNCERTAIN_SECONDS = 4.0
+"""Measured time of a run of --uncertain unless asked otherwise, s."""
+
+CHOSEN = ("scene.run.step_us", "scene.run.seconds", "scene.run.runs")
+"""Keys whose values --error chooses itself."""
+
+
+class SimulateRequest(request.Request):
+    """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
+
+    Several tilts, or both kinds of legs, make a table. The first run of a model compiles it. With --error of the mean
+    speed, at 95 % confidence, as many runs are made as it needs, by a step that is fine enough: --seconds, --runs and
+    --step are then left out. A share counts of the speed, or of a fifth of the plate's peak speed where the walker is
+    slower. With --effects what this walker's speed does not need to an error is left out, as measured first.
+    """
+
+    design: request.Walker = request.PAPER
+    scene: request.Home = None
+    tilt: request.Tilts = None
+    legs: request.Kinds = None
+    seconds: request.Seconds = None
+    runs: request.Runs = None
+    restitution: request.Restitution = None
+    friction: request.Friction = None
+    gamma: request.Gamma = None
+    frequency: request.Frequency = None
+    step: request.Step = None
+    effects: request.Effects = None
+    seed: request.Seed = None
+    text: request.Text = None
+    mirror: request.Mirror = None
+    set: request.Settings = {}
+    trajectory: Annotated[
+        Path | None,
+        request.Target,
+        Flag(
+            "File for the tracks of all runs: .csv, .npz, .nc for xarray and movement, or .xyz for OVITO.",
+            "FILE",
+            takes="Name | None",
+        ),
+    ] = None
+    rate_hz: Annotated[float, Field(ge=1e-3, le=1e7), Flag("Samples per second of it.", "HZ")] = 1000.0
+    error: Annotated[str | None, Flag("Error to meet: 5% or 3mm/s.", "ERROR")] = None
+    uncertain: request.Uncertain = False
+    draws: Annotated[int, Flag("Prints of --uncertain, best a power of two.", "N")] = 64
+    out: Annotated[Path | None, request.Target, Flag("Folder for --uncertain.", "FOLDER", takes="Name | None")] = None
+    of: Annotated[str, Flag("What --error is about, as JSON names it.", "NAME")] = "speed_mm_s"
+    all: Annotated[bool, Flag("Print all that was measured, not the first lines alone.")] = False
+
+    def run(self, progress: Progress) -> "SimulationReport":
+        """Simulate the walker; the report of several, or of uncertain prints, is a plain one."""
+        from walkergen.commands.simulate import trajectories
+
+        if self.trajectory is not None:
+            trajectories.check(self.trajectory)
+        given = self.inputs()
+        if self.uncertain:
+            self.refuse("not with ‹uncertain›", "error", "trajectory", "effects")
+            given.refuse(("scene.run.runs",), "not with ‹uncertain›; leave one of them out")
+        else:
+            self.refuse("only ‹uncertain› writes a folder", "out")
+        if self.error is not None:
+            given.refuse(CHOSEN, "‹error› chooses it; leave one of them out")
+        else:
+            self.refuse("names what ‹error› is about; give ‹error› as well, or", "of")
+        design = given.design(self.design)
+        own = {"scene.run.seconds": UNCERTAIN_SECONDS} if self.uncertain else {}
+        scene = given.scene(request.ground(self.scene, [design]), own)
+        members = given.members(design, self.tilt, self.legs, whole=False)
+        if len(members) > 1:
+            why = f"means one walker, seen {len(members)}: give one ‹tilt› and one kind of ‹legs›, or"
+            self.refuse(why, "trajectory", "error", "uncertain")
+            return self._several(scene, members, progress)  # type: ignore[return-value]
+        if self.uncertain:
+            return self._uncertain(scene, members[0], progress)  # type: ignore[return-value]
+        return self._single(scene, members[0], progress)
+
+    def _single(self, scene: "Scene", design: "Design", progress: Progress) -> "SimulationReport":
+        """Simulate one walker, and write its tracks where they are asked for."""
+        from walkergen.commands.simulate import make, report, trajectories
+        from walkergen.core.tolerance import parse
+        from walkergen.core.walker import solids
+        from walkergen.points import expected
+        from walkergen.points.experiments import Walker
+        from walkergen.points.simplest import simplest
+
+        interval = None if self.trajectory is None else 1.0 / self.rate_hz
+        found = simplest(Walker(scene, design, solids.mass_of(design)), progress)
+        walker = make.asked(found.walker.scene, design, found.walker.mass, interval)
+        wanted = None if self.error is None else parse(self.error)
+        if wanted is None:
+            self._expect(lambda: expected.of_runs([walker]))
+        simulated = make.measure(walker, progress, wanted, self.of, self._expect)
+        result = report.of(simulated._replace(simplest=found), self.all)
+        done, wished = simulated.point.summary.runs, simulated.scene.run.runs
+        if done < wished:
+            lost = [] if self.trajectory is None else [f"{self.trajectory}: not written"]
+            warnings = [f"interrupted after {done} of {wished} runs", *lost, *result.warnings]
+            return replace(result, warnings=warnings, code=130)
+        if self.trajectory is not None:
+            trajectories.write(self.trajectory, walker._replace(scene=simulated.scene), simulated.point, progress)
+            result = replace(result, files=[self.trajectory])
+        return result
+
+    def _several(self, scene: "Scene", members: "Sequence[Design]", progress: Progress) -> "Report":
+        """Simulate walkers one after the other, a row each; after Ctrl-C those that are done.
+
+        Raises InputError for one that cannot be simulated, before any is.
+        """
+        from walkergen.commands.simulate import several
+        from walkergen.points import expected
+
+        found, rows = several.asked(scene, members, progress), list[several.Row]()
+        self._expect(lambda: expected.of_runs([simple.walker for simple in found]))
+        try:
+            rows.extend(several.each(found, progress))
+        except KeyboardInterrupt:
+            missing = ", ".join(f"{member.tilt_deg:g} deg {member.kind}" for member in members[len(rows) :])
+            result = several.of(rows, scene, found)
+            told = f"interrupted after {len(rows)} of {len(found)} walkers; missing: {missing}"
+            return replace(result, warnings=[told, *result.warnings], code=130)
+        return several.of(rows, scene, found)
+
+    def _uncertain(self, scene: "Scene", design: "Design", progress: Progress) -> "Report":
+        """Simulate uncertain prints: their speeds, with what to measure next."""
+        from walkergen.commands.simulate import prints
+        from walkergen.core.walker import solids
+        from walkergen.points import draws, expected, simplest
+        from walkergen.points.experiments import Walker
+
+        simplest.refuse(scene, "is of a mean speed, and ‹uncertain› asks how far prints lie apart")
+        walker = Walker(scene, design, solids.mass_of(design)).with_run(runs=self.draws)
+        self._expect(lambda: expected.of_runs([walker]))
+        measured = draws.measure(scene, design, self.draws, progress)
+        result = prints.of(measured, design, scene.name, self.out)
+        if self.out is not None:
+            prints.write(result, self.out)
+        return result

@@ -1,0 +1,94 @@
+"""What the model of a simulation is, its bounds in words, and its parts for JSON."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from walkergen.commands.simulate import numbers
+from walkergen.commands.simulate.make import Simulated
+from walkergen.commands.simulate.orbit import Orbit
+from walkergen.core.files import words
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import observables
+from walkergen.points import speeds
+
+
+def plate_in_words(scene: Scene) -> str:
+    """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
+    drive = scene.drive
+    return drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
+
+
+def contact_in_words(scene: Scene) -> str:
+    """Return what a simulation assumes of the contact."""
+    tips = "rigid tips" if scene.feet.rigid_tips else f"tips of {scene.feet.tip_radius_um:g} um"
+    return f"{tips}, restitution {scene.contact.restitution:g}, friction {scene.contact.friction:g}"
+
+
+def contact_as_dict(scene: Scene) -> dict[str, Any]:
+    """Return the same for JSON."""
+    radius, contact = None if scene.feet.rigid_tips else scene.feet.tip_radius_um, scene.contact
+    return {"tip_radius_um": radius, "restitution": contact.restitution, "friction": contact.friction}
+
+
+def speed_by_step(simulated: Simulated) -> str:
+    """Addition to the mean speed and its statistical error: what the step may do to it."""
+    error, reason = simulated.point.step_errors[observables.SPEED]
+    if error is None:
+        return f"; {reason}"
+    return f" ± {words.number(error, 2)} by the step (95 %)" if error else ""
+
+
+def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
+    """Row of a summary with the bounds of the mean speed; of prints where runs share an orbit."""
+    if simulated.orbit is not None:
+        yield "prints", over_prints(simulated.orbit)
+        return
+    summary = simulated.point.summary
+    low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
+    if low is not None and high is not None:
+        yield ("this simulation", f"{low:.1f} to {high:.1f} mm/s (95 %), by runs and step")
+    yield "your print", _of_prints(simulated)
+
+
+def _of_prints(simulated: Simulated) -> str:
+    """Bounds of the speed of a print, by what nobody knows of it, as `predict` has them."""
+    walker = simulated.point.walker
+    row = speeds.predict(walker.design, walker.mass, walker.scene, model="known")
+    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
+    if low is None or high is None:
+        return "predict tells, or ‹uncertain›"
+    return f"{low:.1f} to {high:.1f} mm/s (95 %), by what is not known of contact and print"
+
+
+def over_prints(orbit: Orbit) -> str:
+    """Statement of how speeds differ from print to print, where runs share an orbit."""
+    if orbit.bounds_mm_s is None:
+        return f"unknown how they differ: {orbit.reason}"
+    low2, low1, high1, high2 = orbit.bounds_mm_s
+    return (
+        f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %), by "
+        f"{orbit.draws} draws of what design and scene do not know; ‹uncertain› tells which does it"
+    )
+
+
+def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
+    """Landings for JSON: rates per second, and their errors."""
+    rates = numbers.landing_rates(simulated)
+    return {rate.column: rate.value for rate in rates} | {"errors": {rate.column: rate.se for rate in rates}}
+
+
+def step_as_dict(simulated: Simulated) -> dict[str, Any]:
+    """What the step leaves of each observable, for JSON: its error, or the reason of none."""
+    errors = {name: simulated.point.step_errors[name].error for name in observables.NAMES}
+    errors = {name: error for name, error in errors.items() if error is not None}
+    reasons: dict[str, list[str]] = {}
+    for name, step in simulated.point.step_errors.items():
+        if step.reason:
+            reasons.setdefault(step.reason, []).append(name)
+    unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
+    return {"errors_95": errors, "not_resolved": unresolved, "warnings": list(simulated.point.warnings)}
+
+
+def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:
+    """Orbit that all runs share, for JSON; bounds of prints stand in the speed's own."""
+    return {"kind": orbit.kind, "draws": orbit.draws, "note": over_prints(orbit)}

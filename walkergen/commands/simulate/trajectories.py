@@ -1,0 +1,121 @@
+"""Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ, NetCDF or extended XYZ.
+
+Columns: what trackpy and `analyse` read of a film (`frame`, `particle`, `x`, `y`, `theta`), seen
+from above, in mm and rad, not in pixels; then ours: `t_s` and what the model shows, with units in
+the names. A particle is a run; frames count samples from the end of its discarded start.
+
+Extended XYZ is for OVITO: a run is a particle, as `walkergen.files.extended_xyz` writes bodies.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.commands.simulate import netcdf
+from walkergen.core.errors import InputError
+from walkergen.core.files import output
+from walkergen.core.files.progress import Progress
+from walkergen.core.walker.design import Design
+from walkergen.files import extended_xyz
+from walkergen.files.extended_xyz import Bodies
+from walkergen.points import trajectory, walkers
+from walkergen.points.experiments import Results, Walker
+from walkergen.points.trajectory import Trajectory
+
+Array = npt.NDArray[np.float64]
+
+FILM = ("frame", "particle", "x", "y", "theta")
+"""Columns by the names that trackpy gives them; x and y in mm, theta in rad."""
+
+MARGIN = 1.0
+"""Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
+
+
+class Written(NamedTuple):
+    """What a file of trajectories is made of."""
+
+    rows: Trajectory
+    design: Design
+
+
+def of(experiment: Walker, point: Results, progress: Progress) -> Trajectory:
+    """Trajectories of all runs, again simulated where `point` kept no samples.
+
+    Raises InputError when there would be too many samples to keep.
+    """
+    assert experiment.sample_interval is not None
+    kept = all(result.tally.samples.kept for result in point.results)
+    if not kept:
+        trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
+        (point,) = walkers.each([experiment], ["samples"], progress)
+    return with_film(trajectory.tracks(point.results), experiment.sample_interval)
+
+
+def with_film(trajectory: Trajectory, interval: float) -> Trajectory:
+    """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart."""
+    own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
+    film = (np.rint(own["t_s"] / interval), *(own[name] for name in ("particle", "x_mm", "y_mm", "theta_rad")))
+    ours = {name: values for name, values in own.items() if name != "particle"}
+    return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
+
+
+def to_csv(written: Written) -> bytes:
+    """CSV with a header line, every digit kept."""
+    return trajectory.to_csv(written.rows)
+
+
+def to_npz(written: Written) -> bytes:
+    """NPZ archive with an array for each column."""
+    return trajectory.to_npz(written.rows)
+
+
+def to_xyz(written: Written) -> bytes:
+    """Extended XYZ for OVITO: a frame for each time, in it the runs that had not ended."""
+    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
+    size = written.design.size
+    half = 0.5 * np.array([size.length, size.depth, size.thickness])
+    places = np.column_stack([own["x"], own["y"], own["height_mm"]])
+    turns = extended_xyz.orientation(own["theta"], own["pitch_rad"], own["roll_rad"])
+    box = _box(places, float(np.linalg.norm(half)))
+    none = np.zeros(len(places), np.int64)
+    bodies = Bodies(own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None])
+    return extended_xyz.text(bodies, box).encode()
+
+
+def _box(places: Array, reach: float) -> str:
+    """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
+    margin = (1.0 + MARGIN) * reach
+    low = places.min(axis=0, initial=np.inf) - margin
+    return extended_xyz.box_of(low, places.max(axis=0, initial=-np.inf) + margin - low)
+
+
+def to_nc(written: Written) -> bytes:
+    """NetCDF for xarray and movement: a run is an individual."""
+    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
+    frames, at = np.unique(own["frame"], return_inverse=True)
+    names, who = np.unique(own["particle"].astype(np.int64), return_inverse=True)
+    table = np.full((len(frames), 4, len(names)), np.nan)
+    table[at, :, who] = np.column_stack([own["t_s"], own["x"], own["y"], own["theta"]])
+    times = np.nanmax(table[:, 0], axis=1)
+    return netcdf.poses(times, table[:, 1:3], table[:, 3], [f"run_{name}" for name in names])
+
+
+FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz, ".nc": to_nc}
+"""Writers of the formats, by the suffixes of their files."""
+
+
+def check(path: Path) -> None:
+    """Raise InputError when a file's suffix names no format."""
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(
+            f"‹trajectory=›{str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} (xyz for OVITO, nc for xarray)"
+        )
+
+
+def write(path: Path, experiment: Walker, point: Results, progress: Progress) -> None:
+    """Write the trajectories of all runs in the format that the file's suffix names."""
+    written = Written(of(experiment, point, progress), experiment.design)
+    output.write(path, FORMATS[path.suffix.lower()](written))

@@ -1,0 +1,83 @@
+"""Dish of a crowd: the ground on which many walkers live, between walls or without an edge.
+
+The middle of the dish is the origin of the plate's plane; x to the right, y up, seen from above.
+"""
+
+import math
+import re
+from typing import NamedTuple
+
+from walkergen.core.errors import InputError
+
+FORMS = {
+    "disc": ("disc:DIAMETER", 1),
+    "ring": ("ring:OUTER,INNER", 2),
+    "rectangle": ("rectangle:LENGTHxWIDTH", 2),
+    "periodic": ("periodic:SIDE", 1),
+}
+"""Kinds of dishes: how people write them, mm, and how many sizes they have."""
+
+SMALLEST, LARGEST = 1.0, 1e5
+"""Limits of the sizes of a dish, mm."""
+
+EXAMPLES = "disc:120, ring:160,60, rectangle:200x100 or periodic:150"
+
+
+class Dish(NamedTuple):
+    """Ground of a crowd, lengths in mm."""
+
+    kind: str
+    """disc, ring, rectangle, or periodic: a square whose opposite edges are one."""
+    sizes: tuple[float, ...]
+    """Diameters of a disc or ring (outer, inner), length along x and width of a rectangle, side of
+    a periodic square."""
+
+    @property
+    def area(self) -> float:
+        """Area between the walls, mm^2."""
+        if self.kind == "disc":
+            return 0.25 * math.pi * self.sizes[0] ** 2
+        if self.kind == "ring":
+            return 0.25 * math.pi * (self.sizes[0] ** 2 - self.sizes[1] ** 2)
+        return self.sizes[0] * self.sizes[-1]
+
+    @property
+    def box(self) -> tuple[float, float]:
+        """Length and width of the smallest rectangle around it."""
+        return self.sizes[0], self.sizes[1] if self.kind == "rectangle" else self.sizes[0]
+
+    @property
+    def period(self) -> float:
+        """Side after which a periodic square repeats; 0 for a dish with walls."""
+        return self.sizes[0] if self.kind == "periodic" else 0.0
+
+    @property
+    def words(self) -> str:
+        """The dish as people write it."""
+        mark = "x" if self.kind == "rectangle" else ","
+        return f"{self.kind}:{mark.join(f'{size:g}' for size in self.sizes)}"
+
+
+OPEN = Dish("periodic", (LARGEST,))
+"""Ground without walls."""
+
+
+def parse(text: str, source: str = "‹arena›") -> Dish:
+    """Dish from a person's words, as in "disc:120". Raises InputError, beginning with `source`."""
+    kind, _, rest = text.partition(":")
+    said = f"{source} = {text[:80]!r}"
+    if kind not in FORMS:
+        raise InputError(f"{said}: must be one of {EXAMPLES}, mm")
+    form, count = FORMS[kind]
+    words = re.split(r"[,x]", rest)
+    try:
+        sizes = tuple(float(word) for word in words)
+    except ValueError:
+        sizes = ()
+    if len(sizes) != count:
+        raise InputError(f"{said}: must be {form}, mm, as in {EXAMPLES}")
+    if not all(SMALLEST <= size <= LARGEST for size in sizes):
+        raise InputError(f"{said}: its sizes must lie between {SMALLEST:g} and {LARGEST:g} mm")
+    if kind == "ring" and not sizes[1] < sizes[0]:
+        raise InputError(f"{said}: the inner diameter must be below the outer one; exchange them")
+    return Dish(kind, sizes)

@@ -1,0 +1,250 @@
+"""Drive of a walker: a plate that is shaken, or a motor of its own with an unbalanced rotor.
+
+The plate moves as A sin(omega t). Any two of frequency, amplitude, peak speed and gamma (peak
+acceleration over g) determine it; a third and a fourth are accepted when they agree. A motor is
+its frequency and the eccentric moment of its rotor; the plate is still (docs/physics.md section 8).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from walkergen.core.errors import InputError
+from walkergen.core.files.config import Section
+
+GRAVITY = 9806.65
+"""Standard gravity, mm/s^2."""
+
+AGREEMENT = 5e-3
+"""Relative tolerance between redundant drive numbers: people write them to three digits."""
+
+LARGEST_DRIVE = 1e12
+"""Limit of the numbers of a drive that follow from others, each in its unit."""
+
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
+
+
+MOTOR_HZ = (1.0, 1000.0)
+"""Frequencies (Hz) of motors: small ones turn at 50 to 300 Hz; steps in space resolve 1000."""
+
+AXES = {"along": (1.0, 0.0, 0.0), "across": (0.0, -1.0, 0.0), "up": (0.0, 0.0, 1.0)}
+"""Axes about which a rotor turns by the right hand, as components along, across (to the right) and
+up: across its top moves forward, up it turns counter-clockwise seen from above."""
+
+FOUR = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
+"""Keys of a plate's vibration, of which any two determine it."""
+
+OF_PLATE = (*FOUR[1:], "second_harmonic_ratio", "second_harmonic_phase_deg")
+OF_MOTOR = ("eccentric_g_mm", "eccentric_sd_g_mm", "frequency_sd_hz", "axis")
+"""Keys that only one kind of drive has."""
+
+RATING = "write eccentric_g_mm = 248.4 rated_g on_mass_g / rated_hz^2 in its place"
+
+Component = Annotated[float, Field(ge=-1e3, le=1e3)]
+
+
+class Drive(Section):
+    """Vertical sinusoidal vibration of the plate, from any two of its four numbers, or a motor.
+
+    A second harmonic may be added, given by its amplitude over that of the fundamental and by its
+    phase; the four numbers remain those of the fundamental. A motor has a frequency and the moment
+    of its rotor. The peak acceleration a on a mass m at a frequency f, as data sheets state it, is
+    the moment m a/(2 pi f)^2.
+    """
+
+    gone: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(("rated_g", "on_mass_g", "rated_hz"), RATING),
+        "reversed": "leave it out for false; for true give axis by its components, as [0, 1, 0] for across",
+    }
+
+    kind: Literal["plate", "motor"] = "plate"
+    """A shaken plate, or a still one under walkers with a motor."""
+    frequency_hz: Positive | None = None
+    """Frequency of the plate or of the motor. A plate has two of this and the next three keys."""
+    amplitude_um: Positive | None = None
+    """Amplitude of the plate's displacement."""
+    peak_speed_mm_s: Positive | None = None
+    """Largest speed of the plate."""
+    gamma: Positive | None = None
+    """Largest acceleration of the plate over g."""
+    second_harmonic_ratio: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Amplitude of the second harmonic over that of the fundamental."""
+    second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Phase shift of the second harmonic."""
+    eccentric_g_mm: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
+    """Unbalanced mass of the rotor times its distance from the axis."""
+    eccentric_sd_g_mm: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of that moment, for bounds."""
+    frequency_sd_hz: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    """Standard deviation of a motor's frequency: cells sag, and motors differ."""
+    axis: Literal["along", "across", "up"] | Annotated[list[Component], Field(min_length=3, max_length=3)] | None = None
+    """Axis of the rotor: a name (see AXES), or components along, across and up. None: that of the
+    design's motor."""
+
+    @model_validator(mode="after")
+    def _determined(self) -> "Drive":
+        others = OF_MOTOR if self.kind == "plate" else OF_PLATE
+        for key in others:
+            value = getattr(self, key)
+            if value != type(self).model_fields[key].default:
+                raise ValueError(
+                    f"{key} = {value!r} is a number of a "
+                    + (
+                        "motor, and kind is 'plate': set kind = 'motor'"
+                        if self.kind == "plate"
+                        else "plate, which a motor's is not: leave it out, or take a shaken plate: ‹scene=›lane-90hz"
+                    )
+                )
+        return self._plate() if self.kind == "plate" else self._motor()
+
+    def _motor(self) -> "Drive":
+        low, high = MOTOR_HZ
+        words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
+        if self.frequency_hz is None or not low <= self.frequency_hz <= high:
+            raise ValueError(
+                f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; small ones turn at 50 to 300 Hz"
+            )
+        if self.eccentric_g_mm is None:
+            raise ValueError("a motor has eccentric_g_mm, unbalanced mass times its distance from the axis; seen: none")
+        if isinstance(self.axis, list) and not any(self.axis):
+            raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
+        return self
+
+    def _plate(self) -> "Drive":
+        numbers = self.model_dump(include=set(FOUR), exclude_none=True)
+        if len(numbers) < 2:
+            raise ValueError(
+                "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
+                f"seen: {', '.join(numbers) or 'none'}"
+            )
+        implied = {
+            "frequency_hz": self.frequency,
+            "amplitude_um": 1e3 * self.amplitude,
+            "peak_speed_mm_s": self.peak_speed,
+            "gamma": self.peak_gamma,
+        }
+        for key, value in numbers.items():
+            if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
+                first, second = list(numbers)[:2]
+                raise ValueError(
+                    f"{key} = {value:g} contradicts {first} and {second}, which give "
+                    f"{implied[key]:.5g}; remove one of them"
+                )
+        for key, value in implied.items():
+            if not value <= LARGEST_DRIVE:
+                raise ValueError(f"{' and '.join(numbers)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}")
+        return self
+
+    def push(self, mass: float) -> float:
+        """Largest push of a motor over the weight of a walker of this mass, g."""
+        return self.eccentric * self.omega**2 / (mass * GRAVITY)
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency, rad/s."""
+        if self.frequency_hz is not None:
+            return 2 * math.pi * self.frequency_hz
+        if self.amplitude_um is not None and self.peak_speed_mm_s is not None:
+            return self.peak_speed_mm_s / (1e-3 * self.amplitude_um)
+        assert self.gamma is not None
+        if self.amplitude_um is not None:
+            return math.sqrt(self.gamma * GRAVITY / (1e-3 * self.amplitude_um))
+        assert self.peak_speed_mm_s is not None
+        return self.gamma * GRAVITY / self.peak_speed_mm_s
+
+    @property
+    def frequency(self) -> float:
+        """Frequency, Hz."""
+        return self.omega / (2 * math.pi)
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the displacement, mm. Raises InputError for a motor."""
+        if self.kind == "motor":
+            raise InputError(
+                "drive.kind = 'motor': how far a motor shakes depends on the walker that carries "
+                "it; this needs the vibration of a plate: use a scene with drive.kind = 'plate'"
+            )
+        if self.amplitude_um is not None:
+            return 1e-3 * self.amplitude_um
+        if self.peak_speed_mm_s is not None:
+            return self.peak_speed_mm_s / self.omega
+        assert self.gamma is not None
+        return self.gamma * GRAVITY / self.omega**2
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest speed of the plate's fundamental vibration, mm/s."""
+        return self.amplitude * self.omega
+
+    @property
+    def peak_gamma(self) -> float:
+        """Largest acceleration of the plate's fundamental vibration over g."""
+        return self.peak_speed * self.omega / GRAVITY
+
+    @property
+    def eccentric(self) -> float:
+        """Eccentric moment of a motor's rotor, g mm; 0 of a plate."""
+        return self.eccentric_g_mm or 0.0
+
+    def direction(self, own: str) -> tuple[float, float, float]:
+        """Unit vector along, across (to the right) and up about which a rotor turns by the right
+        hand; `own` is the axis of the motor that the design carries.
+        """
+        axis = self.axis or own
+        x, y, z = AXES[axis] if isinstance(axis, str) else axis
+        size = math.hypot(x, y, z)
+        return x / size, y / size, z / size
+
+    def beneath(self, mass: float) -> "Drive":
+        """Drive of the plate that would move under a walker of this mass (g) as far as its motor
+        moves the walker; of a plate the drive itself.
+        """
+        if self.kind == "plate":
+            return self
+        return Drive.model_construct(frequency_hz=self.frequency_hz, amplitude_um=1e3 * self.eccentric / mass)
+
+    @property
+    def motor_in_words(self) -> str:
+        """The motor in words; "" for a plate."""
+        if self.kind == "plate":
+            return ""
+        axis = f", axis {self.axis}" if self.axis else ""
+        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
+
+    def set_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+        """Data of this drive in which these of its keys were set: what contradicts them is gone.
+
+        Of a plate's four numbers one that is set leaves the frequency, and the frequency leaves the
+        peak acceleration; a motor keeps its moment at another frequency.
+        """
+        if data.get("kind", "plate") == "motor":
+            return self._motor_anew(data, keys)
+        if self.kind == "motor":
+            data = {k: v for k, v in data.items() if k not in OF_MOTOR or k in keys}
+        numbers = [key for key in FOUR if key in keys]
+        if numbers:
+            data = {k: v for k, v in data.items() if k not in FOUR or k in numbers}
+            if numbers == ["frequency_hz"] and self.kind == "plate":
+                data["gamma"] = self.gamma or self.peak_gamma
+            elif len(numbers) == 1:
+                data["frequency_hz"] = self.frequency_hz or self.frequency
+        return data
+
+    def _motor_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+        if self.kind == "plate":
+            data = {k: v for k, v in data.items() if k not in OF_PLATE or k in keys}
+            return {"frequency_hz": self.frequency} | data
+        return data
+
+
+AT_REST = 1e-30
+"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
+"""
+
+
+def at_rest(frequency_hz: float) -> Drive:
+    """Drive of a plate at rest; not validated, since no person may write so small a number."""
+    return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)

@@ -1,0 +1,1 @@
+"""TOML and CSV in; tables, words and whole folders out."""

@@ -1,0 +1,206 @@
+"""What walkergen wrote last, by hashes: a file of somebody's own is told from one of ours.
+
+A ledger is a file beside the files that it names. Its lines are appended, each before its file is
+there: whenever a run is killed, what it had written is still known to be ours.
+"""
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import re
+import stat
+import sys
+from pathlib import Path
+from typing import Any
+
+from walkergen.core.errors import InputError
+
+MOST_BYTES = 50_000_000
+"""Largest ledger or manifest that is read: of a hundred thousand files."""
+
+MOST_HASHED = 4_000_000_000
+"""Largest file that can be ours, bytes."""
+
+NEVER_OURS = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EACCES, errno.ELOOP, errno.ENXIO, errno.ENAMETOOLONG}
+"""Reasons why a file cannot be opened that tell that it is not there or not ours."""
+
+BLANK = b"0" * 64
+"""Seal that is to be made."""
+
+SEAL = re.compile(rb'[0-9a-f]{64}(?=(?:"\n}| -->)\n\Z)')
+"""Seal at the end of JSON or HTML."""
+
+Digests = dict[str, set[str]]
+"""Hashes that files of ours had, by their names."""
+
+
+class Ledger:
+    """Names and hashes in a file that grows; with `alone` no other process may have it open.
+
+    Raises OSError where the file cannot be made or read, InputError where another process has it.
+    """
+
+    def __init__(self, path: Path, alone: bool) -> None:
+        self.path, self.digests, self._alone = path, Digests(), alone
+        self._file = _locked(path) if alone else _opened(path, new=False)
+        if self._file is not None:
+            self._read(self._file)
+
+    def _read(self, file: int) -> None:
+        """Take in the lines; those that a kill cut short are left out."""
+        if os.fstat(file).st_size > MOST_BYTES:
+            return  # not written by us: nothing is known of any file
+        data = b""
+        while piece := os.read(file, 1 << 20):
+            data += piece
+        for line in data.splitlines():
+            try:
+                name, digest = json.loads(line)
+            except (ValueError, TypeError, RecursionError):
+                continue
+            if isinstance(name, str) and isinstance(digest, str):
+                self.digests.setdefault(name, set()).add(digest)
+
+    def note(self, name: str, digest: str) -> None:
+        """Append that a file of this name and hash is about to be ours. Raises OSError."""
+        if digest in self.digests.get(name, ()):
+            return
+        if self._file is None:
+            self._file = _opened(self.path, new=True)
+            assert self._file is not None
+        line = f"\n{json.dumps([name, digest])}\n".encode()  # after a line that was cut short
+        if os.write(self._file, line) != len(line):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # a disk that is full takes a part of it
+        self.digests.setdefault(name, set()).add(digest)
+
+    def close(self, remove: bool = False) -> None:
+        """Let others in; with `remove`, or where one alone noted nothing, the file goes."""
+        if self._file is None:
+            return
+        try:
+            if remove or (self._alone and not os.fstat(self._file).st_size):
+                self.path.unlink(missing_ok=True)
+        finally:
+            os.close(self._file)
+            self._file = None
+
+
+def _locked(path: Path) -> int:
+    """Descriptor of a ledger that no other process has. Raises OSError, InputError when taken."""
+    while True:
+        file = _opened(path, new=True)
+        assert file is not None
+        try:
+            if not lock(file):
+                raise InputError(
+                    f"{str(path.parent)!r}: another walkergen writes there; wait for it, or give "
+                    "another folder by ‹out›"
+                )
+            with contextlib.suppress(FileNotFoundError):  # its last user has just removed it
+                if os.path.samestat(os.fstat(file), path.lstat()):
+                    return file
+        except BaseException:
+            os.close(file)
+            raise
+        os.close(file)
+
+
+def _opened(path: Path, new: bool) -> int | None:
+    """Descriptor of a ledger; None where there is none, unless it may be `new`. Raises OSError."""
+    try:
+        file = os.open(path, flags(os.O_RDWR | os.O_APPEND | (os.O_CREAT if new else 0)), 0o666)
+    except FileNotFoundError:
+        if new:
+            raise
+        return None
+    if stat.S_ISREG(os.fstat(file).st_mode):
+        return file
+    os.close(file)
+    raise OSError(errno.EINVAL, "is no plain file")
+
+
+def flags(mode: int) -> int:
+    """Flags to open a file with: no link is followed, nothing waits, bytes are bytes."""
+    for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
+        mode |= getattr(os, name, 0)  # each system has some of them
+    return mode
+
+
+def lock(file: int) -> bool:
+    """Lock an open file until it is closed, whatever ends the process; False when it is taken."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            os.lseek(file, MOST_BYTES * 2, os.SEEK_SET)  # what is locked there cannot be read
+            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+            os.lseek(file, 0, os.SEEK_SET)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if isinstance(error, (BlockingIOError, PermissionError)):
+            return False
+        raise
+    return True
+
+
+def hash_of(path: Path) -> str | None:
+    """Hash of a plain file that is no link; None of all else, which is never ours.
+
+    Raises OSError for a file that cannot be read to its end.
+    """
+    try:
+        file = os.open(path, flags(os.O_RDONLY))
+    except ValueError:  # a NUL in its name
+        return None
+    except OSError as error:
+        if error.errno in NEVER_OURS:
+            return None
+        raise
+    try:
+        status = os.fstat(file)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_HASHED:
+            return None
+        with open(file, "rb", closefd=False) as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    finally:
+        os.close(file)
+
+
+def sealed(data: bytes) -> bytes:
+    """Data whose last value, or comment, is BLANK, with its own hash there: any change shows."""
+    match = SEAL.search(data)
+    assert match is not None
+    assert match[0] == BLANK
+    seal = hashlib.sha256(data).hexdigest().encode()
+    return data[: match.start()] + seal + data[match.end() :]
+
+
+def is_sealed(data: bytes) -> bool:
+    """True for what `sealed` returned, byte for byte."""
+    match = SEAL.search(data)
+    if match is None:
+        return False
+    blank = data[: match.start()] + BLANK + data[match.end() :]
+    return hashlib.sha256(blank).hexdigest().encode() == match[0]
+
+
+def manifest(facts: dict[str, Any]) -> bytes:
+    """JSON of facts, sealed."""
+    text = json.dumps({**facts, "sealed": BLANK.decode()}, indent=2, ensure_ascii=False, allow_nan=False)
+    return sealed(f"{text}\n".encode("utf-8", "backslashreplace"))  # what UTF-8 has not, as in JSON
+
+
+def facts_of(data: bytes) -> dict[str, Any] | None:
+    """Facts of a manifest that nobody changed since it was sealed; None of all else."""
+    if not is_sealed(data):
+        return None
+    try:
+        facts = json.loads(data)
+    except (ValueError, RecursionError):
+        return None
+    return facts if isinstance(facts, dict) else None

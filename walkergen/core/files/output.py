@@ -1,0 +1,348 @@
+"""Writing files so that nothing is ever half-written, and folders that know what they hold.
+
+A file whose name walkergen chooses is written only where there is none, or one that walkergen
+wrote and nobody changed since; any other is left alone, and named in an error once all else is
+done. A file that a person names is replaced.
+"""
+
+import contextlib
+import hashlib
+import os
+import platform
+import re
+import secrets
+import stat
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Self
+
+from walkergen import __version__
+from walkergen.core.errors import OutputError
+from walkergen.core.files import ledger
+from walkergen.core.files.ledger import Ledger, flags, hash_of, lock
+
+MANIFEST = "manifest.json"
+LEDGER = ".walkergen"
+"""Hidden file with the hashes of what was written into a folder that has no manifest."""
+
+LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
+
+TEMPORARY = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
+NOT_OURS = "not as walkergen wrote it: left alone; move it away, or give another ‹out›"
+MOST_SEALED = 500_000_000
+"""Largest file that can be sealed, bytes."""
+
+NAMED = 5
+"""Most files that are named as left alone; the others are counted."""
+
+
+def write(path: Path, data: bytes, lasting: bool = True) -> None:
+    """Write a file whole or not at all: a temporary name in the same folder, then a rename.
+
+    A `lasting` one is on the disk then, and outlives a power cut; any other as soon as the system
+    has written it there, which spares each a wait of milliseconds.
+
+    The temporary file is new and its name not foreseen, so that no link that somebody put there
+    leads elsewhere. Parent folders are made. Raises OutputError; on any exception the temporary
+    file is removed.
+    """
+    try:
+        # Of long names the beginning: the whole must not exceed what a folder holds
+        temporary = path.with_name(f".{path.name[:40]}.walkergen-{secrets.token_hex(8)}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            _create(temporary, data, lasting)
+            temporary.replace(path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise
+    except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
+        raise refused(path, error) from None
+
+
+def _create(path: Path, data: bytes, lasting: bool) -> None:
+    """Write a file that is not there yet; fails where anything of this name is.
+
+    It stays locked meanwhile. A full disk may say so only when it is synchronized or closed.
+    """
+    file = os.open(path, flags(os.O_WRONLY | os.O_CREAT | os.O_EXCL), 0o666)
+    try:
+        lock(file)
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(file, rest) :]
+        if lasting:
+            os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _tidy(folder: Path) -> None:
+    """Remove what a killed run left half-written: temporary files that no process has locked."""
+    try:
+        names = [entry.name for entry in os.scandir(folder) if TEMPORARY.fullmatch(entry.name)]
+    except OSError:
+        return  # there is no such folder yet
+    for name in names:
+        with contextlib.suppress(OSError):  # somebody else has removed it, or may alone
+            file = os.open(folder / name, flags(os.O_WRONLY))
+            try:
+                if lock(file):
+                    (folder / name).unlink()
+            finally:
+                os.close(file)
+
+
+def renew(path: Path, data: bytes) -> None:
+    """Write sealed data (`ledger.sealed`) as `write` does, but over no file that is not sealed.
+
+    Raises OutputError, as `check_ours` does.
+    """
+    check_ours(path)
+    write(path, data)
+
+
+def check_ours(path: Path) -> None:
+    """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
+    try:
+        status = path.lstat()
+    except (OSError, ValueError):  # whatever stops the writing will tell
+        return
+    if _is_empty(status):
+        return
+    with contextlib.suppress(OSError), os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
+        plain = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+        if plain and ledger.is_sealed(stream.read(MOST_SEALED)):
+            return
+    raise OutputError(f"{str(path)!r}: {NOT_OURS}")
+
+
+def _is_empty(status: os.stat_result) -> bool:
+    """True for a plain file without contents: nothing that could be lost."""
+    return stat.S_ISREG(status.st_mode) and status.st_size == 0
+
+
+def refused(path: Path, error: Exception) -> OutputError:
+    """Error, in words, for a file or folder that the system does not let us write."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another ‹out›")
+
+
+GROWING = "growing"
+"""Stands in a ledger for the hash of a file that is written row by row."""
+
+
+class Folder:
+    """An output folder that knows which of its files walkergen wrote; a context in which it does.
+
+    Folders of several makers have a manifest each, of another name, which is written at the end;
+    until then no other process may write there. Without a manifest ("") files are only added, by
+    any number of processes. Every call raises OutputError for what cannot be written and for a
+    manifest that is not as we wrote it, InputError where another process writes.
+    """
+
+    def __init__(self, path: Path, manifest: str = MANIFEST) -> None:
+        self.path = path
+        self.manifest = manifest
+        self.hashes: dict[str, str] = {}
+        self.left: list[str] = []
+        """Files that are not ours and were left as they are."""
+        self._ledger: Ledger | None = None
+        self._listed: dict[str, str] = {}
+        self._tidied: set[Path] = set()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._ledger is not None:
+            with contextlib.suppress(OSError):  # a ledger may stay: it is of use to the next run
+                self._ledger.close()
+        if kind is None:
+            self._tell_left()
+
+    def claim(self) -> None:
+        """Keep others out from now on, as any writing does. What was half-written is removed."""
+        if self._ledger is not None:
+            return
+        hidden = f".{self.manifest}.walkergen" if self.manifest else LEDGER
+        place = self.path
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            place = self.path / hidden
+            opened = Ledger(place, alone=bool(self.manifest))
+        except (OSError, ValueError) as error:
+            raise refused(place, error) from None
+        try:
+            self._listed = _files_of(self.earlier())
+        except BaseException:
+            opened.close()
+            raise
+        self._ledger = opened
+
+    def write(self, name: str, data: bytes) -> bool:
+        """Write one file by its name relative to the folder; False for one that is not ours."""
+        self.claim()
+        assert self._ledger is not None
+        path, digest = self.path / name, hashlib.sha256(data).hexdigest()
+        if path.parent not in self._tidied:
+            _tidy(path.parent)
+            self._tidied.add(path.parent)
+        if not self._may(name, digest):
+            self.left.append(name)
+            return False
+        try:
+            self._ledger.note(name, digest)
+        except OSError as error:
+            raise refused(path, error) from None
+        write(path, data, lasting=False)  # of many: the manifest, which is last, lists those that are
+        self.hashes[name] = digest
+        return True
+
+    def grow(self, name: str) -> None:
+        """Note that a file of ours is about to be written by other means, as row by row."""
+        self.claim()
+        assert self._ledger is not None
+        try:
+            self._ledger.note(name, GROWING)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
+
+    def add(self, name: str) -> None:
+        """Take in a file that has grown."""
+        digest = self._hash(name)
+        if digest is None:
+            raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
+        self.hashes[name] = digest
+
+    def finish(self, facts: dict[str, Any]) -> None:
+        """Write the manifest, after removing what an earlier run left and this one did not make.
+
+        Only files that the earlier manifest lists, or that a killed run wrote, and that nobody
+        changed since, are removed. Raises OutputError, when all is done, for files left alone.
+        """
+        self.claim()
+        assert self._ledger is not None
+        for name in sorted({*self._ledger.digests, *self._listed} - {*self.hashes}):
+            if self._ours(name):
+                try:
+                    (self.path / name).unlink()
+                except OSError as error:
+                    raise refused(self.path / name, error) from None
+        files = dict(sorted(self.hashes.items()))
+        write(self.path / self.manifest, ledger.manifest({**facts, "files": files}))
+        try:
+            self._ledger.close(remove=True)
+        except OSError as error:
+            raise refused(self._ledger.path, error) from None
+        self._ledger = None
+        self._tell_left()
+
+    def earlier(self) -> dict[str, Any]:
+        """Manifest of an earlier run; nothing where there is none.
+
+        Raises OutputError for one that is not as we wrote it: nothing in its folder is touched.
+        """
+        if not self.manifest:
+            return {}
+        path = self.path / self.manifest
+        try:
+            with os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
+                data = stream.read(ledger.MOST_BYTES)
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError) as error:
+            raise _distrusted(path, getattr(error, "strerror", None) or str(error)) from None
+        facts = ledger.facts_of(data)
+        if facts is None:
+            raise _distrusted(path, "is not as walkergen wrote it")
+        for name in _files_of(facts):
+            if not _is_inside(self.path, name):
+                raise _distrusted(path, "names files outside its folder")
+        return facts
+
+    def untouched(self) -> bool:
+        """True when every file of an earlier run is as it was left."""
+        listed = _files_of(self.earlier())
+        return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
+
+    def as_left(self, name: str) -> bool:
+        """True for a file that is as an earlier run left it, or was growing when that was ended."""
+        self.claim()
+        assert self._ledger is not None
+        growing = GROWING in self._ledger.digests.get(name, ())
+        return growing or self._listed.get(name) == self._hash(name)
+
+    def _ours(self, name: str) -> bool:
+        """True for a file in the folder that we wrote and nobody changed since."""
+        assert self._ledger is not None
+        digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
+        return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
+
+    def _may(self, name: str, digest: str) -> bool:
+        """True where nothing is lost by writing a file of this hash: none there, or ours."""
+        path = self.path / name
+        try:
+            status = path.lstat()
+        except (OSError, ValueError):  # whatever stops the writing will tell
+            return True
+        return _is_empty(status) or self._hash(name) == digest or self._ours(name)
+
+    def _hash(self, name: str) -> str | None:
+        """Hash of a plain file in the folder; None of all else."""
+        try:
+            return hash_of(self.path / name)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
+
+    def _tell_left(self) -> None:
+        """Raise OutputError for the files that were left alone, a line each."""
+        if not self.left:
+            return
+        lines = [f"{str(self.path / name)!r}: {NOT_OURS}" for name in self.left[:NAMED]]
+        more = len(self.left) - NAMED
+        self.left = []
+        raise OutputError("\n".join(lines + ([f"and {more} more files"] if more > 0 else [])))
+
+
+def _files_of(facts: dict[str, Any]) -> dict[str, str]:
+    """Hashes of the files that a manifest lists, by their names."""
+    files = facts.get("files")
+    return files if isinstance(files, dict) else {}
+
+
+def _distrusted(path: Path, why: str) -> OutputError:
+    return OutputError(f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another ‹out›")
+
+
+def _is_inside(folder: Path, name: str) -> bool:
+    """True for a name that leads to a place inside the folder, by whatever links."""
+    try:
+        return folder.resolve() in (folder / name).resolve().parents
+    except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL
+        return False
+
+
+def versions() -> dict[str, str]:
+    """Versions of walkergen, Python and the libraries that shape the files."""
+    by_library = {"walkergen": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        try:
+            by_library[library] = version(library)
+        except PackageNotFoundError:  # vendored without metadata, as in some distributions
+            by_library[library] = "unknown"
+    return by_library
+
+
+def results(path: Path, out: Path | None, what: str) -> Path:
+    """Folder for what is made of a file: below `out`, or below out/ and the file's own name.
+
+    A folder of its own within, so that what other commands wrote there stays.
+    """
+    return (out or Path("out") / named_after(path)) / what
+
+
+def named_after(path: Path) -> str:
+    """Name of a folder for what is made of a file: the file's own, in letters that are safe."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

@@ -1,0 +1,180 @@
+"""Measurement of experiments: their runs by seeds and threads, until enough of them are made.
+
+Whatever runs is an experiment: a walker in a scene, a crowd. An error means the same wherever it is
+asked for: half of the bounds of 95 %, by the runs and by what no number of runs makes less, as a
+time step. A share of it counts of the value, or of a floor where the value is smaller: no number of
+runs gives a walker that stands to a share of its speed.
+"""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar
+
+from walkergen.core.files.progress import Progress, silent, stretch
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.simulation import batch
+from walkergen.core.simulation.batch import OneRun
+from walkergen.core.tolerance import Tolerance
+
+FIRST_RUNS, MOST_RUNS = 8, 512
+"""Numbers of runs with which an experiment that shall meet an error begins, and ends."""
+
+LEAST_MORE, MOST_MORE = 1.1, 1.5
+"""Factors by which runs are added, at least and at most, whatever the scatter of those made seems to need: it is known
+the better the more there are. Of normal runs, 5 to 9 % more are so made than the fewest that meet the error, whose
+bounds still hold 95 % (with 1.2 times what seems needed, and at least half as many again, 27 to 69 %)."""
+
+BIAS_PART = 0.7
+"""Part of the error that a bias may take up, else the experiment is refined: what a bias that falls with the square of
+a step leaves for the scatter is then worth twice as many steps."""
+
+
+class Experiment(Protocol):
+    """What runs: its runs are independent, and each the same bits whenever it is made."""
+
+    def prepared(self) -> OneRun[Any]:
+        """What makes the run of a number, whose random stream that number begins, and returns its record.
+
+        Whatever all runs share is made first, on this thread: kernels are compiled, inputs refused.
+        """
+
+    def quantities(self, records: Sequence[Any]) -> list[Quantity]:
+        """What records of one run or more say, each number with its error."""
+
+    def finer(self) -> Self | None:
+        """The same with smaller biases; None where there are none, or no smaller ones."""
+
+
+AnExperiment = TypeVar("AnExperiment", bound=Experiment)
+
+
+class Measured(NamedTuple, Generic[AnExperiment]):
+    """Experiment and what its runs say."""
+
+    experiment: AnExperiment
+    """Experiment as it was run at last."""
+    records: list[Any]
+    """Records of the finished runs, by their numbers."""
+    runs: int
+    """Number of runs that were asked for."""
+    wall_s: float
+    """Time by the clock that the runs took, s."""
+
+    @property
+    def partial(self) -> bool:
+        """Whether Ctrl-C left runs out."""
+        return len(self.records) < self.runs
+
+    @property
+    def quantities(self) -> Mapping[str, Quantity]:
+        """What the runs say, by the names of columns."""
+        return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
+
+    def more(self, runs: int) -> "Measured[AnExperiment]":
+        """The same, of which so many runs in all are asked for."""
+        return self._replace(runs=runs)
+
+
+class Until(Protocol):
+    """What decides how many runs are enough."""
+
+    @property
+    def first(self) -> int:
+        """Number of runs to begin with."""
+
+    def further(self, measured: Measured[Any]) -> Measured[Any] | None:
+        """The same with more runs, or a finer experiment; None where these are enough."""
+
+
+class Runs(NamedTuple):
+    """So many runs."""
+
+    first: int
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """Nothing more."""
+        return None
+
+
+class Budget(NamedTuple):
+    """As many runs as fit into so many seconds by the clock, but `first` of them in any case."""
+
+    seconds: float
+    first: int = FIRST_RUNS
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """Up to twice the runs, as many as there is time for."""
+        affordable = int(self.seconds * measured.runs / max(measured.wall_s, 1e-9))
+        return None if affordable <= measured.runs else measured.more(min(2 * measured.runs, affordable))
+
+
+class Error(NamedTuple):
+    """Runs until a quantity has an error, or no more runs could help."""
+
+    tolerance: Tolerance
+    of: str
+    """Column of the quantity."""
+    floor: float = 0.0
+    """Value of which a share counts where the quantity is smaller."""
+    first: int = FIRST_RUNS
+    most: int = MOST_RUNS
+
+    def allowed(self, value: float | None) -> float:
+        """Error that the quantity may have, in its unit."""
+        wanted, relative = self.tolerance
+        return wanted * max(abs(value or 0.0), self.floor) if relative else wanted
+
+    def further(self, measured: Measured[AnExperiment]) -> Measured[AnExperiment] | None:
+        """More runs, or a finer experiment where its bias takes up more of the error than runs could make good."""
+        quantity = measured.quantities[self.of]
+        error, allowed, bias = quantity.half_width(), self.allowed(quantity.value), quantity.bias
+        if error <= allowed or quantity.value is None or quantity.freedom == 0.0 or math.isinf(bias):
+            return None
+        if bias > BIAS_PART * allowed:
+            finer = self.fine(measured)
+            return None if finer is measured.experiment else Measured(finer, [], self.first, 0.0)
+        if measured.runs >= self.most:
+            return None
+        short = (error**2 - bias**2) / (allowed**2 - bias**2)
+        more = math.ceil(measured.runs * min(max(short, LEAST_MORE), MOST_MORE))
+        return measured.more(min(self.most, more))
+
+    def fine(self, measured: Measured[AnExperiment]) -> AnExperiment:
+        """Experiment whose bias leaves room for the scatter, as the runs already made tell; else the finest."""
+        experiment = measured.experiment
+        while (finer := experiment.finer()) is not None:
+            quantity = measured._replace(experiment=experiment).quantities[self.of]
+            if quantity.bias <= BIAS_PART * self.allowed(quantity.value):
+                break
+            experiment = finer
+        return experiment
+
+
+def measure(
+    experiment: AnExperiment, until: Until, progress: Progress = silent, threads: int | None = None
+) -> Measured[AnExperiment]:
+    """Run an experiment on `threads` threads (None: every core), until enough runs are made.
+
+    Any number of threads gives equal bits, and the first n of more runs are n runs. Ctrl-C gives the
+    runs that are done; without any it is raised again.
+    """
+    step: Measured[AnExperiment] | None = Measured(experiment, [], until.first, 0.0)
+    while step is not None:
+        measured = step
+        if not measured.records:
+            progress("kernels", 0, 100)
+            one = measured.experiment.prepared()
+        started = time.perf_counter()
+        try:
+            done = len(measured.records)
+            tell = stretch(progress, done / measured.runs, 1.0)
+            fresh = batch.run(one, range(done, measured.runs), tell, threads)
+        except KeyboardInterrupt:
+            if not measured.records:
+                raise
+            return measured
+        records = [*measured.records, *fresh.values()]
+        measured = measured._replace(records=records, wall_s=measured.wall_s + time.perf_counter() - started)
+        step = None if measured.partial else until.further(measured)
+    return measured

@@ -1,0 +1,208 @@
+"""Compilation of kernels: by numba, cached on disk, without the interpreter lock.
+
+numba's disk cache notices edits in the file of the compiled function but not in the files that
+it imports, and then returns old answers. So the cache lies in a folder named by a hash of all the
+sources that kernels may be made of: any edit there starts a fresh cache.
+"""
+
+import functools
+import hashlib
+import os
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from walkergen.core import caches
+from walkergen.core.numerics import shipped
+
+SOURCES = (
+    "core/drive.py",
+    "core/numerics/kernels.py",
+    "core/numerics/shipped.py",
+    "core/theory/balance.py",
+    "core/theory/impact.py",
+    "core/theory/paper_simulation.py",
+    "core/simulation/**/*.py",
+    "points/emulator.py",
+    "points/poses.py",
+    "readers/drawings/crossings.py",
+    "guests/**/space/*.py",
+)
+"""Patterns of the files that kernels, their constants and their arguments' types come from."""
+
+
+@functools.cache
+def digest() -> str:
+    """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
+    hasher = hashlib.sha256()
+    package = Path(__file__).parents[2]
+    for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
+        hasher.update(source.read_bytes())
+    return hasher.hexdigest()[:16]
+
+
+_sums: dict[str, str] = {}
+if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
+    _sums, _unfit = shipped.prepare(digest())
+    _place = caches.versioned("numba", digest())
+    os.environ["NUMBA_CACHE_DIR"] = str(_place)
+    if _unfit and not any(_place.iterdir()):
+        print(f"compiling kernels, once: those that came are not used, {_unfit}", file=sys.stderr)
+
+import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set first)
+from numba.extending import intrinsic, typeof_impl  # noqa: E402
+
+if _sums:
+    shipped.serve(_sums)
+
+
+def _register_without_blas() -> None:
+    """Let numba load its mathematics as where there is no SciPy: no kernel of ours multiplies matrices by a library,
+    and to look for one takes a fifth of a simulation's start.
+    """
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
+    try:
+        import numba.np.arraymath  # noqa: F401
+    finally:
+        del sys.modules["scipy.linalg"]
+
+
+# In a process of a command; elsewhere kernels of others may need one
+if "walkergen.cli.build" in sys.modules and not {"scipy.linalg", "numba.np.arraymath"} & set(sys.modules):
+    _register_without_blas()
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Kernel:
+    """Compiled function: for kernels without, for Python with the wrapper that unpacks arguments.
+
+    Of nested tuples that wrapper is larger than most functions; only what Python calls has one.
+    Most kernels are only called by others, so that either is made on its first use.
+    """
+
+    __wrapped__: Callable[..., Any]
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.options = options
+
+    @functools.cached_property
+    def inner(self) -> Any:
+        """For kernels; not cached, since what calls it has its code."""
+        bare = self.options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(**bare)(self.__wrapped__)
+
+    @functools.cached_property
+    def outer(self) -> Any:
+        """For Python."""
+        return numba.njit(cache=True, **self.options)(self.__wrapped__)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run on arguments from Python."""
+        return self.outer(*arguments)
+
+
+@typeof_impl.register(Kernel)  # type: ignore[untyped-decorator]
+def _typeof_kernel(kernel: Kernel, context: Any) -> Any:
+    """Type of a kernel that another one calls."""
+    return numba.typeof(kernel.inner)
+
+
+def _compiled(function: F, **options: Any) -> F:
+    """Kernel of a function; the function itself where the compiler is off."""
+    if numba.config.DISABLE_JIT:
+        return function
+    compiled: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
+    return compiled  # type: ignore[no-any-return]
+
+
+def kernel(function: F) -> F:
+    """Compile `function` with numba on its first call; type checkers see the plain function."""
+    return _compiled(function)
+
+
+def inlined(function: F) -> F:
+    """Compile `function` as `kernel` does, into the code of those that call it.
+
+    For parts of a hot loop that take whole tuples: a call copies each of their numbers, 1 ns each.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def lean(function: F) -> F:
+    """Compile `function` as `inlined` does, without counting references: it must allocate nothing.
+
+    A call that passes many arrays otherwise counts a reference of each: 0.3 us for those of a
+    walker in space, as much as one of its steps, and threads that share arrays wait for each other.
+    Inlined, such calls take a quarter less of a step, and no longer to compile.
+    """
+    return _compiled(function, _nrt=False, forceinline=True)
+
+
+def uncounted(function: F) -> F:
+    """Compile `function` as `kernel` does, without counting references: it must allocate nothing.
+
+    For what is as large as a step, and called from several places. All that it inlines is `lean`.
+    """
+    return _compiled(function, _nrt=False)
+
+
+def entry(function: F, *arguments: Any) -> F:
+    """Machine code of a kernel for arguments of these types, compiled if need be.
+
+    A call through it does not look up the types, which for nested tuples takes 0.1 ms.
+    """
+    if not isinstance(function, Kernel):  # a plain function, or the compiler is off
+        return function
+    code: F = function.outer.compile(tuple(numba.typeof(argument) for argument in arguments))
+    return code
+
+
+def listed(items: Iterable[Any]) -> Any:
+    """List of tuples of one type, for kernels; a plain one where the compiler is off.
+
+    Kernels of our own fill it: those of numba's list are compiled anew in every process, for 7 s of
+    CPU where tuples are as large as a walker. Its items are read by `borrowed`.
+    """
+    if numba.config.DISABLE_JIT:
+        return list(items)
+    first, *others = items
+    made = _list_of(first)
+    for item in others:
+        _append(made, item)
+    return made
+
+
+@kernel
+def _list_of(item: Any) -> Any:
+    items = numba.typed.List()
+    items.append(item)
+    return items
+
+
+@kernel
+def _append(items: Any, item: Any) -> None:
+    items.append(item)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _borrowed(typing: Any, items: Any, i: Any) -> Any:
+    from numba.typed.listobject import _list_getitem_borrowed
+
+    getter, load = _list_getitem_borrowed._defn(typing, items, i)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        some = builder.extract_value(load(context, builder, getter, arguments), 1)
+        return context.cast(builder, some, getter.return_type[1], items.item_type)
+
+    return items.item_type(items, i), code
+
+
+def _item(items: Any, i: int) -> Any:
+    return items[i]
+
+
+borrowed = _item if numba.config.DISABLE_JIT else _borrowed
+"""Item i of what `listed` made, for kernels that count no references (`lean`, `uncounted`)."""

@@ -1,0 +1,192 @@
+"""Quantities: a number with its error and unit, or why there is none; and how two of them compare.
+
+Every number that walkergen states is one of these. Bounds follow Student's t (Student 1908), those of
+a variance chi^2. There is one rule for "agrees", and noise never makes an agreement by it.
+"""
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics import statistics
+
+CONFIDENCE = 0.95
+"""Confidence of the bounds by which two quantities are compared."""
+
+
+ROUNDS = 50
+"""Number of rounds that find the lower bound of a variance which is told only where it is large."""
+
+
+class Verdict(StrEnum):
+    """How a quantity stands beside another, or beside a range that is allowed."""
+
+    AGREE = "agree"
+    """All of its bounds lie within what is allowed."""
+    UNDECIDED = "undecided"
+    """Its bounds reach over an end of what is allowed: a smaller error would tell."""
+    DISAGREE = "disagree"
+    """None of its bounds lies within what is allowed."""
+    MISSING = "missing"
+    """There is no value."""
+
+
+class Quantity(NamedTuple):
+    """Number with its standard error, in a unit; value, error or both are None when refused."""
+
+    key: str
+    unit: str
+    """As keys write it: mm_s, rad2_s; "" for a pure number."""
+    value: float | None
+    se: float | None = None
+    """Standard error; None where it is not known, 0 of a number without chance."""
+    freedom: float = math.inf
+    """Degrees of freedom of the error: bounds follow Student's t; 0: more values would tell none."""
+    refused: str = ""
+    """Reason why there is no value, or no error; "" where both are known."""
+    noise: float | None = None
+    """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
+    power: int = 1
+    """Power of the number that is such a variance: 2 for its root, -1 for a time that is 1 over it."""
+    least: float = 0.0
+    """Variance, with its noise, below which such a number is not told; its lower bound allows for that choice."""
+    bias: float = 0.0
+    """Largest error (95 %) that no number of values makes less, as of a time step; infinite where it is not known."""
+
+    @property
+    def known(self) -> bool:
+        """Whether there are both a value and its error."""
+        return self.value is not None and self.se is not None
+
+    @property
+    def number(self) -> float:
+        """Value of a quantity that has one. Raises ValueError for others."""
+        if self.value is None:
+            raise ValueError(f"{self.key}: {self.refused or 'no value'}")
+        return self.value
+
+    @property
+    def pair(self) -> tuple[float, float]:
+        """Value and standard error of a quantity that has both. Raises ValueError for others."""
+        if self.value is None or self.se is None:
+            raise ValueError(f"{self.key}: {self.refused or 'no error'}")
+        return self.value, self.se
+
+    @property
+    def column(self) -> str:
+        """Name of its column, with the unit."""
+        return f"{self.key}_{self.unit}" if self.unit else self.key
+
+    def interval(self, confidence: float = CONFIDENCE) -> tuple[float, float] | None:
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1; None unless both are finite.
+
+        A number has no bounds without an error, or with one of no degrees of freedom. A bias widens them in squares,
+        by half of it below CONFIDENCE: as one standard deviation.
+        """
+        if self.value is None or self.se is None or math.isinf(self.bias):
+            return None
+        ends = self._ends(self.value, self.se, confidence)
+        return ends if all(map(math.isfinite, ends)) else None
+
+    def _ends(self, value: float, se: float, confidence: float) -> tuple[float, float]:
+        """Lower and upper bound of a number with an error, which may be infinite or NaN."""
+        if self.bias:
+            half = self._replace(bias=0.0).half_width(confidence)
+            wider = math.hypot(half, self.bias if confidence >= CONFIDENCE else 0.5 * self.bias)
+            return value - wider, value + wider
+        if se == 0.0 and self.noise is None:
+            return value, value
+        if self.noise is not None:
+            with np.errstate(all="ignore"):
+                return self._of_variance(value, self.noise, confidence)
+        return statistics.Mean(value, se, self.freedom).interval(confidence)
+
+    def half_width(self, confidence: float = CONFIDENCE) -> float:
+        """Half of the width of its bounds; infinite without any."""
+        ends = self.interval(confidence)
+        return math.inf if ends is None else 0.5 * (ends[1] - ends[0])
+
+    def _of_variance(self, value: float, noise: float, confidence: float) -> tuple[float, float]:
+        """Bounds of a variance, or of a power of it, to which noise adds."""
+        from scipy import special
+
+        free, tail = self.freedom, 0.5 - 0.5 * confidence
+        total = (value**self.power + noise) * free
+        scales = [total / special.chdtri(free, tail), total / special.chdtri(free, 1.0 - tail)]
+        if not np.isfinite(scales).all():  # hardly any freedom
+            return math.nan, math.nan
+        for _ in range(ROUNDS if self.least else 0):  # so that a larger one, given that it is told, has this chance
+            if scales[0] > noise:
+                told = special.chdtrc(free, self.least * free / scales[0])
+                scales[0] = total / special.chdtri(free, tail * told)
+        ends = (max(scale - noise, 0.0) for scale in scales)
+        low, high = sorted(end ** (1.0 / self.power) if end or self.power > 0 else math.inf for end in ends)
+        return low, high
+
+    def within(self, low: float, high: float, confidence: float = CONFIDENCE) -> Verdict:
+        """How its bounds lie in a range, whose ends may be infinite: agree inside, disagree outside.
+
+        Without an error it is undecided: noise that is not known makes no agreement, nor the contrary.
+        """
+        if self.value is None:
+            return Verdict.MISSING
+        ends = self.interval(confidence)
+        if ends is None:
+            return Verdict.UNDECIDED
+        if ends[1] < low or ends[0] > high:
+            return Verdict.DISAGREE
+        return Verdict.AGREE if low <= ends[0] and ends[1] <= high else Verdict.UNDECIDED
+
+    def less(self, other: "Quantity") -> "Quantity":
+        """Difference of two independent quantities, with Satterthwaite's degrees of freedom (1946)."""
+        if self.value is None or other.value is None:
+            return self._replace(value=None, se=None, refused=self.refused or other.refused or "no value")
+        gap = self.value - other.value
+        if self.se is None or other.se is None:
+            return Quantity(self.key, self.unit, gap, None, refused=self.refused or other.refused)
+        se = math.hypot(self.se, other.se)
+        parts = self.se**4 / self.freedom + other.se**4 / other.freedom
+        freedom, bias = se**4 / parts if parts > 0.0 else math.inf, math.hypot(self.bias, other.bias)
+        return Quantity(self.key, self.unit, gap, se, freedom, bias=bias)
+
+    def over(self, other: "Quantity") -> "Quantity":
+        """Ratio of two independent quantities, the second not 0, without a unit; errors to first order."""
+        if self.value is None or other.value is None:
+            return Quantity(self.key, "", None, None, refused=self.refused or other.refused or "no value")
+        quotient = self.value / other.value
+        if self.se is None or other.se is None:
+            return Quantity(self.key, "", quotient, None, refused=self.refused or other.refused)
+        pairs = (self.se, other.se), (self.bias, other.bias)
+        se, bias = (math.hypot(above, quotient * below) / abs(other.value) for above, below in pairs)
+        return Quantity(self.key, "", quotient, se, bias=bias)
+
+    def beside(self, other: "Quantity", margin: float = 0.0, allowed: float = 0.0) -> Verdict:
+        """How it stands beside another: their difference within `margin` of the other, or `allowed` in the unit.
+
+        The larger of both counts. It says agree when the whole interval of the difference lies within
+        what is allowed, disagree when none of it does, undecided in between: the noisier a number, the
+        less it agrees. So without a margin only numbers without errors agree.
+        """
+        gap = self.less(other)
+        room = max(margin * abs(other.value or 0.0), allowed)
+        return gap.within(-room, room)
+
+
+def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]") -> Quantity:
+    """Mean of independent values, shape (n,), by their scatter; of one value the error is refused."""
+    array = np.asarray(values, dtype=float)
+    if len(array) == 0:
+        return Quantity(key, unit, None, None, refused="no value")
+    if len(array) == 1:
+        return Quantity(key, unit, float(array[0]), None, refused="no error of one value")
+    value, se, freedom = statistics.mean_of(array)
+    return Quantity(key, unit, value, se, freedom)
+
+
+def exact(key: str, unit: str, value: float) -> Quantity:
+    """Number without chance: a definition, a closed form."""
+    return Quantity(key, unit, value, 0.0)

@@ -1,0 +1,166 @@
+"""Kernels that came compiled with the package, in `walkergen/kernels`, where they fit this machine.
+
+They are machine code for any CPU of a kind (x86-64-v3, or the generic one elsewhere), so numba
+compiles for that kind as well: what is compiled here joins what came. Code is unpickled only from
+the package's own folder, as its manifest's sums say, and only where nobody else can write to it.
+"""
+
+import functools
+import hashlib
+import json
+import os
+import platform
+import stat
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+PACKAGE = Path(__file__).parents[2]
+FOLDER = PACKAGE / "kernels"
+MANIFEST = "manifest.json"
+
+V3 = ("avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
+"""Features of a CPU of the kind x86-64-v3, by LLVM's names."""
+
+
+class Kind(NamedTuple):
+    """What machine code depends on, besides the sources: all must be the same."""
+
+    sources: str
+    """Digest of the kernels' sources."""
+    numba: str
+    python: str
+    """Implementation and version, whose byte code the keys of entries hold: cpython-311."""
+    machine: str
+    cpu: str
+    """LLVM's name of the CPU that the code is for."""
+
+
+def kind(sources: str) -> Kind:
+    """Kind of this program on this machine."""
+    from importlib.metadata import version
+
+    return Kind(
+        sources, version("numba"), str(sys.implementation.cache_tag), f"{sys.platform}-{platform.machine()}", cpu()
+    )
+
+
+@functools.cache
+def cpu() -> str:
+    """LLVM's name of the kind of CPU that kernels are shipped for; "" where this one is less."""
+    if platform.machine().lower() not in ("x86_64", "amd64"):
+        return "generic"
+    from llvmlite import binding
+
+    has = binding.get_host_cpu_features()
+    return "x86-64-v3" if all(has.get(name, False) for name in V3) else ""
+
+
+def manifest(folder: Path = FOLDER) -> dict[str, Any] | None:
+    """Manifest of the kernels that came with the package; None without any, or unreadable."""
+    try:
+        return dict(json.loads((folder / MANIFEST).read_text()))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def refusal(made: dict[str, Any], own: Kind, folder: Path = FOLDER) -> str:
+    """Reason why kernels of a manifest are not for this machine; "" where they are."""
+    if not _safe(folder):
+        return f"{folder} can be written by others"
+    wished = os.environ.get("NUMBA_CPU_NAME", own.cpu), os.environ.get("NUMBA_CPU_FEATURES", "")
+    if wished != (own.cpu, "") or not own.cpu:
+        return "they are for a CPU of another kind"
+    for name, value in own._asdict().items():
+        if made.get(name) != value:
+            what = "edited sources" if name == "sources" else f"{name} {made.get(name)}"
+            return f"they are of {what}" + ("" if name == "sources" else f", this is {value}")
+    return ""
+
+
+def _safe(folder: Path) -> bool:
+    """Whether only the user, or who installed the package, can write to a folder."""
+    if not hasattr(os, "getuid"):
+        return True  # Windows: a profile's folders are its user's
+    for path in (folder, *folder.rglob("*")):
+        status = path.lstat()
+        if status.st_uid not in (0, os.getuid()) or stat.S_ISLNK(status.st_mode):
+            return False
+        shared = bool(status.st_mode & stat.S_IWGRP) and status.st_gid != os.getgid()
+        if shared or status.st_mode & stat.S_IWOTH:
+            return False
+    return True
+
+
+def prepare(sources: str) -> tuple[dict[str, str], str]:
+    """Files of fitting kernels by their sums, or none and why those that came do not fit.
+
+    With some numba, which is not yet imported, will compile for the same kind of CPU.
+    """
+    made = manifest()
+    if made is None:
+        return {}, ""
+    own = kind(sources)
+    reason = refusal(made, own)
+    if reason:
+        return {}, reason
+    os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = own.cpu, ""
+    return dict(made["files"]), ""
+
+
+def serve(sums: dict[str, str]) -> None:
+    """Make numba's cache, which is imported, look among the shipped files first."""
+    from numba.core import caching
+
+    caching.IndexDataCacheFile = with_shipped(caching.IndexDataCacheFile, sums)
+
+
+def with_shipped(plain: Any, sums: dict[str, str], folder: Path = FOLDER) -> Any:
+    """Class of numba's cache files that reads shipped entries first, made of its own, `plain`."""
+    rooms = {subpath(PACKAGE / room): room for room in {str(Path(name).parent) for name in sums}}
+
+    class Read(plain):  # type: ignore[misc]
+        """Shipped entries of one function, whose sums are those of the manifest."""
+
+        def _load_index(self) -> Any:
+            return super()._load_index() if self._whole(self._index_name) else {}
+
+        def _load_data(self, name: str) -> Any:
+            if not self._whole(name):
+                raise FileNotFoundError(name)
+            return super()._load_data(name)
+
+        def _whole(self, name: str) -> bool:
+            path = Path(self._cache_path) / name
+            expected = sums.get(path.relative_to(folder).as_posix())
+            return expected is not None and sum_of(path) == expected
+
+    class Both(plain):  # type: ignore[misc]
+        """Entries of one function: shipped, or compiled here."""
+
+        def __init__(self, cache_path: str, filename_base: str, source_stamp: Any) -> None:
+            super().__init__(cache_path, filename_base, source_stamp)
+            room = rooms.get(Path(cache_path).name)
+            place = None if room is None else str(folder / room)
+            self._shipped = None if place is None else Read(place, filename_base, source_stamp)
+
+        def load(self, key: Any) -> Any:
+            entry = None if self._shipped is None else self._shipped.load(key)
+            return super().load(key) if entry is None else entry
+
+    return Both
+
+
+def sum_of(path: Path) -> str:
+    """SHA-256 of a file; "" for one that cannot be read."""
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def subpath(room: Path) -> str:
+    """Name of the folder in which numba caches the functions of a room."""
+    from numba.core.caching import _CacheLocator
+
+    return str(_CacheLocator.get_suitable_cache_subpath(str(room / "x.py")))

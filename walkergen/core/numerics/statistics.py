@@ -1,0 +1,155 @@
+"""Errors of measured quantities: Student's t, quantiles, correlation time, jackknife, a line."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.tails import student
+
+Array = npt.NDArray[np.float64]
+
+FEWEST_VALUES = 32
+"""Length of a series below which its correlation time cannot be estimated."""
+
+FEWEST_SAMPLES = 30
+"""Number of independent samples (pairs of correlation times) below which the error of a mean is
+refused. Near it the correlation time, and the error with it, come out too small in those series
+that pass: by 30 % at 25 samples (4 of 10 series pass), 20 % at 30, 5 % at 50 and 2 % at 100,
+measured with Ornstein-Uhlenbeck processes."""
+
+ENOUGH_FOR_95 = 39
+"""Number of values whose least and largest are the ends of bounds that hold another with 95 %."""
+
+WINDOW = 5.0
+"""Number of correlation times over which products are summed (Sokal 1997, section 3)."""
+
+
+class Mean(NamedTuple):
+    """Mean of independent values, with its standard error and that error's degrees of freedom."""
+
+    value: float
+    se: float
+    freedom: float
+
+    def interval(self, confidence: float) -> tuple[float, float]:
+        """Lower and upper bound that hold the expectation with a `confidence` of 0 to 1.
+
+        By Student's t (Student 1908), exact for normally distributed values.
+        """
+        half = student(self.freedom, 0.5 + 0.5 * confidence) * self.se
+        return self.value - half, self.value + half
+
+
+def mean_of(values: Array, weights: Array | None = None) -> Mean:
+    """Mean of n >= 2 independent values, shape (n,), weighted by `weights` (all 1 if None).
+
+    Weights are the times measured: with w_i their shares, the squared error is the sum of
+    w_i^2 (x_i - mean)^2 over 1 - sum w_i^2, and the degrees of freedom are 1/(sum w_i^2) - 1
+    (Satterthwaite 1946, Biometrics Bull. 2, 110, for variances that fall as 1/w). With equal
+    weights this is the spread over the root of n, with n - 1.
+    """
+    share = np.full(len(values), 1.0 / len(values)) if weights is None else weights / weights.sum()
+    value = float(share @ values)
+    alike = float(share @ share)
+    se = math.sqrt(float(share**2 @ (values - value) ** 2) / (1.0 - alike))
+    return Mean(value, se, 1.0 / alike - 1.0)
+
+
+def quantiles_of_another(values: Array, shares: Sequence[float]) -> Array:
+    """Values below which one more of n >= 2 independent values falls with these probabilities.
+
+    Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold
+    for any continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the
+    median than the outermost value in the ratio of Student's t, of n - 1 degrees of freedom, at
+    both probabilities. So bounds of 95 % from 16 to 38 values hold 94 to 97 % of normal, skewed
+    (log-normal, exponential) and triangular distributions, 92.5 to 95 % of Student's t of three
+    degrees, and 95 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 %
+    and from 4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
+    """
+    count, wanted = len(values), np.asarray(shares, dtype=float)
+    rarest = 1.0 / (count + 1)
+    within = np.clip(wanted, rarest, 1.0 - rarest)
+    middle = np.median(values)
+    ends = np.quantile(values, within, method="weibull")
+    beyond = wanted != within
+    further, outermost = ([student(count - 1, at) for at in places[beyond]] for places in (wanted, within))
+    ends[beyond] = middle + np.divide(further, outermost) * (ends[beyond] - middle)
+    return np.asarray(ends)
+
+
+def correlation_time(series: Sequence[Array], interval: float) -> float | None:
+    """Integrated autocorrelation time (s) of series sampled every `interval` seconds.
+
+    Products are about the mean of all series: about each one's own, changes slower than a series
+    would vanish. Summed in Sokal's self-consistent window (A. Sokal, in Functional Integration,
+    1997, section 3), with the correction for the mean's own error (U. Wolff, Comput. Phys. Commun.
+    156, 143, 2004, section 3.2). At least half an interval; None when no series has FEWEST_VALUES
+    values, and when the window does not close within half of the longest series.
+    """
+    longest = max((len(values) for values in series), default=0)
+    if longest < FEWEST_VALUES:
+        return None
+    count = sum(len(values) for values in series)
+    middle = sum(float(values.sum()) for values in series) / count
+    centred = [values - middle for values in series]
+    variance = sum(float(values @ values) for values in centred) / count
+    if variance == 0.0:
+        return 0.5 * interval
+    time = 0.5
+    for lag in range(1, longest // 2):
+        long = [values for values in centred if len(values) > lag]
+        products = sum(float(values[:-lag] @ values[lag:]) for values in long)
+        time += products / sum(len(values) - lag for values in long) / variance
+        if lag >= WINDOW * time:
+            return max(time * (1.0 + (2 * lag + 1) / count), 0.5) * interval
+    return None
+
+
+def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
+    """Standard error of the mean over all series, sampled every `interval` seconds.
+
+    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES.
+    For series that are too few to give their spread: changes rarer than the series are long escape.
+    """
+    values = np.concatenate(list(series))
+    independent = len(values) * interval / (2.0 * correlation)
+    if independent < FEWEST_SAMPLES:
+        return None
+    return float(values.std(ddof=1) / math.sqrt(independent))
+
+
+def jackknife_error(replicates: Array) -> Array:
+    """Standard errors, shape (k,), from leave-one-out values of shape (n, k) with n >= 2.
+
+    Efron and Stein (1981); the n groups left out must be independent and of similar size.
+    """
+    count = len(replicates)
+    spread = replicates - replicates.mean(axis=0)
+    error: Array = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+    return error
+
+
+class Line(NamedTuple):
+    """Straight line through the origin, fitted to points with errors."""
+
+    slope: float
+    slope_se: float
+    chi2: float
+    """Sum of the weighted squared residuals."""
+    p_value: float
+    """Probability of a chi2 at least as large if the points lie on a line through the origin."""
+    points: int
+
+
+def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
+    """Fit y = slope x by weighted least squares; shapes (n,) with n >= 2, errors > 0."""
+    from scipy.stats import chi2 as chi2_law
+
+    weights = errors**-2.0
+    norm = float(np.sum(weights * x**2))
+    slope = float(np.sum(weights * x * y)) / norm
+    rest = float(np.sum(weights * (y - slope * x) ** 2))
+    return Line(slope, norm**-0.5, rest, float(chi2_law.sf(rest, len(x) - 1)), len(x))

@@ -1,0 +1,341 @@
+"""Printability: findings on what would not print as drawn, before anything is written.
+
+Slicers are silent on most of these: PrusaSlicer 2.5 slices legs away and parts off the bed without
+a word (tests/core/printing/test_slicer.py).
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from walkergen.core.printing import legs_up, pocket_checks, walls
+from walkergen.core.printing.findings import NOISE_MM, About, Finding, Level, Setting, at, new
+from walkergen.core.printing.packing import Part, Plate, border, spacing
+from walkergen.core.printing.printers import Printer
+from walkergen.core.printing.walls import Wall
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+
+ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
+"""Ranges of thickness, in printed lines, that come out as one or two lines on all known slicers."""
+
+TOLERATED_DEVIATION = 0.10
+"""Relative deviation of the plastic in a leg from its mesh beyond which there is a warning."""
+
+THICKEST_LAYER = 0.8
+"""Largest layer height in nozzles that slicers' makers advise; PrusaSlicer refuses more than 1."""
+
+SMALLEST_CONTACT_MM2, SLENDEREST_WALL = 50.0, 20.0
+"""Area on the bed below which, and height over thickness above which, a brim is advised. Assumed:
+the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one.
+"""
+
+
+def of_batch(
+    designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
+) -> list[Finding]:
+    """Findings on a whole print; designs, meshes (as they lie on the bed) and parts are in the same
+    order.
+    """
+    return [
+        *of_printer(printer),
+        *_materials(designs, parts),
+        *(
+            finding
+            for design, mesh, part in zip(designs, meshes, parts, strict=True)
+            for finding in of_part(part.name, design, mesh, printer)
+        ),
+        *(
+            finding
+            for number, plate in enumerate(plates, start=1)
+            for finding in of_plate(f"plate {number}", plate, parts, printer)
+        ),
+    ]
+
+
+BRIM = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_width_mm", 5.0))
+"""What to do where little holds on to the bed, and a width that is common."""
+
+
+def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
+    """Findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
+
+    The mesh is as it lies on the bed (solids.as_printed).
+    """
+    findings = [
+        *_walls(design, printer),
+        *_gaps(design, printer),
+        *_marks(design, printer),
+        *_layers(design, printer),
+        *_size(Part.of(name, mesh), printer),
+        *_mesh(mesh),
+        *_repairs(design),
+        *pocket_checks.of_part(design, printer),
+    ]
+    if not solids.on_side(design):
+        findings += legs_up.of_part(design, mesh, printer)
+    if printer.brim_width_mm == 0.0:
+        findings += _standing(design, mesh, printer)
+    return at(name, findings)
+
+
+def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
+    """Findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
+
+    Its masses are not predicted: only walls that fail or print otherwise than drawn count.
+    """
+    of_walls = [of_wall(wall, printer, TOLERATED_DEVIATION) for wall in upright]
+    findings = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
+    if printer.brim_width_mm == 0.0:
+        findings += _upright(upright)
+    return at(name, [*filter(None, of_walls), *findings])
+
+
+def of_printer(printer: Printer) -> list[Finding]:
+    """Findings on a printer's settings, whatever it prints."""
+    layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
+    findings = []
+    if layer > THICKEST_LAYER * nozzle + NOISE_MM:
+        level: Level = "error" if layer > nozzle else "warning"
+        what, most = "layers are thick for the nozzle", THICKEST_LAYER * nozzle
+        findings.append(new(About.PRINTER, level, what, layer, most, "mm", "lower layer_height_mm"))
+    if width <= layer:
+        what, change = "lines are not wider than layers are high", "raise line_width_mm or lower layer_height_mm"
+        findings.append(new(About.PRINTER, "error", what, width, layer, "mm", change))
+    return at(printer.name, findings)
+
+
+def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
+    """Findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
+    boxes = np.array(
+        [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
+    ).reshape(-1, 4)
+    labels = [f"{name}: {parts[p.part].name}-{p.copy}" for p in plate.placements]
+    return [*_off_the_bed(labels, boxes, printer), *_too_close(labels, boxes, printer)]
+
+
+def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
+    mass_sd = 0.01 * design.weighed.mass_sd_percent
+    yield from filter(None, (of_wall(wall, printer, mass_sd) for wall in walls.of_design(design)))
+
+
+def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
+    """Finding on a wall; None when it is good.
+
+    `mass_sd` is the relative deviation of masses that the prediction allows for.
+    """
+    width, section, slant = printer.line_width_mm, wall.section, wall.slant
+    lines, expected = section / width, walls.deviation(section, printer)
+    better = _nearest_good(wall.thickness, printer, slant)
+    change, name = f"{better:g} mm would do", walls.the(wall.name)
+
+    def finding(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+        setting = Setting(wall.key, better) if wall.key and "would do" in change else None
+        return new(wall.part, level, what, seen, limit, unit, change, setting)
+
+    if lines < ONE_LINE[0]:
+        what = f"{name} is thinner than {ONE_LINE[0]:g} printed lines"
+        return finding("error", what, wall.thickness, ONE_LINE[0] * width * slant, "mm", change)
+    if section <= walls.vanishes_below(printer):
+        what = f"{name} gets no plastic, thin walls not being detected"
+        least = walls.vanishes_below(printer) * slant
+        return finding("error", what, wall.thickness, least, "mm", f"set thin_walls = true; or {change}")
+    drawn = f"{name} ({wall.thickness:g} mm,"
+    if ONE_LINE[1] < lines < TWO_LINES[0]:
+        what = f"{drawn} plastic {expected:+.0%}) is more than one line and less than two"
+        return finding("warning", what, lines, ONE_LINE[1], "lines", change)
+    what = f"plastic in {drawn} {lines:.2f} lines) differs from the mesh's"
+    weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
+    if abs(expected) > TOLERATED_DEVIATION:
+        return finding("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%", f"{change}, or {weigh}")
+    if abs(expected) > mass_sd:
+        return finding("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+    return None
+
+
+def _good(thickness: float, printer: Printer) -> bool:
+    """True when a wall neither fails nor prints another mass than predicted."""
+    lines = thickness / printer.line_width_mm
+    return (
+        thickness > walls.vanishes_below(printer)
+        and lines >= ONE_LINE[0]
+        and not ONE_LINE[1] < lines < TWO_LINES[0]
+        and abs(walls.deviation(thickness, printer)) <= TOLERATED_DEVIATION
+    )
+
+
+def _nearest_good(thickness: float, printer: Printer, slant: float) -> float:
+    """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
+    start, steps = round(100 * thickness), itertools.count()
+    candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
+    return next(candidate for candidate in candidates if candidate > 0 and _good(candidate / slant, printer))
+
+
+def _instead_of_arachne(lines: float, printer: Printer) -> str:
+    if printer.wall_generator == "classic" or lines > ONE_LINE[1]:
+        return ""
+    return '; wall_generator = "classic" with thin_walls = true prints it as drawn'
+
+
+def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
+    width = printer.line_width_mm
+    for window, name in walls.alike(design, solids.window_width):
+        if 0.0 < window < width:
+            what = f"the window between {'leg and brace' if name == 'leg' else f'leg and brace of {name}'} may fuse"
+            change = "tilt the legs more, or less; the legs are braced either way"
+            yield new(About.LEGS, "warning", what, window, width, "mm", change)
+    clearance = solids.clearance(design.limbs)
+    if clearance < width:
+        what = f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse"
+        change = "raise legs.contact_spacing_mm" if design.pair else "move them apart"
+        yield new(About.LEGS, "warning", what, clearance, width, "mm", change)
+
+
+def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
+    marks, width = design.marks, printer.line_width_mm
+    if not marks.blank and marks.line_mm < width - NOISE_MM:
+        kind = "serial number" if marks.kind == "none" else marks.kind
+        what = f"the {kind} may close up: their strokes against a line"
+        yield new(About.MARKS, "advice", what, marks.line_mm, width, "mm", "raise marks.line_mm")
+
+
+def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
+    """Findings on what the bed's plane cuts into layers: depth and widths, or the thickness."""
+    height, size = printer.layer_height_mm, design.size
+    if solids.on_side(design):
+        yield from _whole(About.BODY, "depth", size.depth, height, "body.depth_mm")
+        for width, name in walls.alike(design, lambda limb: limb.width):
+            if width != size.depth:
+                yield from _whole(About.LEGS, f"width of {walls.the(name)}", width, height, "its width_mm")
+    elif design.body.mesh is None:
+        key = "body.thickness_mm" if design.body.profile_mm is None else "the height of profile_mm"
+        yield from _whole(About.BODY, "body's thickness", size.thickness, height, key)
+
+
+def _whole(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
+    """Findings on a length, mm, that prints as layers of `height`, mm."""
+    layers = length / height
+    # PrusaSlicer prints a layer if its middle is in the part.
+    whole = math.floor(layers + 0.5 + NOISE_MM)
+    if layers <= 0.5:
+        change = f"raise {key} or lower layer_height_mm"
+        yield new(part, "error", f"the {what} is less than half a layer", length, 0.5 * height, "mm", change)
+    elif abs(layers - whole) > NOISE_MM:
+        printed = float(f"{max(1, whole) * height:.6g}")
+        change = f"make {key} {printed:g}, which is what prints"
+        setting = Setting(key, printed) if key.startswith("body.") else None
+        what = f"the {what} is not a whole number of layers"
+        yield new(part, "warning", what, layers, whole, "layers", change, setting)
+
+
+def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
+    """Warning of the first part whose material is not that of the parts before it."""
+    densities = [design.material.density_g_cm3 for design in designs]
+    for density, part in zip(densities, parts, strict=True):
+        if density != densities[0]:
+            what = "one filament prints a plate, and the parts before it have another density"
+            change = "print each material on plates of its own"
+            yield from at(part.name, [new(About.WALKER, "warning", what, density, densities[0], "g/cm3", change)])
+            return
+
+
+def _size(part: Part, printer: Printer) -> Iterator[Finding]:
+    around = 2.0 * border(printer)
+    for what, seen, limit in (
+        ("width", part.width, printer.bed_width_mm - around),
+        ("depth", part.depth, printer.bed_depth_mm - around),
+        ("height", part.height, printer.height_mm),
+    ):
+        if seen > limit + NOISE_MM:
+            change = "make it smaller or take a larger printer"
+            yield new(About.WALKER, "error", f"its {what} as printed exceeds the printer's", seen, limit, "mm", change)
+
+
+def _mesh(mesh: Mesh) -> Iterator[Finding]:
+    bodies = solids.bodies(mesh)
+    if bodies != 1:
+        change = "enlarge details below about 1e-5 mm, which files do not hold"
+        yield new(About.WALKER, "error", "the mesh is not one closed body", bodies, 1, "bodies", change)
+
+
+def _repairs(design: Design) -> Iterator[Finding]:
+    if changes := design.shape.changes:
+        what = f"the body's file was not taken as it is ({'; '.join(changes)})"
+        yield new(About.BODY, "warning", what, len(changes), 0, "changes", "look at its picture before the print")
+
+
+def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
+    area = section_area(mesh, 0.5 * printer.layer_height_mm)
+    if area < SMALLEST_CONTACT_MM2:
+        what = "little of it holds on to the bed"
+        yield new(About.WALKER, "advice", what, area, SMALLEST_CONTACT_MM2, "mm2", *BRIM)
+    yield from _upright(walls.of_design(design))
+
+
+def _upright(upright: Sequence[Wall]) -> Iterator[Finding]:
+    """Advice on walls that print high and thin."""
+    for wall in upright:
+        slenderness = wall.height / wall.thickness
+        if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
+            what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
+            yield new(wall.part, "advice", what, slenderness, SLENDEREST_WALL, "", *BRIM)
+
+
+def section_area(mesh: Mesh, height: float) -> float:
+    """Area of a closed mesh's section at a height above its lowest point, mm^2.
+
+    At half a layer's height it is the first layer. Source: Green's theorem, over the line in which
+    each triangle is cut.
+    """
+    corners = mesh.vertices[mesh.triangles]
+    level = mesh.vertices[:, 2].min() + height
+    above = corners[:, :, 2] > level
+    lines: list[Array] = []
+    # A corner alone on its side: the line runs between the two edges that leave it.
+    for alone in range(3):
+        tip_above = above[:, alone]
+        for side, turn in ((True, 1), (False, -1)):
+            cut = (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
+            tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
+            lines.append(np.stack([_crossing(tip, left, level), _crossing(tip, right, level)], axis=1))
+    (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
+    return 0.5 * abs(float((ax * by - ay * bx).sum()))
+
+
+def _crossing(tip: Array, other: Array, level: float) -> Array:
+    """Points x and y, shape (n, 2), where edges cross a level, mm."""
+    share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
+    return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
+
+
+def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+    """Errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
+    bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
+    brim = printer.brim_width_mm
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
+    rings = {"the part": 0.0} | ({"its brim": brim} if brim else {})
+    if printer.skirt_loops:  # half a line more: measured on PrusaSlicer's skirts
+        rings["the skirt around it"] = brim + skirt
+    for what, reach in rings.items():
+        over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
+        for index in np.flatnonzero(over > NOISE_MM)[:1]:
+            change = "raise margin_mm, or make brim or skirt smaller"
+            leaves = new(About.PLATE, "error", f"{what} leaves the bed", over[index], 0.0, "mm", change)
+            yield from at(labels[index], [leaves])
+
+
+def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+    brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
+    for first, box in enumerate(boxes):
+        later = boxes[first + 1 :]
+        gaps = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
+        for second in np.flatnonzero(gaps < wanted - NOISE_MM):
+            other = labels[first + 1 + int(second)].split(": ")[-1]
+            overlap = gaps[second] < brims - NOISE_MM
+            level: Level = "error" if overlap else "warning"
+            what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
+            close = new(About.PLATE, level, f"{what} {other}", gaps[second], wanted, "mm", "move them apart")
+            yield from at(labels[first], [close])

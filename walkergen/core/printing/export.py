@@ -1,0 +1,217 @@
+"""Files for printing: binary STL and 3MF.
+
+Equal input gives equal bytes: no clock, no random identifier, no time zone enters a file.
+Both formats hold 32-bit floats, which resolve 1e-5 mm on a bed of 250 mm.
+"""
+
+import ctypes
+import io
+import re
+import uuid
+import zipfile
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+from xml.sax.saxutils import quoteattr
+
+import numpy.typing as npt
+
+from walkergen.core.errors import SolidError
+from walkergen.core.shapes import stl, threemf
+from walkergen.core.shapes.mesh import Mesh
+
+APPLICATION = "walkergen"
+
+PRUSASLICER_NAMESPACE = b'<model xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06" '
+PRUSASLICER_VERSION = b'<metadata name="slic3rpe:Version3mf">1</metadata><resources>'
+
+MODEL, TYPES = "3D/3dmodel.model", "[Content_Types].xml"
+SETTINGS = "Metadata/model_settings.config"
+"""File of Bambu Studio and OrcaSlicer that names objects and plates."""
+CONFIG_TYPE = b'<Default Extension="config" ContentType="application/xml" />'
+
+# What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
+NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+class Solid(NamedTuple):
+    """Shape in a 3MF file, stored once however many copies are printed."""
+
+    name: str
+    mesh: Mesh
+
+
+class Item(NamedTuple):
+    """Printed copy of a solid."""
+
+    solid: int
+    """Index of the copy's solid in the list of solids."""
+    part_number: str
+    x: float
+    """Place of the left of the solid's bounding box, mm."""
+    y: float
+    """Place of the front of the solid's bounding box, mm."""
+
+
+def stl_bytes(mesh: Mesh, header: str) -> bytes:
+    """Binary STL of a mesh in mm, with its header after the words "binary STL, mm: "."""
+    return stl.pack(mesh.vertices[mesh.triangles], header)
+
+
+def part_3mf(mesh: Mesh, name: str) -> bytes:
+    """3MF file of a single part in mm, in the positive octant with its corner at the origin."""
+    return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
+
+
+def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None) -> bytes:
+    """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
+
+    A copy whose part number is not its solid's name has an object of its own, which refers to the
+    solid and bears the copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`.
+    Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
+    names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
+    mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
+    """
+    wrapper = _wrapper()
+    title = _xml_safe(title)
+    model = wrapper.CreateModel()  # must outlive its objects and items: they point into it
+    model.SetUnit(threemf.library().ModelUnit.MilliMeter)
+    part_numbers = [_xml_safe(item.part_number) for item in items]
+    model.SetBuildUUID(_identifier(title, "build", *part_numbers))
+    metadata = model.GetMetaDataGroup()
+    for key, value in (("Title", title), ("Application", APPLICATION)):
+        metadata.AddMetaData("", key, value, "xs:string", True)
+    meshes = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
+    named: list[_Named] = []
+    for number, (item, name) in enumerate(zip(items, part_numbers, strict=True)):
+        built_of, solid_name = meshes[item.solid], _xml_safe(solids[item.solid].name)
+        if name != solid_name:
+            mesh, built_of = built_of, _add_copy(model, built_of, name, title, number)
+            ids = built_of.GetModelResourceID(), mesh.GetModelResourceID()
+            named.append(_Named(name, solid_name, *ids))
+        place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
+        built = model.AddBuildItem(built_of, place)
+        built.SetPartNumber(name)
+        built.SetUUID(_identifier(title, "item", number))
+    if thumbnail is not None:
+        model.CreatePackageThumbnailAttachment().ReadFromBuffer(thumbnail)
+    files = _unzipped(bytes(model.QueryWriter("3mf").WriteToBuffer()))
+    if named:
+        files[SETTINGS] = _model_settings(named, title)
+        files[TYPES] = files[TYPES].replace(b"</Types>", CONFIG_TYPE + b"</Types>", 1)
+    return _zipped(files)
+
+
+def for_prusaslicer(data: bytes) -> bytes:
+    """3MF file of the same content, declared to be PrusaSlicer's own, so that copies stay copies.
+
+    PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
+    items, and slices it once; of other files it makes an object of every item. It looks for its
+    namespace by the prefix, which lib3mf does not let us choose. Measured with PrusaSlicer 2.5.
+    """
+    files = _unzipped(data)
+    model = files[MODEL].replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
+    files[MODEL] = model.replace(b"<resources>", PRUSASLICER_VERSION, 1)
+    return _zipped(files)
+
+
+def _unzipped(data: bytes) -> dict[str, bytes]:
+    archive = zipfile.ZipFile(io.BytesIO(data))
+    return {name: archive.read(name) for name in archive.namelist()}
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """Archive whose files are of 1980-01-01: lib3mf's are of a month 0, which no calendar has."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name)
+            entry.create_system = 0  # else it tells the system that made it
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
+    return target.getvalue()
+
+
+class _Named(NamedTuple):
+    """Copy with an object of its own."""
+
+    name: str
+    solid: str
+    """Name of its solid."""
+    number: int
+    """Number of its object in the file."""
+    solid_number: int
+
+
+def _model_settings(named: Sequence[_Named], title: str) -> bytes:
+    """Names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
+    for item in named:
+        lines += [
+            f'  <object id="{item.number}">',
+            f"    {_setting('name', item.name)}",
+            f'    <part id="{item.solid_number}" subtype="normal_part">',
+            f"      {_setting('name', item.solid)}",
+            "    </part>",
+            "  </object>",
+        ]
+    lines += [
+        "  <plate>",
+        *(f"    {_setting(*pair)}" for pair in (("plater_id", "1"), ("plater_name", title), ("locked", "false"))),
+    ]
+    for item in named:
+        pairs = (("object_id", f"{item.number}"), ("instance_id", "0"))
+        settings = "".join(_setting(*pair) for pair in pairs)
+        lines.append(f"    <model_instance>{settings}</model_instance>")
+    return "\n".join([*lines, "  </plate>", "</config>", ""]).encode()
+
+
+def _setting(key: str, value: str) -> str:
+    return f"<metadata key={quoteattr(key)} value={quoteattr(value)}/>"
+
+
+@cache
+def _wrapper() -> Any:
+    """Entry point of lib3mf, loaded once: it takes 10 ms."""
+    return threemf.library().get_wrapper()
+
+
+def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
+    """Object of a model for a solid, its corner moved to the origin; raises SolidError."""
+    name = _xml_safe(solid.name)
+    added = model.AddMeshObject()
+    added.SetName(name)
+    added.SetUUID(_identifier(title, "object", number, name))
+    vertices, lib3mf = solid.mesh.vertices - solid.mesh.vertices.min(axis=0), threemf.library()
+    try:
+        added.SetGeometry(
+            _as_structures(lib3mf.Position, vertices.astype("<f4")),
+            _as_structures(lib3mf.Triangle, solid.mesh.triangles.astype("<u4")),
+        )
+    except lib3mf.ELib3MFException as error:
+        raise SolidError(f"{name}: lib3mf refuses the mesh: {error}") from None
+    return added
+
+
+def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
+    """Object of a model that shows a mesh's object under a name of its own."""
+    added = model.AddComponentsObject()
+    added.SetName(name)
+    added.SetUUID(_identifier(title, "copy", number, name))
+    component = added.AddComponent(mesh, _wrapper().GetIdentityTransform())
+    component.SetUUID(_identifier(title, "component", number, name))
+    return added
+
+
+def _as_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
+    """C array of structures from a numpy array with a row for each, without a Python loop."""
+    return (structure * len(rows)).from_buffer_copy(rows.tobytes())
+
+
+def _identifier(*words: str | int) -> str:
+    """UUID that depends on nothing but the words."""
+    return str(uuid.uuid5(uuid.NAMESPACE_OID, "/".join(map(str, (APPLICATION, *words)))))
+
+
+def _xml_safe(text: str) -> str:
+    """Text with "_" in place of what XML cannot hold."""
+    return NOT_XML.sub("_", text)

@@ -1,0 +1,127 @@
+"""Findings of the printability checks: what deviates from the drawing, its limit, a remedy.
+
+An error would fail on the printer (or print another walker); a warning prints, but not as
+predicted; an advice is worth knowing.
+"""
+
+from collections.abc import Collection, Iterable, Sequence
+from enum import StrEnum
+from typing import Literal, NamedTuple
+
+from walkergen.core.errors import PrintabilityError
+
+Level = Literal["error", "warning", "advice"]
+LEVELS: tuple[Level, ...] = ("error", "warning", "advice")
+
+NOISE_MM = 1e-6
+"""Largest error, mm, that sums of floats and rounding to micrometres may leave."""
+
+
+class About(StrEnum):
+    """What of a print a finding is about."""
+
+    LEGS = "legs"
+    BODY = "body"
+    POCKETS = "pockets"
+    MARKS = "marks"
+    CAPS = "caps"
+    WALKER = "walker"
+    """The whole part, also one that is no walker."""
+    PLATE = "plate"
+    PRINTER = "printer"
+
+
+class Setting(NamedTuple):
+    """A value of a key of the walker or, after "printer.", of the printer."""
+
+    key: str
+    value: float
+
+
+class Finding(NamedTuple):
+    """A deviation of the print from the drawing, with its limit and a remedy."""
+
+    level: Level
+    where: str
+    """Name of the part, plate or printer."""
+    what: str
+    seen: float
+    limit: float
+    unit: str
+    change: str
+    part: About
+    setting: Setting | None = None
+    """What does as the remedy says, where one number does."""
+
+    @property
+    def text(self) -> str:
+        """What, how much, and what to do, in one line, without its level and place."""
+        return f"{self.seen_text}: {self.change}"
+
+    @property
+    def seen_text(self) -> str:
+        """What, and how much."""
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{self.what}: {self.seen:.4g}{unit}, limit {self.limit:.4g}{unit}"
+
+    @property
+    def line(self) -> str:
+        """Place and text."""
+        return f"{self.where}: {self.text}"
+
+
+def new(
+    part: About,
+    level: Level,
+    what: str,
+    seen: float,
+    limit: float,
+    unit: str,
+    change: str,
+    setting: Setting | None = None,
+) -> Finding:
+    """Finding whose place is not known yet."""
+    return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
+
+
+def at(where: str, findings: Iterable[Finding]) -> list[Finding]:
+    """Findings with their place."""
+    return [finding._replace(where=where) for finding in findings]
+
+
+def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
+    """Findings of printers, by their names, in one list; those of several name their printer."""
+    return [
+        finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
+        for printer, findings in named
+        for finding in findings
+    ]
+
+
+def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
+    """Findings as people read them: each kind once, as the part shows it that is farthest from its limit, with the
+    number of others.
+
+    A kind is what has one limit and one remedy. Errors come first; of some levels alone.
+    """
+    kinds: dict[Finding, list[Finding]] = {}
+    for finding in findings:
+        kinds.setdefault(finding._replace(where="", what="", seen=0.0), []).append(finding)
+    merged = []
+    for alike in kinds.values():
+        worst = max(alike, key=lambda finding: abs(finding.seen - finding.limit))
+        others = len({finding.where for finding in alike} - {worst.where})
+        merged.append(worst._replace(where=worst.where + (f" and {others} more" if others else "")))
+    chosen = [finding for finding in merged if finding.level in levels]
+    return sorted(chosen, key=lambda finding: LEVELS.index(finding.level))
+
+
+def warnings(findings: Sequence[Finding]) -> list[str]:
+    """Warnings, a line each."""
+    return [finding.line for finding in listed(findings, {"warning"})]
+
+
+def refuse(findings: Sequence[Finding], strict: bool) -> None:
+    """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
+    if fatal := listed(findings, {"error", "warning"} if strict else {"error"}):
+        raise PrintabilityError("\n".join(finding.line for finding in fatal))

@@ -1,0 +1,250 @@
+"""Plates: copies of parts in rows on a printer's bed, on as many plates as they need.
+
+Parts lie as they are given, z up, and are not turned: rows of a family stay in the
+order of its members. Lengths in mm; the packing itself is in whole micrometres, so that no
+rounding brings two parts closer than the gap.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import PlateError
+from walkergen.core.printing import export
+from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes import threemf
+from walkergen.core.shapes.mesh import Mesh
+
+MOST_PARTS, MOST_ARRANGED = 5000, 50_000
+"""Most parts on a plate, which are also the most copies of a part; and on all plates of a batch."""
+
+THREEMF, STL = ".3mf", ".stl"
+"""Suffixes of plates' files."""
+
+
+class Part(NamedTuple):
+    """Bounding box of a shape, and the number of its copies."""
+
+    name: str
+    width: float
+    """Size along x, mm."""
+    depth: float
+    """Size along y, mm."""
+    height: float
+    """Size along z, mm."""
+    copies: int
+    serial: int | None = None
+    """Number that its one copy bears; None where copies are alike, and numbered from 1."""
+
+    @classmethod
+    def of(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
+        """Bounding box of a mesh as a part."""
+        width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
+        return cls(name, width, depth, height, copies, serial)
+
+    @property
+    def solid_name(self) -> str:
+        """Name of its solid in a 3MF file, which of a numbered copy is its own."""
+        return self.name if self.serial is None else f"{self.name}_no{self.serial}"
+
+
+class Placement(NamedTuple):
+    """Position of one copy: the lower left corner of its bounding box."""
+
+    part: int
+    """Index into the parts."""
+    copy: int
+    """Number of the copy: from 1, or its serial number."""
+    x: float
+    """Distance from the left edge of the bed, mm."""
+    y: float
+    """Distance from the front edge of the bed, mm."""
+
+
+class Plate(NamedTuple):
+    """Copies that are printed at once, in the order of the parts."""
+
+    placements: tuple[Placement, ...]
+
+
+def border(printer: Printer) -> float:
+    """Distance from the edge of the bed to the first part, mm: its margin, brim and skirt."""
+    # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
+    return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
+
+
+def spacing(printer: Printer) -> float:
+    """Distance between the bounding boxes of two parts, mm: the gap and two brims."""
+    return printer.gap_mm + 2.0 * printer.brim_width_mm
+
+
+def capacity(part: Part, printer: Printer) -> int:
+    """Number of copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
+    if _micrometres(part.height) > _micrometres(printer.height_mm):
+        return 0
+    (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)
+    return max(0, bed_width // width) * max(0, bed_depth // depth)
+
+
+def pack(
+    parts: Sequence[Part], printer: Printer, max_plates: int | None = None, max_parts: int = MOST_PARTS
+) -> list[Plate]:
+    """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
+
+    The rows of a plate together lie in the middle of the bed.
+    Raises PlateError when a part is larger than the usable bed or taller than the printer, when
+    more than `max_plates` are needed, and for more than MOST_ARRANGED copies.
+    """
+    total = sum(part.copies for part in parts)
+    check_number(total)
+    _check_sizes(parts, printer)
+    plates = _packed(parts, printer, max_parts)
+    if max_plates is not None and len(plates) > max_plates:
+        placed = sum(len(plate.placements) for plate in plates[:max_plates])
+        raise PlateError(
+            f"{total} parts need {len(plates)} plates of {printer.name}, {max_plates} allowed "
+            f"(room for {placed} parts): allow more plates or print fewer parts"
+        )
+    return plates
+
+
+def check_number(total: int) -> None:
+    """Raise PlateError for more parts than are arranged at once."""
+    if total > MOST_ARRANGED:
+        raise PlateError(f"{total} parts: at most {MOST_ARRANGED} are arranged at once; make fewer")
+
+
+def plate_3mf(
+    plate: Plate,
+    parts: Sequence[Part],
+    meshes: Sequence[Mesh],
+    printer: Printer,
+    title: str,
+    thumbnail: bytes | None = None,
+) -> bytes:
+    """File (3MF) of one plate in the printer's coordinates; `meshes` in the order of the parts.
+
+    `thumbnail` is a PNG that file managers show.
+    """
+    used = sorted({placement.part for placement in plate.placements})
+    solid_of = {part: number for number, part in enumerate(used)}
+    solids = [export.Solid(parts[part].solid_name, meshes[part]) for part in used]
+    left, front = printer.bed_corner
+    items = [
+        export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)
+        for part, copy, x, y in plate.placements
+    ]
+    return export.threemf_bytes(solids, items, title, thumbnail)
+
+
+def plate_file(
+    plate: Plate,
+    parts: Sequence[Part],
+    meshes: Sequence[Mesh],
+    printer: Printer,
+    title: str,
+    thumbnail: bytes | None = None,
+    prusaslicer: bool = False,
+) -> tuple[str, bytes]:
+    """Suffix and bytes of one plate's file: 3MF, or STL where lib3mf is not installed.
+
+    `prusaslicer`: see `export.for_prusaslicer`; raises InputError without lib3mf.
+    """
+    if prusaslicer or threemf.available():
+        data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)
+        return THREEMF, export.for_prusaslicer(data) if prusaslicer else data
+    return STL, export.stl_bytes(placed(plate, meshes, printer), title)
+
+
+def placed(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
+    """Mesh of all copies of a plate, in the printer's coordinates, standing on z = 0."""
+    corner = np.array([*printer.bed_corner, 0.0])
+    vertices, triangles, before = [], [], 0
+    for part, _, x, y in plate.placements:
+        mesh = meshes[part]
+        moved = mesh.vertices - mesh.vertices.min(axis=0) + corner + (x, y, 0.0)
+        vertices.append(moved)
+        triangles.append(mesh.triangles + before)
+        before += len(moved)
+    return Mesh(np.concatenate(vertices), np.concatenate(triangles))
+
+
+def suffix() -> str:
+    """Suffix of the files of plates on this machine."""
+    return THREEMF if threemf.available() else STL
+
+
+def item_name(part: Part, copy: int) -> str:
+    """Name of one printed copy, such as walker_t10.0_flexible_s0.40-3."""
+    return f"{part.name}-{copy}"
+
+
+def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
+    """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
+    bed_width, bed_depth = _bed(printer)
+    plates: list[Plate] = []
+    placed: list[tuple[int, int, int, int]] = []
+    x = y = right = row_depth = 0
+    for index, part in enumerate(parts):
+        width, depth = _cell(part, printer)
+        first = part.serial or 1
+        for copy in range(first, first + part.copies):
+            if x + width > bed_width:
+                x, y, row_depth = 0, y + row_depth, 0
+            if y + depth > bed_depth or len(placed) == max_parts:
+                plates.append(_centred(placed, (right, y + row_depth), printer))
+                placed, x, y, right, row_depth = [], 0, 0, 0, 0
+            placed.append((index, copy, x, y))
+            x, row_depth = x + width, max(row_depth, depth)
+            right = max(right, x)
+    return [*plates, _centred(placed, (right, y + row_depth), printer)] if placed else plates
+
+
+def _centred(placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer) -> Plate:
+    """Plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
+
+    `used` is the width and depth of all their cells, micrometres.
+    """
+    edge, (bed_width, bed_depth) = border(printer), _bed(printer)
+    right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
+    return Plate(
+        tuple(Placement(part, copy, edge + 1e-3 * (x + right), edge + 1e-3 * (y + back)) for part, copy, x, y in placed)
+    )
+
+
+def _free(printer: Printer) -> tuple[float, float]:
+    """Width and depth of the bed inside its border, mm."""
+    return (printer.bed_width_mm - 2.0 * border(printer), printer.bed_depth_mm - 2.0 * border(printer))
+
+
+def _bed(printer: Printer) -> tuple[int, int]:
+    """Size of the free bed in micrometres, plus the gap that the last cell of a row carries."""
+    width, depth = (math.floor(round(1e3 * length, 6)) for length in _free(printer))
+    gap = _micrometres(spacing(printer))
+    return width + gap, depth + gap
+
+
+def _cell(part: Part, printer: Printer) -> tuple[int, int]:
+    gap = _micrometres(spacing(printer))
+    return _micrometres(part.width) + gap, _micrometres(part.depth) + gap
+
+
+def _micrometres(length: float) -> int:
+    """Round up to micrometres; less than a picometre above one is noise of a sum and ignored."""
+    return math.ceil(round(1e3 * length, 6))
+
+
+def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
+    too_large = [part for part in parts if capacity(part, printer) == 0]
+    if not too_large:
+        return
+    part, others = too_large[0], len(too_large) - 1
+    width, depth = _free(printer)
+    raise PlateError(
+        f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
+        f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
+        f"{border(printer):g} mm, {printer.height_mm:g} mm high" + (f"; neither do {others} more" if others else "")
+    )

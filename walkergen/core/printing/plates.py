@@ -1,0 +1,155 @@
+"""Plates of walkers as files: 3MF with a thumbnail, a picture that names every part, a CSV map."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from walkergen.core.files.tables import csv_text
+from walkergen.core.printing import checks, packing, sheet, slicer
+from walkergen.core.printing.findings import Finding
+from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import names, solids, weights
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.solids import Solids
+
+DrawPlate = Callable[[Printer, Sequence[Design], Sequence[Mesh], packing.Plate, str], tuple[bytes, bytes]]
+"""Function that draws a plate, of this title: its map and its thumbnail, PNG both."""
+
+COMMON_FILES = 5
+"""Number of files of a layout apart from those of each plate."""
+
+
+class Place(NamedTuple):
+    """Position of one copy; the field names are the columns of a map."""
+
+    printer: str
+    plate: int
+    """Number of the plate, from 1."""
+    item: str
+    """Name of the copy, as in the 3MF file."""
+    name: str
+    """Name of the part, as in stl/; of several designs it begins with the design's name."""
+    tilt_deg: float
+    legs: str
+    mark: str
+    copy: int
+    x_mm: float
+    """Left side of the bounding box, from the left edge of the bed, mm."""
+    y_mm: float
+    """Front side of the bounding box, from the front edge of the bed, mm."""
+    width_mm: float
+    depth_mm: float
+
+
+class Layout(NamedTuple):
+    """Arrangement of copies of walkers for one printer."""
+
+    printer: Printer
+    members: Sequence[Design]
+    built: Sequence[Solids]
+    """Solids of the members, in their order."""
+    meshes: Sequence[Mesh]
+    """Meshes of the members as they lie on the bed, in their order."""
+    parts: Sequence[packing.Part]
+    """Bounding boxes and copies of the members, in their order."""
+    plates: Sequence[packing.Plate]
+    findings: Sequence[Finding]
+    """Findings of the printability checks on parts and plates."""
+
+
+def arrange(
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    copies: Sequence[int],
+    printer: Printer,
+    max_plates: int | None = None,
+    max_parts: int = packing.MOST_PARTS,
+) -> Layout:
+    """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
+    empty = unplaced(members, built, copies, printer)
+    return checked(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
+
+
+def unplaced(members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer) -> Layout:
+    """Parts as they lie on the bed, on no plate yet and not checked."""
+    meshes = as_printed(members, built)
+    parts = [
+        packing.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
+        for design, name, mesh, count in zip(members, names.parts(members), meshes, copies, strict=True)
+    ]
+    return Layout(printer, members, built, meshes, parts, [], [])
+
+
+def as_printed(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
+    """Meshes of walkers as they lie on the bed, in their order."""
+    return [solids.as_printed(design, built_solids.walker) for design, built_solids in zip(members, built, strict=True)]
+
+
+def checked(layout: Layout) -> Layout:
+    """Run the printability checks on an arrangement; returns it with their findings."""
+    findings = checks.of_batch(layout.members, layout.meshes, layout.parts, layout.plates, layout.printer)
+    return layout._replace(findings=findings)
+
+
+def places(layout: Layout) -> list[Place]:
+    """List the positions of all copies, plate by plate: the map."""
+    rows = []
+    for number, plate in enumerate(layout.plates, start=1):
+        for placed in plate.placements:
+            design, part = layout.members[placed.part], layout.parts[placed.part]
+            item = packing.item_name(part, placed.copy)
+            lengths = (placed.x, placed.y, part.width, part.depth)
+            row = Place(
+                layout.printer.name,
+                number,
+                item,
+                part.name,
+                design.tilt_deg,
+                design.kind,
+                design.mark,
+                placed.copy,
+                *(round(length, 6) for length in lengths),
+            )
+            rows.append(row)
+    return rows
+
+
+def files(layout: Layout, stem: str, draw: DrawPlate | None, prusaslicer: bool = False) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
+
+    STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
+    PrusaSlicer, with printer and filament where it is loaded alone, and STEM_PRINTER_print.ini
+    without these; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
+    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with `draw` STEM_PRINTER_NUMBER.png as well,
+    and the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
+    export.for_prusaslicer.
+    """
+    start = f"{stem}_{layout.printer.name}"
+    meshes = layout.meshes
+    yield f"{start}.csv", to_csv(places(layout)).encode()
+    yield f"{start}.md", _print_sheet(layout, start).encode()
+    yield from slicer.files(layout.printer, layout.members[0].material, start)
+    for number, plate in enumerate(layout.plates, start=1):
+        name = f"{start}_{number}"
+        thumbnail = None
+        if draw:
+            picture, thumbnail = draw(layout.printer, layout.members, meshes, plate, name)
+            yield f"{name}.png", picture
+        suffix, data = packing.plate_file(plate, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer)
+        yield f"{name}{suffix}", data
+
+
+def _print_sheet(layout: Layout, stem: str) -> str:
+    weighed = [
+        sheet.weigh(part.name, design, built_solids, layout.printer)
+        for part, design, built_solids in zip(layout.parts, layout.members, layout.built, strict=True)
+    ]
+    form = weights.form(layout.members, "DESIGN")
+    printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
+    legend = names.legend(layout.members)
+    return sheet.to_markdown(printed, weighed, layout.findings, legend)
+
+
+def to_csv(rows: Sequence[Place]) -> str:
+    """Format the map as CSV; lengths are exact to a nanometre."""
+    return csv_text(Place._fields, rows)

@@ -1,0 +1,216 @@
+"""Print sheet: instructions for a lab technician to print, check and weigh a batch."""
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.core.printing import estimate, packing, slicer, walls
+from walkergen.core.printing.estimate import Load
+from walkergen.core.printing.findings import Finding, listed
+from walkergen.core.printing.packing import Part, Plate
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import mass, names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.sections import section_of
+from walkergen.core.walker.solids import Solids
+
+ON_SIDE = "on its side, no supports"
+
+LEGS_UP = (
+    "upside down, flat on its upper side, legs up; no supports up to 45 deg of tilt, unless the "
+    "checks tell of a body over air"
+)
+
+
+def lying(design: Design) -> str:
+    """Say how a walker lies on the bed, and with which supports."""
+    return ON_SIDE if solids.on_side(design) else LEGS_UP
+
+
+class LegWeight(NamedTuple):
+    """Expected mass of a leg, or of each of several equal ones."""
+
+    mesh_g: float
+    """Mass of its mesh outside the body, with its brace, g; of several to a tenth of a microgram.
+    """
+    plastic: float
+    """Expected plastic in it over that of its mesh."""
+    tolerance: float
+    """Relative uncertainty of `plastic`."""
+
+
+class Weight(NamedTuple):
+    """Expected masses of one walker."""
+
+    name: str
+    whole_g: float
+    """Mass of the mesh of body and legs, g."""
+    legs: list[tuple[LegWeight, str]]
+    """Every distinct leg and its name: "leg" where all are equal, else as in "legs[1], legs[3]"."""
+    load: Load
+    """Plastic of the whole, its legs as sliced."""
+
+
+def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
+    """Weigh a walker by its meshes and the density of its material."""
+    density, side = 1e-3 * design.material.density_g_cm3, solids.on_side(design)
+    distinct = {id(mesh): mesh for mesh in built.legs}  # equal legs share theirs
+    grams = {key: round(mass.weigh(mesh, density).mass, 7) for key, mesh in distinct.items()}
+    leg_weights = {}
+    for limb, mesh in zip(design.limbs, built.legs, strict=True):
+        tolerance = section_of(limb).PLASTIC_TOLERANCE if side else walls.TOLERANCE_UPRIGHT
+        leg_weights[limb] = LegWeight(grams[id(mesh)], walls.leg_plastic(limb, printer, side), tolerance)
+    whole = mass.weigh(built.walker, density).mass
+    sliced = whole + sum(leg_weights[limb].mesh_g * (leg_weights[limb].plastic - 1.0) for limb in design.limbs)
+    lying = solids.as_printed(design, built.walker)
+    load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
+    return Weight(name, whole, walls.alike(design, leg_weights.__getitem__), load)
+
+
+class Batch(NamedTuple):
+    """Plates printed from files whose names begin with `stem`."""
+
+    stem: str
+    printer: Printer
+    members: Sequence[Design]
+    plates: Sequence[Plate]
+    parts: Sequence[Part]
+    form: str
+    """Name of the file for weighed masses."""
+
+
+def to_markdown(batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str) -> str:
+    """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
+    printing = of_print(batch, [weight.load for weight in weights], findings, legend)
+    paired = all(len(design.limbs) == 2 for design in batch.members)
+    share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
+    return f"{printing}\n\n{_asset('weighing.md').format(form=batch.form, share=share, weights=_weights(weights))}"
+
+
+def of_print(batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str) -> str:
+    """Sheet up to the end of the print, its words in assets; `loads` are those of the parts."""
+    printer, stem, ending, material = batch.printer, batch.stem, packing.suffix(), batch.members[0].material
+    settings = slicer.sheet_settings(printer, orientations(batch.members))
+    lines = [f"- **{finding.level}** {finding.line}" for finding in listed(findings)]
+    return (
+        _asset("sheet.md")
+        .format(
+            stem=stem,
+            printer=printer.description or printer.name,
+            preset=slicer.preset_name(printer),
+            profile=printer.name,
+            ENDING=ending[1:].upper(),
+            put_in=_put_in(batch),
+            slicing=f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}",
+            nozzle=material.nozzle_deg_c,
+            bed=material.bed_deg_c,
+            settings=table(("setting", "value", "because"), settings),
+            contents=_contents(batch),
+            plastic=_plastic(batch, loads),
+            legend=f"## Which part is which\n\n{legend.strip()}\n\n" if legend else "",
+            findings="\n".join(lines) or "Nothing found.",
+        )
+        .rstrip("\n")
+    )
+
+
+def _asset(name: str) -> str:
+    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
+
+
+def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
+    """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
+    return {
+        "prusaslicer": slicer.prusaslicer_settings(printer),
+        "findings": [finding._asdict() for finding in listed(findings)],
+    }
+
+
+def _put_in(batch: Batch) -> str:
+    """Step of walkers that carry something; "" without."""
+    carried = dict.fromkeys(name for design in batch.members for name in design.parts)
+    if not carried:
+        return ""
+    return (
+        f"7. Weigh the bare part, then push the {' and the '.join(carried)} into the pockets, "
+        "wires in the channel, and fix them with a drop of glue, none on the legs.\n"
+    )
+
+
+def body_facts(design: Design) -> dict[str, Any]:
+    """Facts of a design's body for the manifest: hash of its file, if any, and repairs to it."""
+    shape = design.shape
+    return {"sha256": shape.sha256, "changes": list(shape.changes)}
+
+
+def orientations(members: Sequence[Design]) -> list[slicer.Setting]:
+    """Lines of a print sheet on how its walkers lie; where they differ, each names its designs."""
+    ways: dict[str, list[str]] = {}
+    for name, own in names.by_design(members).items():
+        ways.setdefault(lying(own[0]), []).append(name)
+    return [
+        slicer.Setting(
+            "orientation" if len(ways) == 1 else f"orientation of {', '.join(designs)}",
+            f"as in the file: {way}",
+            "layers run across the leg's width" if way == ON_SIDE else "layers lie across the leg: weaker, softer",
+        )
+        for way, designs in ways.items()
+    ]
+
+
+def _contents(batch: Batch) -> str:
+    rows = []
+    for number, plate in enumerate(batch.plates, start=1):
+        # Copies with serial numbers are parts of their own, under one name
+        counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
+        for name, copies in counts.items():
+            rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"`{name}`", str(copies)))
+    return table(("file", "part", "copies"), rows)
+
+
+def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
+    rows = []
+    for number, plate in enumerate(batch.plates, start=1):
+        amounts = estimate.of_plate(plate, batch.parts, loads, batch.printer)
+        rows.append(
+            (
+                f"`{batch.stem}_{number}{packing.suffix()}`",
+                f"{amounts.grams:.2f}",
+                f"{amounts.metres:.2f}",
+                str(amounts.layers),
+                estimate.duration(amounts.seconds / amounts.layers),
+                estimate.duration(amounts.seconds),
+            )
+        )
+    error = f"{100 * estimate.TIME_TOLERANCE:g} %"
+    headings = (
+        "file",
+        "plastic, g",
+        f"filament {slicer.FILAMENT_MM:g} mm, m",
+        "layers",
+        "mean layer",
+        f"all, ± {error}",
+    )
+    return table(headings, rows)
+
+
+def _weights(weights: Sequence[Weight]) -> str:
+    rows = [
+        (
+            f"`{weight.name}`",
+            f"{weight.whole_g:.4f}",
+            ("" if name == "leg" else f"{name}: ") + f"{leg.mesh_g:.4f}",
+            f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
+            "",
+        )
+        for weight in {weight.name: weight for weight in weights}.values()
+        for leg, name in weight.legs
+    ]
+    return table(("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows)
+
+
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Markdown table."""
+    lines = [headings, ["---"] * len(headings), *rows]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

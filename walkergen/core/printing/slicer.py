@@ -1,0 +1,229 @@
+"""Slicer: the settings on which the predicted masses rest, for slicers and in words.
+
+Print settings alone leave what belongs to a printer (bed, nozzle, start code) and a filament
+(temperatures, density, flow) as its owner has it. Who has neither slices by the bundle alone, which
+then takes bed and nozzle from the printer and the filament from the design's material.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from walkergen.core.printing import walls
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker.spec import Material
+
+FILAMENT_MM = 1.75
+
+INFILL_OVERLAP_PERCENT = 7
+"""Overlap at which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %;
+its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
+
+WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_", "first_layer_")
+
+ORCA_WIDTHS = (
+    "",
+    "outer_wall_",
+    "inner_wall_",
+    "sparse_infill_",
+    "internal_solid_infill_",
+    "top_surface_",
+    "initial_layer_",
+)
+
+
+class Setting(NamedTuple):
+    """Setting of a slicer as a line of the print sheet."""
+
+    name: str
+    value: str
+    reason: str
+
+
+def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Setting]:
+    """List the settings for any slicer, and why the prediction depends on each.
+
+    `orientations` are the lines that say how parts lie.
+    """
+    thin = (
+        ""
+        if printer.wall_generator == "arachne"
+        else (", thin walls detected" if printer.thin_walls else ", thin walls NOT detected")
+    )
+    skirt = f"{printer.skirt_loops} loops, {printer.skirt_distance_mm:g} mm away"
+    height = f"{printer.layer_height_mm:g} mm"
+    return [
+        *orientations,
+        Setting("scale", "100 %, no XY or shrinkage compensation", "tilt and masses are as drawn"),
+        Setting("nozzle", f"{printer.nozzle_mm:g} mm", "of your own printer profile"),
+        Setting("layer height", f"{height}, the first layer too", "whole layers make the depth"),
+        Setting("line width", f"{printer.line_width_mm:g} mm, everywhere", "legs are few lines"),
+        Setting("wall generator", printer.wall_generator + thin, "decides the leg's plastic"),
+        Setting("walls", f"{walls.PERIMETERS}", ""),
+        Setting("infill", "100 %, rectilinear", "the masses M and m are those of solid parts"),
+        Setting("infill overlap", f"{INFILL_OVERLAP_PERCENT} %", "more makes the body heavier"),
+        Setting("flow", "100 %", "masses; extrusion multiplier of your own filament profile"),
+        Setting("brim", f"{printer.brim_width_mm:g} mm", "what stays on a leg adds to m"),
+        Setting("skirt", skirt if printer.skirt_loops else "none", ""),
+        Setting("supports, raft, elephant foot compensation", "none", "legs keep their thickness"),
+    ]
+
+
+def files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
+    """Names, all beginning with `start`, and bytes of the settings for slicers."""
+    yield f"{start}.ini", prusaslicer_bundle(printer, material)
+    yield f"{start}_print.ini", prusaslicer_print(printer)
+    yield f"{start}_orca.json", orca_json(printer)
+
+
+def preset_name(printer: Printer) -> str:
+    """Name under which slicers list the print settings."""
+    return f"walkergen {printer.name}"
+
+
+def prusaslicer_settings(printer: Printer) -> dict[str, str]:
+    """Print settings by PrusaSlicer's keys; its other print settings keep their defaults."""
+    return {
+        "layer_height": f"{printer.layer_height_mm:g}",
+        "first_layer_height": f"{printer.layer_height_mm:g}",
+        **{f"{part}extrusion_width": f"{printer.line_width_mm:g}" for part in WIDTHS},
+        "perimeter_generator": printer.wall_generator,
+        "thin_walls": f"{printer.thin_walls:d}",
+        "min_bead_width": f"{100 * walls.LEAST_BEAD:g}%",
+        "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
+        "gap_fill_enabled": "1",
+        "perimeters": f"{walls.PERIMETERS}",
+        "fill_density": "100%",
+        "fill_pattern": "rectilinear",
+        "infill_overlap": f"{INFILL_OVERLAP_PERCENT}%",
+        "brim_type": "outer_only",
+        "brim_width": f"{printer.brim_width_mm:g}",
+        "skirts": f"{printer.skirt_loops}",
+        "skirt_distance": f"{printer.skirt_distance_mm:g}",
+        "skirt_height": "1",
+        "min_skirt_length": "0",
+        "elefant_foot_compensation": "0",
+        "xy_size_compensation": "0",
+        "raft_layers": "0",
+        "support_material": "0",
+        "complete_objects": "0",
+        "gcode_label_objects": "1",
+    }
+
+
+def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
+    """Settings of printer and filament by PrusaSlicer's keys, for who has no profile of his own.
+
+    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3; its end
+    code leaves the bed hot. Start code, speeds and retraction keep its defaults.
+    """
+    (left, front), width, depth = printer.bed_corner, printer.bed_width_mm, printer.bed_depth_mm
+    corners = ((0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth))
+    nozzle, bed = f"{material.nozzle_deg_c}", f"{material.bed_deg_c}"
+    return {
+        "bed_shape": ",".join(f"{left + x:g}x{front + y:g}" for x, y in corners),
+        "max_print_height": f"{printer.height_mm:g}",
+        "nozzle_diameter": f"{printer.nozzle_mm:g}",
+        "filament_diameter": f"{FILAMENT_MM:g}",
+        "filament_density": f"{material.density_g_cm3:g}",
+        "first_layer_temperature": nozzle,
+        "temperature": nozzle,
+        "first_layer_bed_temperature": bed,
+        "bed_temperature": bed,
+        "end_gcode": r"M104 S0\nM140 S0\nG28 X0\nM84",
+    }
+
+
+def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
+    """Config bundle of PrusaSlicer, which --load reads as well.
+
+    A bundle's import takes the section, as a preset of its own: it inherits nothing, for a preset
+    whose parent a user lacks would be in vain. Printer and filament of the window stay. --load
+    takes the lines above and no section; nothing else need be loaded.
+    """
+    name, settings = preset_name(printer), prusaslicer_settings(printer)
+    lines = [
+        f"# Print settings {name}, for PrusaSlicer 2.5 and later.",
+        "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
+        "# --load reads these first lines, and then needs no other file: bed and nozzle are those",
+        "# of the printer, temperatures and density those of the design's material.",
+        *_lines(owner_settings(printer, material)),
+        *_lines(settings),
+        "",
+        f"[print:{name}]",
+        *_lines(settings),
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def prusaslicer_print(printer: Printer) -> bytes:
+    """Print settings alone, which --load adds to a printer and filament that it read before."""
+    lines = [
+        f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
+        "# With --load after your own printer and filament, which they leave alone.",
+        *_lines(prusaslicer_settings(printer)),
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def orca_settings(printer: Printer) -> dict[str, str]:
+    """Print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
+
+    Each passes over keys that are the other's: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
+    `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is
+    Bambu Studio's rectilinear, and OrcaSlicer translates it.
+    """
+    height, width = f"{printer.layer_height_mm:g}", f"{printer.line_width_mm:g}"
+    overlap = f"{INFILL_OVERLAP_PERCENT}%"
+    return {
+        "layer_height": height,
+        "initial_layer_print_height": height,
+        **{f"{part}line_width": width for part in ORCA_WIDTHS},
+        "wall_generator": printer.wall_generator,
+        "detect_thin_wall": f"{printer.thin_walls:d}",
+        "min_bead_width": f"{100 * walls.LEAST_BEAD:g}%",
+        "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
+        "wall_loops": f"{walls.PERIMETERS}",
+        "only_one_wall_top": "0",
+        "top_one_wall_type": "not apply",
+        "sparse_infill_density": "100%",
+        "sparse_infill_pattern": "zig-zag",
+        "infill_wall_overlap": overlap,
+        "top_bottom_infill_wall_overlap": overlap,
+        "brim_type": "outer_only" if printer.brim_width_mm else "no_brim",
+        "brim_width": f"{printer.brim_width_mm:g}",
+        "skirt_loops": f"{printer.skirt_loops}",
+        "skirt_distance": f"{printer.skirt_distance_mm:g}",
+        "skirt_height": "1",
+        "elefant_foot_compensation": "0",
+        "xy_contour_compensation": "0",
+        "xy_hole_compensation": "0",
+        "raft_layers": "0",
+        "enable_support": "0",
+        "enable_prime_tower": "0",
+        "print_sequence": "by layer",
+    }
+
+
+def orca_json(printer: Printer) -> bytes:
+    """Print settings as a user's process preset of OrcaSlicer and Bambu Studio.
+
+    It inherits nothing and so fits every printer: their import drops a preset whose parent is not
+    installed without a word. They tell a process by `print_settings_id`, and Bambu Studio skips a
+    preset whose version begins with a number above its own.
+    """
+    name = preset_name(printer)
+    preset = {
+        "type": "process",
+        "name": name,
+        "print_settings_id": name,
+        "inherits": "",
+        "from": "User",
+        "version": "1.10.0.0",
+        **orca_settings(printer),
+    }
+    return (json.dumps(preset, indent=4) + "\n").encode()
+
+
+def _lines(settings: Mapping[str, str]) -> list[str]:
+    return [f"{key} = {value}" for key, value in settings.items()]

@@ -1,0 +1,194 @@
+"""Walls: how much plastic a slicer lays into a wall of given thickness.
+
+The formulas are PrusaSlicer's flow model (a line is a rectangle with round sides, so that lines
+lie width - height (1 - pi/4) apart) and the thicknesses at which it takes one line more, both
+confirmed on its G-code: PrusaSlicer 2.5.0, nozzle 0.4 mm, two perimeters, 90 thicknesses from 0.2
+to 2.0 mm at lines of 0.40 and 0.45 mm, layers of 0.1, 0.2 and 0.3 mm; tests/core/printing/test_slicer.py repeats
+a part of that. Plastic against the mesh in percent, layers 0.2 mm, measured midway along a leg:
+
+    wall, mm    classic, thin walls off    classic, thin walls on    arachne
+                0.40 line    0.45 line     0.40 line   0.45 line     0.40 line   0.45 line
+    0.20          -100         -100            0           0            +70         +70
+    0.30          -100         -100            0           0            +13         +13
+    0.36          -100         -100            0           0             -6          -6
+    0.40       -100..+79 (*)   -100            0           0            -11         -11
+    0.46           +55          +77            0           0             -9          -9
+    0.60           +19          +36            0           0             -7          -7
+    0.64           +12          +27          +12           0             -7          -7
+    0.70            +2          +16           +2         +16             -6          -6
+    0.80           -11           +2          -11          +2             -5          -5
+    0.90            -5          -10           -5         -10             -5          -5
+    1.00            -4           -4           -4          -4             -4          -4
+    1.20           +19           -4           -4          -4             -4          -4
+    1.40            +2          +16            +2         -3             -3          -3
+
+(*) A wall as thick as the line is on a knife's edge: rounding decides, leg by leg.
+Other slicers share the two kinds of generator (Bambu Studio and OrcaSlicer also the code; Cura's
+walls are arachne's), not every threshold.
+"""
+
+import math
+from collections.abc import Callable, Hashable
+from typing import NamedTuple, TypeVar
+
+from walkergen.core.printing.findings import About
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.sections import section_of
+
+Key = TypeVar("Key", bound=Hashable)
+
+LEAST_BEAD = 0.85
+"""Width of arachne's narrowest line, in nozzles (PrusaSlicer's default, on the sheet too)."""
+
+LEAST_FEATURE = 0.25
+"""Thickness of the thinnest wall that arachne prints, in nozzles (also PrusaSlicer's default)."""
+
+LEAST_THIN_WALL = 1.0 / 3.0
+"""Thickness of the thinnest wall that thin-wall detection prints, in nozzles."""
+
+KNIFE_EDGE = 1.02
+"""Thickness in lines up to which walls may vanish by rounding (classic without thin walls)."""
+
+TOLERANCE_UPRIGHT = 0.15
+"""Relative uncertainty of the plastic of a leg which prints upright, a short line in each layer.
+Assumed: not measured; that of a leg on its side is its section's `PLASTIC_TOLERANCE`."""
+
+PERIMETERS = 2
+"""Number of lines on either side of a wall before its inside is infill."""
+
+
+class Wall(NamedTuple):
+    """Upright wall of a walker as it prints."""
+
+    name: str
+    thickness: float
+    """Thickness across the wall, mm."""
+    slant: float
+    """Cosine of its angle from the vertical: in a layer it is thicker by its inverse."""
+    height: float
+    """Height to which it prints, mm."""
+    part: About = About.LEGS
+    key: str = ""
+    """Key that sets its thickness; "" where several do, or none."""
+
+    @property
+    def section(self) -> float:
+        """Thickness in a layer, mm."""
+        return self.thickness / self.slant
+
+
+def of_design(design: Design) -> list[Wall]:
+    """Walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
+    side = solids.on_side(design)
+    key = f"legs.{design.kind}_thickness_mm" if design.pair else ""
+    legs = [Wall(name, *sizes, key=key) for sizes, name in alike(design, lambda limb: _sizes(limb, side))]
+    braces = [
+        Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
+        for sizes, name in alike(design, lambda limb: _brace_sizes(limb, side))
+        if sizes is not None
+    ]
+    if not side:
+        return legs + braces
+    size = design.size
+    return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth, About.BODY)]
+
+
+def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
+    """Keys of a design's legs, each once, with the name of the legs that share it.
+
+    It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
+    """
+    sharing: dict[Key, list[str]] = {}
+    for number, limb in enumerate(design.limbs, start=1):
+        sharing.setdefault(key(limb), []).append(f"legs[{number}]")
+    return [(shared, "leg" if len(sharing) == 1 else ", ".join(names)) for shared, names in sharing.items()]
+
+
+def the(name: str) -> str:
+    """Name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
+    return name if name.startswith("legs[") else f"the {name}"
+
+
+def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
+    """Thickness, slant and height of a leg as a wall."""
+    if side:
+        return limb.thickness, 1.0, limb.width
+    slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
+    if limb.width < limb.thickness / slant:
+        return limb.width, 1.0, height
+    return limb.thickness, slant, height
+
+
+def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
+    """Thickness, slant and height of a leg's brace as a wall; None when it has none."""
+    for strut in section_of(limb).struts(limb):
+        if side:
+            return strut.thickness, 1.0, limb.width
+        return min(strut.thickness, limb.width), 1.0, -limb.anchor_to_foot[1]
+    return None
+
+
+def printed_thickness(thickness: float, printer: Printer) -> float:
+    """Plastic in a wall as the thickness of a solid wall, mm; 0 when it gets none.
+
+    Within 1 % of the measured G-code up to four lines, except near the thicknesses that add a line;
+    thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
+    """
+    width, rounding = printer.line_width_mm, line_rounding(printer)
+    if thickness > 2.0 * PERIMETERS * (width + rounding):
+        return thickness
+    if printer.wall_generator == "arachne":
+        if thickness <= vanishes_below(printer):
+            return 0.0
+        return max(LEAST_BEAD * printer.nozzle_mm, thickness - rounding)
+    return _classic(thickness, printer)
+
+
+def deviation(thickness: float, printer: Printer) -> float:
+    """Relative deviation of a wall's expected plastic from its volume: -1 if it vanishes."""
+    return printed_thickness(thickness, printer) / thickness - 1.0
+
+
+def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
+    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE_UPRIGHT.
+
+    `side` is True for a leg that prints on its side, False for one that prints upright.
+    """
+    slant = 1.0 if side else math.cos(limb.tilt)
+    pieces = [(limb.thickness / slant, limb.length * slant)]
+    pieces += [(strut.thickness, limb.length * math.cos(limb.tilt)) for strut in section_of(limb).struts(limb)]
+    drawn = sum(thickness * length for thickness, length in pieces)
+    return sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
+
+
+def vanishes_below(printer: Printer) -> float:
+    """Thickness up to which a wall may get no plastic, mm."""
+    if printer.wall_generator == "arachne":
+        return LEAST_FEATURE * printer.nozzle_mm + line_rounding(printer)
+    if printer.thin_walls:
+        return LEAST_THIN_WALL * printer.nozzle_mm
+    return KNIFE_EDGE * printer.line_width_mm
+
+
+def line_rounding(printer: Printer) -> float:
+    """Width by which a line's round sides make it narrower than a rectangle of equal area, mm."""
+    return (1.0 - 0.25 * math.pi) * printer.layer_height_mm
+
+
+def _classic(thickness: float, printer: Printer) -> float:
+    """Plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
+    if thickness <= vanishes_below(printer):
+        return 0.0
+    width, rounding = printer.line_width_mm, line_rounding(printer)
+    spacing = width - rounding
+    # With thin walls on, a pair is laid only where its lines overlap by less than 40 %.
+    squeezed = 0.6 * spacing if printer.thin_walls else 0.0
+    if thickness <= width + squeezed:
+        return thickness
+    pairs = 2 if thickness > width + 2.0 * spacing + squeezed else 1
+    lines = 2.0 * pairs * spacing
+    unfilled = rounding + 0.12 * width  # a gap up to this width is left open
+    return lines if thickness <= lines + unfilled else thickness - rounding

@@ -1,0 +1,434 @@
+"""Scene: the drive, the contact between foot and plate, and how both are simulated."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, cast, get_args
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from walkergen.core.drive import AT_REST as AT_REST
+from walkergen.core.drive import GRAVITY as GRAVITY
+from walkergen.core.drive import Drive as Drive
+from walkergen.core.drive import at_rest as at_rest
+from walkergen.core.errors import InputError
+from walkergen.core.files.assignments import changed
+from walkergen.core.files.config import Fraction, Friction, Name, Section
+
+if TYPE_CHECKING:
+    from walkergen.core.dish import Dish
+
+LEAST_RESTITUTION = 0.02
+"""Least restitution of elastic feet and walls, whose dampers need a damping ratio of 3.5 for it."""
+
+
+class Prior(NamedTuple):
+    """What is taken to be known of a contact of which a scene gives no numbers."""
+
+    words: str
+    restitution: float
+    restitution_sd: float
+    friction: float
+    friction_sd: float
+    tip_radius_sd_factor: float
+    """Factor by which the effective radius of the foot's tips may be off, one standard deviation."""
+
+
+PAPER_CONTACT = Prior("contact of the paper's plate", 0.8, 0.1, 0.25, 0.02, 2.0)
+"""Restitution and friction as the paper measured them on its plate. The tips' radius is inferred from its walkers'
+60 mm/s at 10 deg (evidence/tables/contact.py)."""
+
+UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.70, 0.12, 0.25, 0.08, 3.0)
+"""Any printed plastic on any plate: restitution 0.5 to 0.9 and friction 0.1 to 0.4 are about two standard deviations to
+either side. Measured ones lie between: the paper's 0.8 and 0.25, and 0.87 and 0.25 of spheres of cellulose acetate
+(Foerster et al., Physics of Fluids 6, 1994, 1108). That others lie in these ranges is assumed."""
+
+PRIORS = {"paper": PAPER_CONTACT, "unknown": UNKNOWN_CONTACT}
+
+
+class Contact(Section):
+    """Contact of foot and plate: restitution and friction, with their standard deviations.
+
+    Numbers that are not given are those of the prior; a friction that is given as 0 is exact.
+    """
+
+    gone: ClassVar[Mapping[str, str]] = {"law": "feet are elastic and have a damper; leave the key out"}
+
+    prior: Literal["paper", "unknown"] = "paper"
+    """Source of the numbers below that are not given: the paper's plate, or any plastic on any plate."""
+    restitution: Fraction = PAPER_CONTACT.restitution
+    """Coefficient of restitution of foot and plate."""
+    restitution_sd: Fraction = PAPER_CONTACT.restitution_sd
+    """Standard deviation of the restitution, for bounds."""
+    friction: Friction = PAPER_CONTACT.friction
+    """Coefficient of friction of foot and plate."""
+    friction_sd: Friction = PAPER_CONTACT.friction_sd
+    """Standard deviation of the friction, for bounds."""
+
+    @model_validator(mode="after")
+    def _supplied(self) -> "Contact":
+        """Supply the prior's numbers, which remain "not given": another prior replaces them."""
+        numbers = PRIORS[self.prior]._asdict()
+        del numbers["words"], numbers["tip_radius_sd_factor"]
+        if self.friction == 0.0 and "friction" in self.model_fields_set:
+            numbers["friction_sd"] = 0.0  # a limit and no measurement: nothing scatters about it
+        self.__dict__.update({k: v for k, v in numbers.items() if k not in self.model_fields_set})
+        return self
+
+    @property
+    def origin(self) -> str:
+        """Words on where the numbers come from."""
+        prior = PRIORS[self.prior].words
+        named = [name for name in ("restitution", "friction") if {name, f"{name}_sd"} & self.model_fields_set]
+        if not named:
+            return prior
+        return "contact as given" if len(named) == 2 else f"{named[0]} as given, else {prior}"
+
+
+Phase = Annotated[float, Field(ge=-360, le=360)]
+"""Phase or direction, deg."""
+
+
+NoiseHz = Annotated[float, Field(ge=1e-6, le=5_000)]
+
+
+class Elastic(NamedTuple):
+    """Elastic constants of a plate's material."""
+
+    youngs_modulus_gpa: float
+    poisson_ratio: float
+
+
+PLATE_MATERIALS = {
+    "acrylic": Elastic(3.2, 0.37),
+    "glass": Elastic(70.0, 0.22),
+    "aluminium": Elastic(70.0, 0.33),
+    "steel": Elastic(200.0, 0.29),
+}
+
+
+class Plate(Section):
+    """The vibrating plate."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        "poisson_ratio": "it is the material's; material = 'glass', 'acrylic', 'aluminium' or 'steel'",
+        **dict.fromkeys(("noise_low_hz", "noise_high_hz"), "write noise_band_hz = [20, 400]"),
+    }
+
+    material: Literal["acrylic", "glass", "aluminium", "steel"] = "acrylic"
+    """Material of the plate, which gives its elastic constants."""
+    youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] | None = None
+    """Young's modulus. None: the material's."""
+    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
+    """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
+    noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Root mean square of the plate's random velocity over the drive's peak speed."""
+    noise_band_hz: Annotated[list[NoiseHz], Field(min_length=2, max_length=2)] = Field(default=[20.0, 400.0])
+    """Lowest and highest frequency of the noise, between which its velocity has an even spectrum."""
+    roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Root mean square height of the plate's bumps."""
+    roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
+    """Wavelength of the bumps."""
+    along_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Amplitude of the plate's motion along x over the drive's, at the same frequency."""
+    along_phase_deg: Phase = 0.0
+    """Phase by which that motion leads the drive's."""
+    across_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Amplitude of the plate's motion to the left of x over the drive's, at the same frequency."""
+    across_phase_deg: Phase = 0.0
+    """Phase by which that motion leads the drive's."""
+    gradient_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Growth of the drive's amplitude with the distance from the start."""
+    gradient_toward_deg: Phase = 0.0
+    """Direction in which it grows, from x to the left."""
+    rocking_percent_per_mm: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    """Rocking of the plate about the start, a quarter of a period ahead of the drive: its amplitude in height, over
+    the drive's, at a mm from there."""
+    rocking_toward_deg: Phase = 0.0
+    """Direction in which it is so far ahead, from x to the left."""
+
+    @model_validator(mode="after")
+    def _band(self) -> "Plate":
+        low, high = self.noise_band_hz
+        if not low < high:
+            raise ValueError(f"noise_band_hz = [{low:g}, {high:g}]: the first must lie below the second: exchange them")
+        return self
+
+    @property
+    def elastic(self) -> Elastic:
+        """Elastic constants of the material, with the modulus that is given."""
+        own = PLATE_MATERIALS[self.material]
+        return own if self.youngs_modulus_gpa is None else own._replace(youngs_modulus_gpa=self.youngs_modulus_gpa)
+
+    @property
+    def sways(self) -> bool:
+        """Whether its points do not only move up and down alike."""
+        return any((self.along_ratio, self.across_ratio, self.gradient_percent_per_mm, self.rocking_percent_per_mm))
+
+
+class Arena(Section):
+    """Ground on which the walker may run: a lane between walls, or a plane; under a lid, or open."""
+
+    kind: Literal["lane", "plane"] = "lane"
+    """Lane along x between walls, or a plane."""
+    length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
+    """Length of the ground, mm, about the start; a walker beyond its ends has left. None: endless.
+    """
+    width_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
+    """Width of a plane, mm, about the start. None: endless."""
+    gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
+    """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
+    lid_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
+    """Height over the plate of a lid that rides on it, mm, which touches bodies as walls do. None: open."""
+    wall_friction: Friction = 0.25
+    """Friction of the body on walls and lid."""
+    wall_restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    """Restitution of the body on walls and lid."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Arena":
+        wrong = "width_mm" if self.kind == "lane" else "gap_mm"
+        if getattr(self, wrong) is not None:
+            raise ValueError(
+                f"{wrong} = {getattr(self, wrong):g} has no meaning on a {self.kind}; "
+                + ("a lane has gap_mm" if self.kind == "lane" else "a plane has width_mm")
+            )
+        return self
+
+
+class Crowd(Section):
+    """Many walkers in a dish: how many, where, and how their bodies meet."""
+
+    gone: ClassVar[Mapping[str, str]] = {"touch_ms": "blows of bodies last 0.6 ms; leave the key out"}
+
+    count: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    """Walkers. None: as many as `packing` says, or 10."""
+    packing: Annotated[float, Field(gt=0, le=0.9)] | None = None
+    """Area of their outlines over that of the dish."""
+    arena_mm: str = "disc:120"
+    """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
+    restitution: Annotated[float, Field(ge=LEAST_RESTITUTION, le=1)] = 0.5
+    """Restitution of body on body; that of the walls is the arena's."""
+    friction: Friction = 0.3
+    """Friction of body on body; that of the walls is the arena's."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Crowd":
+        if self.count is not None and self.packing is not None:
+            raise ValueError("count and packing each say how many: keep one of them")
+        if "arena_mm" in self.model_fields_set:
+            from walkergen.core import dish
+
+            try:
+                dish.parse(self.arena_mm, "arena_mm")
+            except InputError as error:
+                raise ValueError(str(error)) from None
+        return self
+
+    @property
+    def dish(self) -> "Dish":
+        """The ground, parsed."""
+        from walkergen.core import dish
+
+        return dish.parse(self.arena_mm, "crowd.arena_mm")
+
+
+class LegModel(Section):
+    """Damping of the legs in the simulation."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        "model": "every walker moves in space; leave the key out",
+        "spring": "a leg has a cantilever's stiffness, 3 E I/l; material.youngs_modulus_gpa of the design changes it",
+    }
+
+    damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
+    """Damping ratio of a free leg on a held body."""
+    damping_ratio_sd: Annotated[float, Field(ge=0, le=10)] = 0.02
+    """Standard deviation of the damping ratio, for bounds."""
+
+
+class Feet(Section):
+    """Elastic feet: a Hertzian tip at each point, in series with its leg's corner."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        "damping": "feet have one damper, which gives contact.restitution; leave the key out",
+        "stiffness_ratio": "a leg is as stiff as its material (material.youngs_modulus_gpa); leave the key out",
+        "local_stiffness_ratio": "the tip has a radius in place of a ratio: feet.tip_radius_um, 5 by default; "
+        "feet.rigid_tips = true for rigid tips",
+    }
+
+    tip_radius_um: Annotated[float, Field(ge=1e-3, le=1e6)] = 5.0
+    """Effective radius of a tip: that of a smooth sphere as stiff as the rough printed foot."""
+    tip_radius_sd_factor: Annotated[float, Field(ge=1, le=100)] | None = None
+    """Factor by which it may be off, one standard deviation of a log-normal distribution. None: the prior's."""
+    rigid_tips: bool = False
+    """True: tips do not give, only legs do: the limit of an infinite radius."""
+    tangential_ratio: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.8
+    """Tangential stiffness of a point over its normal tangent stiffness (Mindlin: 0.8 for like materials)."""
+    unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of the corners' heights; every run is another print."""
+    unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
+    """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
+
+
+def _headings(value: Any) -> Any:
+    """Headings as a tuple, also a single one, or "uniform". Raises ValueError for anything else."""
+    listed = value if isinstance(value, (list, tuple)) else (value,)
+    fine = all(
+        isinstance(entry, (int, float)) and not isinstance(entry, bool) and abs(entry) <= 360 for entry in listed
+    )
+    if value != "uniform" and not (fine and listed):
+        raise ValueError(
+            f'{str(value)[:40]!r} is none: give headings in -360..360 deg, as [0, 90, 180, 270], or "uniform"'
+        )
+    return value if value == "uniform" else tuple(listed)
+
+
+class Run(Section):
+    """Duration, number and step of the simulated runs."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        "method": "walkers move by steps; leave the key out",
+        "energy_tolerance": "5 % of the exchanged energy may go unaccounted for; leave the key out",
+    }
+
+    seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
+    """Measured time of one run, s, after the discarded start."""
+    discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
+    """Start of every run that is not measured, s."""
+    runs: Annotated[int, Field(ge=1, le=100_000)] = 16
+    """Number of runs, each from its own drop and phase."""
+    seed: Annotated[int, Field(ge=0, le=2**63)] = 1
+    """Seed of all random numbers."""
+    heading_deg: Annotated[tuple[float, ...] | Literal["uniform"], BeforeValidator(_headings)] = (0.0,)
+    """Headings at which runs start, from x to the left, which they take in turn; "uniform": any, drawn evenly."""
+    step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
+    """Time step, us, while a foot is in contact. None: the one that resolves the feet."""
+    accepted_error: Annotated[float, Field(ge=1e-6, le=10)] | None = None
+    """Share of the mean speed by which a run may be off to be faster: what changes this walker's by
+    less, as measured, is left out: effects that [effects] does not name. None: nothing is. A prediction
+    by the surrogate, which is of the whole model, is within it; one by runs leaves out the same, and
+    its bounds bear that."""
+
+
+EffectName = Literal[
+    "second_harmonic",
+    "plate_slope",
+    "air_drag",
+    "roll_and_yaw",
+    "leg_twist",
+    "lane_walls",
+    "lid",
+    "unevenness",
+    "plate_noise",
+    "plate_along",
+    "plate_gradient",
+    "plate_rocking",
+    "plate_roughness",
+    "gyroscopic_torque",
+]
+"""Effects that a scene may force on or off."""
+
+
+def forcing(name: str, on: bool) -> str:
+    """Return the line of a scene that forces an effect on or off."""
+    return f'effects.{"on" if on else "off"} = ["{name}"]'
+
+
+class Effects(Section):
+    """Effects that are forced on or off. The scene decides on all others."""
+
+    gone: ClassVar[Mapping[str, str]] = {
+        name: f"write {forcing(name, False)} for false, {forcing(name, True)} for true" for name in get_args(EffectName)
+    }
+
+    on: list[EffectName] = Field(default=[])
+    """Effects that are simulated although the scene does not require them."""
+    off: list[EffectName] = Field(default=[])
+    """Effects that are left out although the scene requires them."""
+
+    @model_validator(mode="after")
+    def _check_both(self) -> "Effects":
+        if both := [name for name in self.on if name in self.off]:
+            raise ValueError(f"{', '.join(both)}: in effects.on and in effects.off; remove it from one of them")
+        return self
+
+    def forced(self, name: str) -> bool | None:
+        """Return True for an effect that is forced on, False for one forced off, else None."""
+        return True if name in self.on else False if name in self.off else None
+
+    def force(self, name: str, wanted: bool | None) -> "Effects":
+        """Return a copy in which an effect is forced on (True), off (False) or left to the scene (None)."""
+        on, off = ([each for each in names if each != name] for names in (self.on, self.off))
+        if wanted is not None:
+            (on if wanted else off).append(cast(EffectName, name))
+        return self.model_copy(update={"on": on, "off": off})
+
+
+class Prediction(Section):
+    """What predictions assume beside contact and print."""
+
+    model_sd: Annotated[float, Field(ge=0, le=3)] = 0.10
+    """Structural error of the model in space, one standard deviation, a share of the speed.
+
+    The default is measured from what that model leaves open (docs/physics.md section 4): another damper (Hunt and
+    Crossley's) changes the speed at 10 deg by 8 %, a leg's spring between the two that its shape allows by 6, four
+    points a foot for two by 5, half or 1.5 times the tangential stiffness by 1.
+    """
+    impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
+    """Speed at which the theory's feet meet the plate over its peak speed (the paper: "of the same
+    order"); 0.45 gives the paper's 60 mm/s at 10 degrees with the restitution that it measured."""
+
+
+SHAPES: Mapping[str, tuple[str, ...]] = {
+    "drive.second_harmonic_ratio": ("drive.second_harmonic_phase_deg",),
+    "plate.noise_ratio": ("plate.noise_band_hz",),
+    "plate.roughness_um": ("plate.roughness_length_mm",),
+    "plate.along_ratio": ("plate.along_phase_deg",),
+    "plate.across_ratio": ("plate.across_phase_deg",),
+    "plate.gradient_percent_per_mm": ("plate.gradient_toward_deg",),
+    "plate.rocking_percent_per_mm": ("plate.rocking_toward_deg",),
+}
+"""Numbers of a scene, and the keys that only shape what they give: without the number they say nothing."""
+
+
+class Scene(Section):
+    """Everything outside the walker: drive, contact, plate and the settings of simulations."""
+
+    gone: ClassVar[Mapping[str, str]] = {"tether": "walkers run free; leave the table out"}
+
+    name: Name = "scene"
+    description: Annotated[str, Field(max_length=2000)] = ""
+    drive: Drive = Drive(frequency_hz=90.0, gamma=1.8)
+    contact: Contact = Contact()
+    prediction: Prediction = Prediction()
+    plate: Plate = Plate()
+    arena: Arena = Arena()
+    crowd: Crowd = Crowd()
+    legs: LegModel = LegModel()
+    feet: Feet = Feet()
+    run: Run = Run()
+    effects: Effects = Effects()
+
+    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Data of this scene with values set anew, of which some of the drive exclude others."""
+        keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
+        if keys and isinstance(data.get("drive"), dict):
+            data["drive"] = self.drive.set_anew(data["drive"], keys)
+        return data
+
+    def variant(self, **keys: Any) -> "Scene":
+        """Scene with other values of any dotted keys of its file: `variant(**{"drive.gamma": 2})`.
+
+        Everything is validated together, as the file's lines are, unlike by pydantic's
+        `model_copy`. Raises InputError, a line for every mistake.
+        """
+        return changed(self, keys, self.name)
+
+    def value(self, key: str) -> Any:
+        """Value of a dotted key of its file."""
+        table, _, own = key.partition(".")
+        return getattr(getattr(self, table), own)
+
+    @property
+    def impact_speed(self) -> float:
+        """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
+        return self.prediction.impact_speed_factor * self.drive.peak_speed

@@ -1,0 +1,222 @@
+"""Legs joined to a body of any shape: where they meet it, what of them lies outside, the union.
+
+A leg is followed from its foot upward along its centre line, in the frame of walkergen (y up).
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import manifold3d
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import GeometryError, SolidError
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Array, Mesh
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+CRUMB = 1e-9
+"""Volume of a piece, over that of the leg, below which it is the modeller's rounding."""
+
+
+class Body(NamedTuple):
+    """Body that legs are joined to, made ready once: the modeller takes as long as for a union."""
+
+    mesh: Mesh
+    solid: manifold3d.Manifold
+
+
+def ready(mesh: Mesh) -> Body:
+    """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
+    return Body(mesh, modeller.solid(mesh))
+
+
+def shadow(solid: manifold3d.Manifold) -> "BaseGeometry":
+    """What a solid covers, (x, z), seen from above."""
+    import shapely
+
+    covered: BaseGeometry = shapely.Polygon()
+    for ring in solid.rotate((-90.0, 0.0, 0.0)).project().to_polygons():  # z to y
+        covered = covered.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+    return covered
+
+
+class Footing(NamedTuple):
+    """How a leg that comes from its foot meets the body."""
+
+    anchor: Array
+    """Point where the centre line first meets the body, shape (3,), mm."""
+    reach: float
+    """Distance along the centre line from the foot to where the leg's whole section is covered,
+    mm: the highest point of the body's lower surface over the section. A leg that ends deeper than
+    this leaves no gap."""
+    above: float
+    """Distance to where, beyond that, a part of the section comes out of the body again, mm."""
+
+
+def footing(body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs") -> Footing:
+    """Find where a leg of rectangular section meets the body.
+
+    The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
+    leads from the foot up, in the x-y plane; thickness is measured across the leg in that plane
+    and width along z, mm. Raises GeometryError, beginning with `key`, when the leg misses the
+    body, lies partly beside it or under a hole, or has its foot within the body.
+    """
+    place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
+    axes = np.array([[0.0, 0.0, 1.0], [direction[1], -direction[0], 0.0], direction])
+    half = 0.5 * np.array([width, thickness])
+    near = body.mesh.triangles[_by_line(body.mesh, foot, axes[:2], half)]
+    distance = _first(body.mesh.vertices[near], foot, direction)
+    if distance is None:
+        raise GeometryError(f"{place} misses the body; move it under the body")
+    anchor = foot + distance * direction
+    over = _over((body.mesh.vertices[near] - foot) @ axes.T, half)
+    if over is not None:
+        return Footing(anchor, *over)
+    corners = np.array(body.solid.bounding_box()).reshape(2, 3)
+    far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
+    leg = prism(foot, direction, thickness, width, far)
+    outside = [
+        modeller.mesh_of(piece).vertices for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
+    ]
+    heights = [(points - foot) @ direction for points in outside]
+    lower = [height for height in heights if height.min() < CRUMB * far]
+    if len(lower) != 1:
+        raise GeometryError(f"{place} begins within the body; make the leg longer")
+    reach = float(lower[0].max())
+    above = min((float(height.min()) for height in heights if height.min() >= CRUMB * far), default=math.inf)
+    if reach > far * (1.0 - CRUMB):
+        raise GeometryError(
+            f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
+            "it lies under a hole or beyond an edge; move it or make it smaller"
+        )
+    return Footing(anchor, reach, above)
+
+
+def _over(corners: Array, half: Array) -> tuple[float, float] | None:
+    """Highest point of a lower side over a section, and lowest of the upper one, where these alone are over it.
+
+    Corners of triangles, shape (k, 3, 3), lie in the section's frame, the third axis up. None where more is over it,
+    or less, which only the modeller tells.
+    """
+    if corners[:, :, 2].min() <= 0.0:
+        return None
+    for axis, far in enumerate(half.tolist()):
+        corners = _cut(_cut(corners, axis, far), axis, far, -1.0)
+    x, y, heights = corners.transpose(2, 0, 1)
+    areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+    lower, upper, whole = areas < 0.0, areas > 0.0, 4.0 * half.prod()
+    if any(abs(np.abs(areas[side]).sum() - whole) > CRUMB * whole for side in (lower, upper)):
+        return None
+    reach, above = float(heights[lower].max()), float(heights[upper].min())
+    return (reach, above) if reach < above else None
+
+
+def _cut(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
+    """What of convex polygons, shape (k, n, 3), is no farther along an axis; they end with their first point, repeated.
+
+    Source: Sutherland and Hodgman (1974).
+    """
+    left = far - side * polygons[:, :, axis]
+    inside, ahead = left >= 0.0, np.roll(left, -1, axis=1)
+    crossing = inside != np.roll(inside, -1, axis=1)
+    share = np.divide(left, left - ahead, out=np.zeros_like(left), where=crossing)[:, :, None]
+    met = polygons + share * (np.roll(polygons, -1, axis=1) - polygons)
+    points = np.stack([polygons, met], axis=2).reshape(len(polygons), -1, 3)
+    kept = np.stack([inside, crossing], axis=2).reshape(len(polygons), -1)
+    points, kept = points[kept.any(axis=1)], kept[kept.any(axis=1)]
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : kept.sum(axis=1).max(initial=0)]
+    points, kept = np.take_along_axis(points, order[:, :, None], 1), np.take_along_axis(kept, order, 1)
+    return np.where(kept[:, :, None], points, points[:, :1])
+
+
+def prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
+    """Straight leg of rectangular section, square at both ends, from its foot upward."""
+    side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
+    across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
+    ring = np.array([-side - across, side - across, side + across, -side + across])
+    vertices = foot + np.concatenate([ring, ring + along])
+    # Corners 0 1 2 3 at the foot, 4 5 6 7 at the top; triangles counter-clockwise from outside
+    quads = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
+    return Mesh(vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+
+
+def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
+    """Distance from a point along a unit direction to the surface, mm; None when it is missed.
+
+    A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
+    """
+    sides = np.linalg.svd(direction[None, :])[2][1:]
+    return _first(mesh.vertices[mesh.triangles[_by_line(mesh, start, sides, np.zeros(2))]], start, direction)
+
+
+def _first(corners: Array, start: Array, direction: Array) -> float | None:
+    """Distance from a point along a unit direction to the first of some triangles, shape (k, 3, 3), mm."""
+    a, b, c = corners.transpose(1, 0, 2)
+    first, second = b - a, c - a
+    normal = np.cross(direction, second)
+    determinant = np.einsum("ki,ki->k", first, normal)
+    scale = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+    steep = np.abs(determinant) > 1e-12 * scale
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_a = start - a
+        u = np.einsum("ki,ki->k", from_a, normal) / determinant
+        turned = np.cross(from_a, first)
+        v = turned @ direction / determinant
+        distance = np.einsum("ki,ki->k", second, turned) / determinant
+        # Of a triangle's side, so that a ray cannot slip through between two neighbours
+        slack = 1e-9
+        hit = steep & (u >= -slack) & (v >= -slack) & (u + v <= 1.0 + slack) & (distance >= 0.0)
+    return float(distance[hit].min()) if hit.any() else None
+
+
+def _by_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
+    """True for triangles whose box, along two directions across a line, comes as near to it as `half`, shape (k,)."""
+    slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
+    met = np.ones(len(mesh.triangles), bool)
+    for side, far in zip(sides, half + slack, strict=True):
+        first, second, third = ((mesh.vertices - start) @ side)[mesh.triangles.T]
+        met &= np.minimum(np.minimum(first, second), third) <= far
+        met &= np.maximum(np.maximum(first, second), third) >= -far
+    return met
+
+
+def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
+    """Part of a leg outside the body, from its foot to the body's surface: cut flush.
+
+    Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
+    it again.
+    """
+    whole = modeller.solid(leg)
+    left = modeller.evaluated(whole - body.solid).decompose()
+    pieces = [piece for piece in left if piece.volume() > CRUMB * whole.volume()]
+    if not pieces:
+        raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
+    # (x, y, z) of the low corner come first in a bounding box
+    lowest = min(pieces, key=lambda piece: piece.bounding_box()[1])
+    if len(pieces) > 1:
+        loose = sum(piece.volume() for piece in pieces) - lowest.volume()
+        raise GeometryError(f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body")
+    return modeller.mesh_of(lowest)
+
+
+def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
+    """One closed mesh of a body and the legs that reach into it.
+
+    Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
+    modeller loses or doubles something.
+    """
+    parts = [body.solid, *(modeller.solid(leg) for leg in legs)]
+    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
+    pieces = modeller.bodies(whole)
+    if len(pieces) != 1:
+        raise GeometryError(
+            f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every leg reach into the body"
+        )
+    volumes = [part.volume() for part in parts]
+    if not max(volumes) * (1.0 - CRUMB) <= whole.volume() <= sum(volumes) * (1.0 + CRUMB):
+        raise SolidError(f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3")
+    return modeller.mesh_of(whole)

@@ -1,0 +1,59 @@
+"""Binary STL files: a header, the number of triangles, and a record for each, in 32-bit floats."""
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+
+Array = npt.NDArray[np.float64]
+Corners = npt.NDArray[np.float32]
+
+HEADER_BYTES = 80
+COUNT_BYTES = 4
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def pack(corners: Array, header: str) -> bytes:
+    """Binary STL of corners (triangles, 3, 3) in mm; a triangle without area has a zero normal.
+
+    The header begins with "binary STL", because readers take "solid" for the text format; whatever
+    it would hold beyond ASCII or beyond its 80 bytes is lost.
+    """
+    records = np.zeros(len(corners), TRIANGLE)
+    records["corners"] = corners
+    records["normal"] = _unit_normals(corners)
+    start = f"binary STL, mm: {header}".encode("ascii", "replace")[:HEADER_BYTES]
+    count = len(records).to_bytes(COUNT_BYTES, "little")
+    return start.ljust(HEADER_BYTES) + count + records.tobytes()
+
+
+def unpack(data: bytes, source: str) -> tuple[Corners, str]:
+    """Corners (triangles, 3, 3) of a binary STL, in its unit, exactly as they stand there, and a note.
+
+    Programs that write while they compute leave the count at 0 or at its largest: the length then says
+    how many there are. What follows the counted triangles is left out, and noted. Raises InputError,
+    which begins with `source`, when the length is not that of a binary STL with triangles, or when a
+    corner is not finite.
+    """
+    start = HEADER_BYTES + COUNT_BYTES
+    count = int.from_bytes(data[HEADER_BYTES:start], "little")
+    held, rest = divmod(max(len(data) - start, 0), TRIANGLE.itemsize)
+    note = ""
+    if held and not rest and count in (0, 2**32 - 1):
+        count, note = held, f"its count of triangles is not filled in: {held} by its length"
+    elif 0 < count <= held and len(data) > start + count * TRIANGLE.itemsize:
+        note = f"left out {len(data) - start - count * TRIANGLE.itemsize} bytes after its triangles"
+    if count > held or count == 0:
+        raise InputError(f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; write it anew")
+    corners: Corners = np.frombuffer(data, TRIANGLE, offset=start, count=count)["corners"]
+    if not np.isfinite(corners).all():
+        raise InputError(f"{source}: a corner is not finite; write the file anew")
+    return corners, note
+
+
+def _unit_normals(corners: Array) -> Array:
+    """Normals of length 1, shape (triangles, 3); zero for a triangle without area."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    return units

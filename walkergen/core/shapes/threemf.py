@@ -1,0 +1,388 @@
+"""Reading of 3MF files, and lib3mf, which writes them, where it is made for the machine.
+
+Every printed item is read as it is placed, in mm. All is counted while it is read, before anything is placed:
+lib3mf places components within components while it opens a file of 1 kB, for minutes, and trimesh keeps one of
+several items that share object and part number.
+"""
+
+import importlib.util
+import io
+import platform
+import zipfile
+import zlib
+from array import array
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import Any, Literal, NamedTuple
+from xml.parsers import expat
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+
+MM = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+"""Millimetres of the units that a model may have."""
+
+CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02 "
+"""Begins the names of the elements that are read; those of extensions are left out."""
+
+DEEPEST = 16
+"""Most levels of components within components."""
+
+MOST_PARTS = 10_000
+"""Most meshes that a file may place, most components and most objects: components within components multiply."""
+
+MOST_TRIANGLES = 2_000_000
+"""Largest number of triangles of a file of meshes: a million took 10 s and 0.7 GB to read and check,
+on two busy cores (benchmarks/own_mesh.py)."""
+
+ELEMENTS = 8
+"""Most elements of XML for every triangle that is allowed: corners, colours, textures."""
+
+Array = npt.NDArray[np.float64]
+Attributes = dict[str, str]
+Place = tuple[str, int]
+"""Path of a model in an archive, in small letters, and the number of an object in it."""
+
+Role = Literal["model", "negative", "other"]
+
+ROLES: dict[str, Role] = {
+    "ModelPart": "model",
+    "normal_part": "model",
+    "NegativeVolume": "negative",
+    "negative_part": "negative",
+}
+"""Roles of volumes in the words of PrusaSlicer, and of BambuStudio and OrcaSlicer; modifiers and
+supports of all kinds are others, which no printer lays down."""
+
+UNPRINTED = ("anti_overhang_mesh", "cutting_mesh", "infill_mesh", "support_mesh")
+"""Settings of Cura by which an object says where others print otherwise, and is not printed itself."""
+
+EXTENSIONS = ("/material/", "/production/", "/slice/", "/trianglesets/")
+"""Extensions, by parts of their addresses, that a file may require: they change no plain mesh."""
+
+NOTES = ("metadata/slic3r_pe_model.config", "metadata/model_settings.config")
+"""Files in which slicers note the roles."""
+
+Volumes = dict[int, list[tuple[int, int, Role]]]
+"""Roles of triangles by the number of their object: the first and the last of each volume."""
+
+UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    OSError,
+    NotImplementedError,
+    RuntimeError,
+    ValueError,
+    expat.ExpatError,
+    KeyError,
+)
+"""What reading raises for what is no archive, no XML, lacks an attribute, or has words for numbers."""
+
+
+class Part(NamedTuple):
+    """Surface in a file, as sound or unsound as it stands there."""
+
+    name: str
+    """Item's part number, or its object's name, or its place in the file."""
+    vertices: Array
+    """Corners in the file's own axes, shape (n, 3); mm for 3MF, else the file's own unit."""
+    triangles: npt.NDArray[np.int64]
+    """Corners of the triangles as indices into the vertices, shape (k, 3)."""
+    role: Role = "model"
+    """Whether it is printed, taken away from what is printed of its item, or neither."""
+    item: int = 0
+    """Number of the printed item that it belongs to."""
+
+
+@cache
+def available() -> bool:
+    """True where lib3mf is installed; nobody makes it for Linux or Windows on ARM."""
+    return importlib.util.find_spec("lib3mf") is not None
+
+
+def library() -> Any:
+    """Module lib3mf. Raises InputError where it is not installed."""
+    if not available():
+        raise InputError(
+            "3MF: lib3mf is not installed (it is made for x86-64 and Macs, this is "
+            f"{platform.system()} on {platform.machine()}): use STL; plates are STL files too"
+        )
+    import lib3mf
+
+    return lib3mf
+
+
+def read(data: bytes, source: str, most_triangles: int = MOST_TRIANGLES) -> list[Part]:
+    """Meshes of all items, in the file's order, a part for each role that volumes of an item have.
+
+    Raises InputError, beginning with `source`, for what is no 3MF, and before it is placed for a file
+    that places more than MOST_PARTS meshes or `most_triangles` triangles, counted as often as placed.
+    """
+    package = _Package(most_triangles)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            package.read(archive)
+        package.check()
+        return list(package.parts())
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    except UNREADABLE as error:
+        raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
+
+
+class _Placed(NamedTuple):
+    """Object as an item or a component places it."""
+
+    object: Place
+    name: str
+    transform: Array
+    """Rows of the turn, and below them the shift, shape (4, 3), for corners as rows."""
+    printed: bool
+    """False for an item that somebody has switched off."""
+
+
+class _Object(NamedTuple):
+    """Mesh, or components, of a model."""
+
+    name: str
+    printed: bool
+    corners: "array[float]"
+    triangles: "array[int]"
+    components: list[_Placed]
+
+
+class _Package:
+    """Objects of the models in an archive, what its build places, and what slicers noted of them."""
+
+    def __init__(self, most_triangles: int) -> None:
+        self.most_triangles = most_triangles
+        self.objects: dict[Place, _Object] = {}
+        self.items: list[_Placed] = []
+        self.volumes: Volumes = {}
+        self.unit = "millimeter"
+        self._prefixes: dict[str | None, str] = {}
+        self._elements = 0
+        self._counts: dict[Place, tuple[int, int]] = {}
+
+    def read(self, archive: zipfile.ZipFile) -> None:
+        """Take in the model that the archive names, and those that this one refers to."""
+        names = {name.lstrip("/").lower(): name for name in archive.namelist()}
+        targets = ["3d/3dmodel.model"]
+
+        def relate(tag: str, attributes: Attributes) -> None:
+            if tag.endswith("Relationship") and attributes.get("Type", "").endswith("/3dmodel"):
+                targets[0] = attributes.get("Target", "").lstrip("/").lower()
+
+        if "_rels/.rels" in names:
+            self._parse(archive, names["_rels/.rels"], relate)
+        root = targets[0]
+        for path in targets:  # grows while it is read
+            if path not in names:
+                raise InputError(f"refers to {path[:60]!r}, which it does not hold; export it anew")
+            self._parse(archive, names[path], *self._model(path, path == root))
+            own = [place for place, made in self.objects.items() if place[0] == path]
+            placed = [part for place in own for part in self.objects[place].components]
+            others = {part.object[0] for part in [*placed, *(self.items if path == root else [])]}
+            targets += sorted(others - {*targets})
+        for path in NOTES:
+            if path in names:
+                try:
+                    self._parse(archive, names[path], self._notes())
+                except expat.ExpatError:  # notes that cannot be read say nothing
+                    self.volumes.clear()
+
+    def _parse(
+        self,
+        archive: zipfile.ZipFile,
+        name: str,
+        begin: Callable[[str, Attributes], None],
+        text: Callable[[str], None] | None = None,
+    ) -> None:
+        """Give the elements of a file to a function, and its text to another.
+
+        Raises ExpatError, and InputError for too many elements.
+        """
+        most = ELEMENTS * self.most_triangles + MOST_PARTS
+
+        def count(tag: str, attributes: Attributes) -> None:
+            self._elements += 1
+            if self._elements > most:
+                raise InputError(f"has more than {most} elements; simplify the mesh")
+            begin(tag, attributes)
+
+        def refuse(*_: object) -> None:
+            raise InputError("has a document type, which no 3MF may have; export it anew")
+
+        parser = expat.ParserCreate(namespace_separator=" ")
+        parser.StartElementHandler = count
+        parser.StartDoctypeDeclHandler = refuse
+        parser.StartNamespaceDeclHandler = self._prefixes.__setitem__
+        parser.CharacterDataHandler = text
+        with archive.open(name) as stream:
+            parser.ParseFile(stream)
+
+    def _model(self, path: str, root: bool) -> tuple[Callable[[str, Attributes], None], Callable[[str], None]]:
+        """Functions that take in the elements of a model and their text."""
+        vertex, triangle = CORE + "vertex", CORE + "triangle"
+        own, setting, place = _object({}), "", (path, 0)
+
+        def begin(tag: str, attributes: Attributes) -> None:
+            nonlocal own, setting, place
+            setting = ""
+            if tag == triangle:
+                own.triangles.extend([int(attributes[key]) for key in ("v1", "v2", "v3")])
+                if len(own.triangles) > 3 * self.most_triangles:
+                    raise InputError(f"holds more than {self.most_triangles} triangles; simplify the mesh")
+            elif tag == vertex:
+                own.corners.extend([float(attributes[key]) for key in "xyz"])
+            elif tag == CORE + "object":
+                own, place = _object(attributes), (path, int(attributes["id"]))
+                if place in self.objects or len(self.objects) >= MOST_PARTS:
+                    raise InputError(
+                        f"holds two objects {place[1]}; export it anew"
+                        if place in self.objects
+                        else f"holds more than {MOST_PARTS} objects; join them into fewer"
+                    )
+                self.objects[place] = own
+            elif tag == CORE + "component":
+                own.components.append(_placed(attributes, path))
+            elif tag == CORE + "item" and root:
+                self.items.append(_placed(attributes, path))
+            elif tag == CORE + "model":
+                self._settle(attributes, path, root)
+            elif tag.endswith((" metadata", " setting")):
+                setting = attributes.get("name", attributes.get("key", "")).rpartition(":")[2]
+            elif tag.endswith(" beam"):
+                raise InputError("holds a lattice of beams, which is no mesh; export it as triangles")
+
+        def text(words: str) -> None:
+            if setting in UNPRINTED and words.strip().lower() == "true" and place in self.objects:
+                self.objects[place] = self.objects[place]._replace(printed=False)
+
+        return begin, text
+
+    def _settle(self, attributes: Attributes, path: str, root: bool) -> None:
+        """Take in what a model says of itself. Raises InputError for what would change its meshes."""
+        unit = attributes.get("unit", "millimeter" if root else self.unit)
+        if root:
+            self.unit = unit
+        elif unit != self.unit:
+            raise InputError(f"{path[:60]!r} is in {unit[:20]}, the model that places it in {self.unit[:20]}")
+        for prefix in attributes.get("requiredextensions", "").split():
+            space = self._prefixes.get(prefix, prefix)
+            if not any(known in space for known in EXTENSIONS):
+                raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
+
+    def _notes(self) -> Callable[[str, Attributes], None]:
+        """Function that takes in the elements of a slicer's notes."""
+        number = 0
+
+        def begin(tag: str, attributes: Attributes) -> None:
+            nonlocal number
+            volumes = self.volumes.setdefault(number, [])
+            if tag == "object":
+                number = int(attributes.get("id", 0))
+            elif tag == "volume":
+                volumes.append((int(attributes.get("firstid", 0)), int(attributes.get("lastid", -1)), "model"))
+            elif tag == "metadata" and attributes.get("key") == "volume_type" and volumes:
+                volumes[-1] = (*volumes[-1][:2], ROLES.get(attributes.get("value", ""), "other"))
+            elif (
+                tag == "metadata" and attributes.get("key") == "modifier" and attributes.get("value") == "1" and volumes
+            ):
+                volumes[-1] = (*volumes[-1][:2], "other")  # before there were types
+            elif tag == "part":
+                role = ROLES.get(attributes.get("subtype", "normal_part"), "other")
+                self.volumes[int(attributes.get("id", 0))] = [(0, -1, role)]
+
+        return begin
+
+    def check(self) -> None:
+        """Raise InputError for a package that places too much, or what it does not hold."""
+        if self.unit not in MM:
+            raise InputError(f"has the unit {self.unit[:20]!r}: must be one of {', '.join(MM)}")
+        counts = [self._count(item.object, 0) for item in self.items]
+        if sum(parts for parts, _ in counts) > MOST_PARTS:
+            raise InputError(f"places more than {MOST_PARTS} meshes; join them into fewer")
+        if (triangles := sum(triangles for _, triangles in counts)) > self.most_triangles:
+            raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
+
+    def _count(self, place: Place, depth: int) -> tuple[int, int]:
+        """Number of meshes and of triangles of an object. Raises InputError for one too deep, or none."""
+        if depth > DEEPEST:
+            raise InputError(f"components lie more than {DEEPEST} deep; join them")
+        if place not in self.objects:
+            raise InputError(f"places an object {place[1]} that it does not hold; export it anew")
+        if place not in self._counts:
+            own = self.objects[place]
+            inner = [self._count(part.object, depth + 1) for part in own.components]
+            if not (inner or len(own.triangles)):
+                raise InputError(f"object {place[1]} {own.name[:40]!r} is no mesh; give triangles")
+            parts = sum(parts for parts, _ in inner) or 1
+            self._counts[place] = parts, sum(count for _, count in inner) + len(own.triangles) // 3
+        return self._counts[place]
+
+    def parts(self) -> Iterator[Part]:
+        """Surfaces of all items, in their order, mm."""
+        for number, item in enumerate(self.items):
+            name = item.name or self.objects[item.object].name or f"item {number + 1}"
+            for whole, volumes in self._meshes(item.object, [item.transform]):
+                # BambuStudio gives what it cuts away the type of what does not print
+                typed: Role = "model" if any(own == "negative" for *_, own in volumes) else whole.role
+                role = typed if item.printed else "other"
+                placed = whole._replace(name=name, role=role, item=number, vertices=MM[self.unit] * whole.vertices)
+                yield from _by_role(placed, volumes) if role == "model" else [placed]
+
+    def _meshes(self, place: Place, chain: list[Array]) -> Iterator[tuple[Part, list[tuple[int, int, Role]]]]:
+        """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
+        own = self.objects[place]
+        for part in own.components:
+            yield from self._meshes(part.object, [*chain, part.transform])
+        if not len(own.triangles):
+            return
+        vertices = np.array(own.corners).reshape(-1, 3)
+        triangles = np.array(own.triangles, np.int64).reshape(-1, 3)
+        for transform in reversed(chain):
+            vertices = vertices @ transform[:3] + transform[3]
+            if np.linalg.det(transform[:3]) < 0.0:  # a mirror image is turned inside out
+                triangles = triangles[:, ::-1]
+        yield Part("", vertices, triangles, "model" if own.printed else "other"), self.volumes.get(place[1], [])
+
+
+def _object(attributes: Attributes) -> _Object:
+    printed = attributes.get("type", "model") == "model"
+    return _Object(attributes.get("name", ""), printed, array("d"), array("q"), [])
+
+
+def _placed(attributes: Attributes, path: str) -> _Placed:
+    """What an item or a component places: of the model itself, or of another that it names the path of."""
+    paths = [value for name, value in attributes.items() if name.endswith(" path")]
+    place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
+    numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]
+    printed = attributes.get("printable", "1").strip() not in ("0", "false")
+    return _Placed(place, attributes.get("partnumber", ""), np.array(numbers).reshape(4, 3), printed)
+
+
+def _by_role(whole: Part, volumes: list[tuple[int, int, Role]]) -> Iterator[Part]:
+    """Part of each role that triangles have; those that no volume names are of the model.
+
+    Raises InputError for volumes that share triangles.
+    """
+    spans = [(slice(first, last + 1 if last >= 0 else None), role) for first, last, role in volumes]
+    count = len(whole.triangles)
+    if sum(len(range(count)[span]) for span, _ in spans) > count:
+        raise InputError(f"{whole.name[:40]!r}: its volumes share triangles; export it anew")
+    roles = np.full(count, "model", dtype="<U8")
+    for span, role in spans:
+        roles[span] = role
+    if (roles == "model").all():
+        yield whole
+        return
+    for span, role in spans:
+        if role == "negative" and len(whole.triangles[span]):
+            yield whole._replace(triangles=whole.triangles[span], role=role)
+    for role in ("model", "other"):
+        if (roles == role).any():
+            yield whole._replace(triangles=whole.triangles[roles == role], role=role)

@@ -1,0 +1,63 @@
+"""The drive: a plate at height A sin(phase), phase = omega t, with a second harmonic if called for.
+
+The phase is kept, in 0..2 pi, and not the absolute time: a run of 1e5 s still resolves 1e-9 s.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.simulation.effects import harmonic as harmonics
+from walkergen.core.simulation.effects.harmonic import Harmonic
+
+TWO_PI = 2.0 * math.pi
+
+_height, _velocity = harmonics.height, harmonics.velocity
+_acceleration, _bound = harmonics.acceleration, harmonics.bound
+
+
+class Drive(NamedTuple):
+    """A plate shaken vertically, at rest when `amplitude` is 0."""
+
+    amplitude: float
+    """Amplitude of the fundamental, mm."""
+    omega: float
+    """Angular frequency, rad/s; > 0 also when the amplitude is 0."""
+    harmonic: Harmonic = harmonics.OFF
+
+    @property
+    def period(self) -> float:
+        """Period of the fundamental, s."""
+        return TWO_PI / self.omega
+
+
+@kernel
+def moved_on(drive: Drive, phase: float, t: float) -> float:
+    """Phase (rad) after t seconds; it stays in 0..2 pi."""
+    return (phase + drive.omega * t) % TWO_PI
+
+
+@kernel
+def height(drive: Drive, phase: float) -> float:
+    """Height of the plate's surface at a phase (rad), mm."""
+    return drive.amplitude * (math.sin(phase) + _height(drive.harmonic, phase))
+
+
+@kernel
+def velocity(drive: Drive, phase: float) -> float:
+    """Vertical velocity of the plate at a phase (rad), mm/s."""
+    both = math.cos(phase) + _velocity(drive.harmonic, phase)
+    return drive.amplitude * drive.omega * both
+
+
+@kernel
+def acceleration(drive: Drive, phase: float) -> float:
+    """Vertical acceleration of the plate at a phase (rad), mm/s^2."""
+    both = _acceleration(drive.harmonic, phase) - math.sin(phase)
+    return drive.amplitude * drive.omega * drive.omega * both
+
+
+@kernel
+def derivative_bound(drive: Drive, order: int) -> float:
+    """Upper bound of |d^order height / dt^order|, mm/s^order; attained without a harmonic."""
+    return abs(drive.amplitude) * drive.omega**order * (1.0 + _bound(drive.harmonic, order))

@@ -1,0 +1,90 @@
+"""Rules of effects: whether a scene calls for each, and the number that decides."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from walkergen.core.drive import Drive
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene, forcing
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+
+WALLS, LID, NOISE, MOTOR, GYROSCOPIC = "lane walls", "lid", "plate noise", "motor", "gyroscopic torque"
+ALONG, GRADIENT, ROCKING = "motion along the plate", "plate gradient", "plate rocking"
+"""Effects whose modules are imported with the first scene that calls for them."""
+
+
+class Case(NamedTuple):
+    """Scene and walker that a rule judges."""
+
+    scene: Scene
+    design: Design
+    mass: MassProperties
+
+    @property
+    def shaken(self) -> Drive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.scene.drive.beneath(float(self.mass.total))
+
+
+class Effect(NamedTuple):
+    """Effect with its size in a scene and what its rule decides."""
+
+    name: str
+    on: bool
+    number: float
+    """Dimensionless number that decides."""
+    meaning: str
+    """Meaning of the number, in words."""
+    reason: str
+    """Why the effect is on or off."""
+    switch: str
+    """Name in effects.on and effects.off, or key of the scene, that forces it; "" when nothing does."""
+
+
+class Rule(NamedTuple):
+    """How an effect is judged, and where it is known."""
+
+    judge: Callable[[Case], Effect]
+    """The effect in a case. Raises InputError where the scene contradicts itself or the design."""
+    switch: str = ""
+    """Name in effects.on and effects.off, or key of the scene, that forces it."""
+    away: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys of the scene with which it is no part of a still plate, as a bench's is; none
+    where it remains."""
+    usual: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys with which an effect that is off has a usual size; none where it has none."""
+    without: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys with which it is off; none: effects.off has its switch."""
+
+    @property
+    def off(self) -> Mapping[str, Any]:
+        """Values of keys with which it is off; none of an effect that nothing switches."""
+        return self.without or ({f"effects.{self.switch}": False} if self.switch else {})
+
+
+def called_for(case: Case, key: str, switch: str) -> tuple[bool, str]:
+    """Decision and reason of an effect that a number of the scene calls for: that of a key.
+
+    Raises InputError where its switch forces an effect on that has no number.
+    """
+    number = case.scene.value(key)
+    reason = f"{key} is not given" if number is None else f"{key} = {number:g}"
+    if not number:
+        absent(case, switch, f"{reason}, so that nothing would act: set it")
+    return forced(case.scene.effects.forced(switch), bool(number), reason)
+
+
+def absent(case: Case, switch: str, why: str) -> str:
+    """Reason for which an effect is no part of a case. Raises InputError where its switch is forced on."""
+    if case.scene.effects.forced(switch):
+        raise InputError(f"{forcing(switch, True)}: {why}, or leave {switch} out of effects.on")
+    return why
+
+
+def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
+    """Decision and reason after the scene's switch `wanted`, which overrules them unless None."""
+    if wanted is None:
+        return decided, reason
+    return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"

@@ -1,0 +1,100 @@
+"""Elastic feet: the legs' corners, the Hertzian tips in series with them, and the damper that gives a restitution.
+
+A corner has half of its leg's axial stiffness, E D s / (2 l). A tip of effective radius R on the plate has Hertz's
+K (theory/hertz.py). The
+damper gives one corner alone, without friction, the restitution e at every speed (simulation/space/tips.py): as a
+linear oscillator whose force ends when it would pull, e = exp(-zeta t), t the time at which the force vanishes
+(Schwager and Poeschel, Granular Matter 9, 2007, 465). Limits: e = 1 has no loss; rigid tips leave the legs alone.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import GRAVITY, LEAST_RESTITUTION, Scene
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule
+from walkergen.core.theory.hertz import landing_depth, tip_stiffness
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.sections import section_of
+from walkergen.core.walker.spec import Material
+
+NAME, KEY = "compliant tips", "feet.rigid_tips"
+
+LANDING_SPEED = 2.0
+"""Speed at which a corner lands, as the step and the surrogate take it, over the plate's peak speed."""
+
+
+class Foot(NamedTuple):
+    """Elastic contact of a corner."""
+
+    spring: float
+    """Axial stiffness of the leg behind it, g/s^2."""
+    tip: float
+    """Hertz stiffness of its tip, g/(mm^0.5 s^2); infinite: rigid."""
+    damping_ratio: float
+    """Damping ratio of a corner alone."""
+
+
+def axial_stiffness(limb: Limb, modulus: float) -> float:
+    """Normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any.
+
+    `modulus`: Young's, Pa.
+    """
+    return 0.5 * modulus * limb.width * section_of(limb).axial(limb)
+
+
+def restitution(damping_ratio: float) -> float:
+    """Restitution of a mass on a viscous foot that never pulls, for any damping ratio >= 0."""
+    z = damping_ratio
+    if z < 1.0:
+        fast = math.sqrt(1.0 - z * z)
+        time = math.atan2(2.0 * z * fast, 2.0 * z * z - 1.0) / fast
+    elif z == 1.0:
+        time = 2.0
+    else:
+        fast = math.sqrt(z * z - 1.0)
+        time = math.log((z + fast) / (z - fast)) / fast
+    return math.exp(-z * time)
+
+
+def damping_ratio(wanted: float) -> float:
+    """Damping ratio whose `restitution` is the wanted one, 0 < wanted <= 1, by bisection."""
+    low, high = 0.0, 1.0
+    while restitution(high) > wanted:
+        high *= 2.0
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        if restitution(middle) > wanted:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high) if wanted < 1.0 else 0.0
+
+
+def foot_of(scene: Scene, limb: Limb, material: Material) -> Foot:
+    """Elastic contact of a corner of a leg's foot. Raises InputError."""
+    e = scene.contact.restitution if limb.restitution is None else limb.restitution
+    if e < LEAST_RESTITUTION:
+        raise InputError(
+            f"contact.restitution = {e:g}: an elastic foot always rebounds a little; give {LEAST_RESTITUTION:g}..1"
+        )
+    return Foot(axial_stiffness(limb, material.youngs_modulus), tip_stiffness(scene, material), damping_ratio(e))
+
+
+def landing_stiffness(tip: float, mass: float, speed: float) -> float:
+    """Tangent stiffness (g/s^2) of a tip alone at the depth to which a mass (g) presses it as it lands (mm/s)."""
+    return math.inf if math.isinf(tip) else 1.5 * tip * math.sqrt(landing_depth(tip, mass, speed, GRAVITY * mass))
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on unless tips are rigid. The number is how much softer a tip is than its leg, at a landing."""
+    meaning = "stiffness of a leg's corner over that of its tip, at a landing"
+    rigid, material, ratio = case.scene.feet.rigid_tips, case.design.material, 0.0
+    if not rigid:
+        tip, mass = tip_stiffness(case.scene, material), float(case.mass.total) / (2 * len(case.design.limbs))
+        pressed = landing_stiffness(tip, mass, LANDING_SPEED * case.shaken.peak_speed)
+        ratio = axial_stiffness(case.design.limbs[0], material.youngs_modulus) / pressed
+    return Effect(NAME, not rigid, ratio, meaning, f"{KEY} = {str(rigid).lower()}", KEY)
+
+
+RULE = Rule(judge, without={KEY: True})

@@ -1,0 +1,74 @@
+"""Second harmonic of the drive: the plate moves as A [sin(phase) + ratio sin(2 phase + shift)].
+
+The kernels give the harmonic's part of height, velocity and acceleration over A, A omega and
+A omega^2. Limit: ratio 0 is the plain sine (tests/core/simulation/test_engines.py).
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+
+NAME, SWITCH, KEY = "second harmonic", "second_harmonic", "drive.second_harmonic_ratio"
+
+
+class Harmonic(NamedTuple):
+    """Parameters of a second harmonic."""
+
+    ratio: float
+    """Amplitude over the fundamental's."""
+    shift: float
+    """Phase shift, rad."""
+
+
+OFF = Harmonic(0.0, 0.0)
+"""A plain sine."""
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's drive has a second harmonic."""
+    ratio = case.scene.drive.second_harmonic_ratio
+    on, reason = called_for(case, KEY, SWITCH)
+    return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.2})
+
+
+def parameters(case: Case) -> Harmonic:
+    """Parameters of the second harmonic of the scene's drive."""
+    drive = case.scene.drive
+    return Harmonic(drive.second_harmonic_ratio, math.radians(drive.second_harmonic_phase_deg))
+
+
+@kernel
+def height(harmonic, phase):
+    """Harmonic's part of the height over A, at a phase (rad) of the fundamental."""
+    if harmonic.ratio == 0.0:
+        return 0.0
+    return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def velocity(harmonic, phase):
+    """Harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
+    if harmonic.ratio == 0.0:
+        return 0.0
+    return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def acceleration(harmonic, phase):
+    """Harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
+    if harmonic.ratio == 0.0:
+        return 0.0
+    return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def bound(harmonic, order):
+    """Largest |d^order height / dt^order| of the harmonic over A omega^order."""
+    if harmonic.ratio == 0.0:
+        return 0.0
+    return abs(harmonic.ratio) * 2.0**order

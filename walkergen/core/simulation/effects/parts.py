@@ -1,0 +1,56 @@
+"""Effects that nothing switches; their numbers say how much they matter."""
+
+import math
+
+from walkergen.core.simulation.effects.effect import Case, Effect
+from walkergen.core.theory.tensors import feet
+
+RARE = 50.0
+"""Peak acceleration over g from which feet hardly rest on the plate."""
+
+
+def sticking(case: Case) -> Effect:
+    """Rule of sticking of a foot within an impact (docs/physics.md section 3)."""
+    scenes = case.scene.contact.friction
+    ratios = [
+        (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
+        if H.xy != 0.0
+        else math.inf
+        for limb, H in zip(case.design.limbs, feet(case.mass), strict=True)
+    ]
+    on = max(ratios) >= 1.0
+    reason = "friction can hold a foot" if on else "feet always slide on in single impacts"
+    meaning = "friction over |H_xy|/H_xx, the largest of all feet"
+    number = min(max(ratios), 1e9)  # infinite for an upright leg: written as a large number
+    return Effect("sticking in impacts", on, number, meaning, reason, "")
+
+
+def sustained(case: Case) -> Effect:
+    """Rule of contact that lasts: always on."""
+    gamma = case.shaken.peak_gamma
+    reason = "bounces die out and feet rest on the plate" if gamma < RARE else "rare at this drive"
+    return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
+
+
+def pitch(case: Case) -> Effect:
+    """Rule of turning in the plane: always on."""
+    number = case.design.foot_span / case.design.size.length
+    return Effect("pitch", True, number, "contact spacing over body length", _number(case), "")
+
+
+def _number(case: Case) -> str:
+    """Number of feet in words."""
+    count = len(case.design.limbs)
+    return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
+
+
+def neighbours(case: Case) -> Effect:
+    """Rule of other walkers: bodies of a crowd meet, legs never, which its number judges."""
+    size, beyond = case.design.size, 0.0
+    for limb in case.design.limbs:
+        ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length
+        aside = abs(limb.across) + 0.5 * limb.width - 0.5 * size.depth
+        beyond = max(beyond, ahead, aside)
+    meaning = "how far feet stick out of the body's box, over its length: legs would touch above 0"
+    reason = "one walker alone; `walkergen crowd` lets bodies meet, not legs"
+    return Effect("neighbours", False, beyond / size.length, meaning, reason, "")

@@ -1,0 +1,89 @@
+"""Effects that a scene calls for, decided from dimensionless numbers."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene, forcing
+from walkergen.core.simulation.effects import idle, rules, turning
+from walkergen.core.simulation.effects.acting import Acting, acting
+from walkergen.core.simulation.effects.effect import Case, Effect
+from walkergen.core.walker.design import Design
+
+
+class Resolved(NamedTuple):
+    """Effects that will be simulated."""
+
+    effects: tuple[Effect, ...]
+    acting: Acting
+    idle: str = ""
+    """Line on keys that the scene gives and that have no part in it; "" where all have."""
+
+    def on(self, name: str) -> bool:
+        """True when the effect `name` is simulated. Raises KeyError for an unknown name."""
+        return _verdicts(self.effects)[name]
+
+
+def _verdicts(effects: Sequence[Effect]) -> dict[str, bool]:
+    """Whether each effect is on, by name; those that the scene does not call for are off."""
+    return dict.fromkeys(rules.RARE, False) | {effect.name: effect.on for effect in effects}
+
+
+def resolve(case: Case) -> Resolved:
+    """Decide every effect of a case.
+
+    Raises InputError where the scene's choices contradict each other or the design.
+    """
+    _check_room(case.scene, case.design)
+    effects = tuple(rule.judge(case) for rule in rules.of(case))
+    on = _verdicts(effects).__getitem__
+    _check_headings(case.scene, on(turning.NAME))
+    return Resolved(effects, acting(case, on), idle.line(case, on))
+
+
+def on_still_plate(scene: Scene) -> Scene:
+    """Scene without the effects that are no part of a still plate."""
+    for rule in rules.every():
+        if rule.away:
+            scene = changed(scene, {**rule.away, f"effects.{rule.switch}": None})
+    return scene
+
+
+def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """Return the scene with other values of tables or keys, which were validated before.
+
+    The key effects.NAME forces the effect NAME on (True) or off (False), or leaves it to the scene (None).
+    """
+    for key, value in values.items():
+        table, _, own = key.partition(".")
+        if table == "effects":
+            changed: Any = scene.effects.force(own, value)
+        else:
+            changed = getattr(scene, table).model_copy(update={own: value}) if own else value
+        scene = scene.model_copy(update={table: changed})
+    return scene
+
+
+def _check_room(scene: Scene, design: Design) -> None:
+    """Raise InputError for a plane that is smaller than the walker."""
+    arena, body = scene.arena, design.body
+    for key, size, needed, extent in (
+        ("length_mm", arena.length_mm, body.length_mm, "long"),
+        ("width_mm", arena.width_mm, body.depth_mm, "deep"),
+    ):
+        if arena.kind == "plane" and size is not None and size < needed:
+            raise InputError(
+                f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
+                f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
+            )
+
+
+def _check_headings(scene: Scene, turns: bool) -> None:
+    """Raise InputError for headings at the start of a walker that does not turn."""
+    wanted = scene.run.heading_deg
+    words = wanted if wanted == "uniform" else list(wanted)
+    if (wanted == "uniform" or any(wanted)) and not turns:
+        raise InputError(
+            f"run.heading_deg = {words}: {forcing(turning.SWITCH, False)} holds the walker in its plane along x; "
+            "leave one of them out"
+        )

@@ -1,0 +1,85 @@
+"""Plate roughness: bumps of the plate's surface, as a sum of plane waves of random directions.
+
+Every run draws its own plate: `WAVES` waves of one wavelength, with random directions and phases,
+isotropic on average. Feet feel the height and, by the tilted normal, the slope, so that energy is
+kept. Limit: no waves is the flat plate.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+
+NAME, SWITCH, KEY = "plate roughness", "plate_roughness", "plate.roughness_um"
+
+WAVES = 12
+"""Number of waves: heights are normal within a few percent."""
+
+STEEPEST = 0.2
+"""Largest rms slope for which the tilted normal is a small correction."""
+
+
+class Roughness(NamedTuple):
+    """A drawn surface."""
+
+    waves: npt.NDArray[np.float64]
+    """A wave a row, shape (WAVES, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""
+
+
+OFF = Roughness(np.zeros((0, 4)))
+"""A flat plate: no waves."""
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's plate is rough."""
+    plate = case.scene.plate
+    slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
+    on, reason = called_for(case, KEY, SWITCH)
+    if on and slope > STEEPEST:
+        raise InputError(
+            f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
+            f"slopes of {slope:.2g}; at most {STEEPEST:g}: smaller bumps, or longer ones"
+        )
+    return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, usual={KEY: 5.0})
+
+
+def draw(case: Case, rng: np.random.Generator) -> Roughness:
+    """Surface of a run of the scene."""
+    plate = case.scene.plate
+    direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVES))
+    k = 2.0 * math.pi / plate.roughness_length_mm
+    size = np.full(WAVES, 1e-3 * plate.roughness_um * math.sqrt(2.0 / WAVES))
+    return Roughness(np.column_stack([k * np.cos(direction), k * np.sin(direction), size, phase]))
+
+
+@lean
+def surface(roughness, x, z):
+    """Height (mm) of the surface at (x, z) in mm, and its slopes along both."""
+    h, h_x, h_z = 0.0, 0.0, 0.0
+    for i in range(len(roughness.waves)):
+        k_x, k_z = roughness.waves[i, 0], roughness.waves[i, 1]
+        size, phase = roughness.waves[i, 2], roughness.waves[i, 3]
+        angle = k_x * x + k_z * z + phase
+        h += size * math.sin(angle)
+        slope = size * math.cos(angle)
+        h_x += k_x * slope
+        h_z += k_z * slope
+    return h, h_x, h_z
+
+
+@lean
+def steepest(roughness):
+    """Upper bound of the surface's slope."""
+    total = 0.0
+    for i in range(len(roughness.waves)):
+        k_x, k_z, size = roughness.waves[i, 0], roughness.waves[i, 1], roughness.waves[i, 2]
+        total += size * math.sqrt(k_x * k_x + k_z * k_z)
+    return total

@@ -1,0 +1,40 @@
+"""Slope of the plate: gravity is turned in the plate's frame, and nothing else changes.
+
+Limits: slope 0 is the level plate; a walker at rest starts to slide beyond tan(slope) = mu.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.core.scene import GRAVITY
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, called_for
+
+NAME, SWITCH, KEY = "plate slope", "plate_slope", "plate.slope_deg"
+
+
+class Gravity(NamedTuple):
+    """Gravity in the plate's frame, mm/s^2."""
+
+    size: float
+    """Acceleration of free fall, > 0."""
+    into: float
+    """Component of gravity into the plate, > 0."""
+    along: float
+    """Component of gravity along the plate, toward +x."""
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on when the scene's plate is not level."""
+    slope = math.radians(case.scene.plate.slope_deg)
+    friction = case.scene.contact.friction
+    number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
+    on, reason = called_for(case, KEY, SWITCH)
+    return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 2.0})
+
+
+def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:
+    """Gravity in the frame of a plate that descends toward +x by `slope` (rad)."""
+    return Gravity(size, size * math.cos(slope), size * math.sin(slope))

@@ -1,0 +1,21 @@
+"""Roll and yaw: motion out of the plane, and across it, with its corners landing one by one.
+
+Limit: a walker held in its plane lands on both corners of a foot at once (docs/physics.md
+section 7, which shows that the plane is not the limit of small roll).
+"""
+
+from walkergen.core.simulation.effects.effect import Case, Effect, Rule, forced
+
+NAME, SWITCH = "yaw and roll", "roll_and_yaw"
+
+
+def judge(case: Case) -> Effect:
+    """Rule: on unless forced off. The number is depth over contact spacing."""
+    depth = case.design.size.depth / case.design.foot_span
+    meaning = "depth over contact spacing"
+    reason = "a foot is an edge: one of its corners lands first"
+    on, reason = forced(case.scene.effects.forced(SWITCH), True, reason)
+    return Effect(NAME, on, depth, meaning, reason, SWITCH)
+
+
+RULE = Rule(judge, SWITCH, usual={f"effects.{SWITCH}": True})

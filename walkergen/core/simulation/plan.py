@@ -1,0 +1,100 @@
+"""Plans, made of a scene, a design and its masses: the world in which a walker runs."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.drive import Drive as PlateDrive
+from walkergen.core.numerics import kernels
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.drive import Drive
+from walkergen.core.simulation.effects import harmonic
+from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.effects.resolve import Resolved, resolve
+from walkergen.core.simulation.record import Tally
+from walkergen.core.simulation.space import model, steps
+from walkergen.core.simulation.space.walker import coarser, walker_of
+from walkergen.core.simulation.world import State, World
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
+
+
+class Release(NamedTuple):
+    """How a walker is let go: height of its lowest corner (mm), pitch and roll (rad)."""
+
+    height: float
+    pitch: float = 0.0
+    roll: float = 0.0
+
+
+class Plan(NamedTuple):
+    """Simulation to be run: a scene, what it calls for, and the world of the walker."""
+
+    case: Case
+    resolved: Resolved
+    world: World
+    release: Release | None = None
+    """How all runs begin; None: each draws its own drop."""
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.case.scene
+
+    @property
+    def shaken(self) -> PlateDrive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.case.shaken
+
+    def lasting(self, **run: float) -> "Plan":
+        """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        changed = self.scene.run.model_copy(update=run)
+        scene = self.scene.model_copy(update={"run": changed})
+        return self._replace(case=self.case._replace(scene=scene))
+
+    def coarser(self, factor: float) -> "Plan":
+        """Plan with steps `factor` times longer."""
+        return self._replace(world=coarser(self.world, factor))
+
+    def drawn(self, rng: np.random.Generator) -> "Plan":
+        """Plan of one run, whose print and plate are drawn where the scene calls for it."""
+        return self._replace(world=model.drawn(self.case, self.resolved, self.world, rng))
+
+    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0) -> State:
+        """A state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
+        return model.start(self.world, clearance, pitch, phase, roll, heading)
+
+    def advance(self, state: State, seconds: float, tally: Tally) -> int:
+        """Advance a state in place by `seconds`; returns a status of `world`."""
+        return int(steps.advance(self.world, state, seconds, tally))
+
+    def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
+        """Function that advances a state in place by seconds, as `advance`, without looking up its machine code."""
+        code = kernels.entry(steps.advance, self.world, state, 1.0, tally)
+        return lambda seconds: int(code(self.world, state, seconds, tally))
+
+    def energy(self, state: State) -> float:
+        """Mechanical energy of a state, g mm^2/s^2."""
+        return float(model.energy(self.world, state))
+
+    def feet(self, state: State) -> Array:
+        """Places and velocities of the feet, shape (legs, 4), as in `space.model.feet`."""
+        return model.feet(self.world, state)
+
+
+def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
+    """Plan of a scene: its effects resolved, the walker put into its world.
+
+    Raises InputError where the scene's choices contradict each other or the design.
+    """
+    case = Case(scene, design, mass)
+    resolved = resolve(case)
+    harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else harmonic.OFF
+    motor = scene.drive.kind == "motor"  # an effect on the walker, over a plate that is still
+    drive = Drive(0.0 if motor else scene.drive.amplitude, scene.drive.omega, harmonics)
+    walker, options = walker_of(case, resolved)
+    return Plan(case, resolved, World(walker, drive, resolved.acting, options))

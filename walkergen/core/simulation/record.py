@@ -1,0 +1,144 @@
+"""Record of a run: sums and counts always (constant memory), samples and events when asked for.
+
+The integrators' kernels fill its arrays in place. Samples or events that are not wanted have no
+room: the same compiled kernels then pass them over.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.theory.impact import TYPE_IV, Kind
+
+Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int64]
+
+KINDS = {kind.label: int(kind) for kind in Kind if kind}
+"""Types of impacts (values of `impact.Kind`) by their names, in the order of `Tally.counts`."""
+
+# Rows of `Tally.counts` beside those of KINDS: all impacts, and those in which a foot sticks.
+IMPACTS, STICKING = 0, 8
+# Rows of `Tally.sums`.
+ELAPSED, CONTACT_TIME, LARGEST_PITCH = 0, 1, 2
+PLATE_WORK, IMPACT_LOSS, FRICTION_LOSS, DAMPING_LOSS = 3, 4, 5, 6
+IMPULSES = 6  # and the row of a type of impact in `Tally.counts`
+
+
+class Samples(NamedTuple):
+    """States at a fixed interval: rows of (t in s, state...)."""
+
+    rows: Array
+    """Shape (n, 1 + entries of the state that are kept, its leading ones)."""
+    cursor: Counts
+    """Shape (1,): rows filled so far; full arrays stop filling."""
+    interval: float
+    """Time between samples, s."""
+
+    @property
+    def kept(self) -> bool:
+        """True for samples that are wanted."""
+        return len(self.rows) > 0
+
+
+class Events(NamedTuple):
+    """Landings: rows of t (s), number of the contact, F_x, F_y (g mm/s), v_x, v_y before, kind."""
+
+    rows: Array
+    """Shape (n, 7)."""
+    cursor: Counts
+
+
+class Tally(NamedTuple):
+    """Record of one run."""
+
+    counts: Counts
+    """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
+    sums: Array
+    """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
+    of the plate or of a motor, losses (positive) to impacts, friction in lasting contact, damping
+    and drag; normal impulses (g mm/s) that the feet took in landings of each of KINDS."""
+    samples: Samples
+    events: Events
+
+
+def new(
+    sample_size: int = 0, duration: float = 0.0, sample_interval: float | None = None, event_room: int = 0
+) -> Tally:
+    """Empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).
+
+    Samples hold the leading `sample_size` entries of a state. Events are kept as far as their room.
+    """
+    room, interval = 0, math.inf
+    if sample_interval is not None:
+        room, interval = int(duration / sample_interval + 1e-9) + 2, sample_interval
+    samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), interval)
+    events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
+    return Tally(np.zeros(9, np.int64), np.zeros(14), samples, events)
+
+
+def energy_error(sums: Array, gained: float, before: float) -> float:
+    """Energy that the `sums` of a tally leave unaccounted for, over the energy exchanged.
+
+    The motion began with the energy `before` and has gained the energy `gained` (g mm^2/s^2).
+    """
+    work = sums[PLATE_WORK]
+    losses = sums[IMPACT_LOSS] + sums[FRICTION_LOSS] + sums[DAMPING_LOSS]
+    exchanged = max(abs(work), abs(losses), abs(before))
+    return float(abs(gained - (work - losses)) / exchanged) if exchanged else 0.0
+
+
+@kernel
+def row_of(kind: int) -> int:
+    """Row of `Tally.counts` for a type of impact (`impact.Kind`)."""
+    return kind if kind >= 0 else TYPE_IV - kind
+
+
+@kernel
+def tally_impact(counts, kind, sticks):
+    """Count one impact by its type, and whether its foot sticks."""
+    counts[IMPACTS] += 1
+    counts[row_of(kind)] += 1
+    if sticks:
+        counts[STICKING] += 1
+
+
+@kernel
+def add_impulse(sums, kind, F_y):
+    """Add the normal impulse (g mm/s) of one landing of a foot to those of its type."""
+    sums[IMPULSES + row_of(kind)] += F_y
+
+
+@kernel
+def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
+    """Append one impact to the events, if they have room."""
+    row = events.cursor[0]
+    if row < events.rows.shape[0]:
+        events.rows[row, 0] = t
+        events.rows[row, 1] = foot
+        events.rows[row, 2] = F_x
+        events.rows[row, 3] = F_y
+        events.rows[row, 4] = v_x
+        events.rows[row, 5] = v_y
+        events.rows[row, 6] = kind
+        events.cursor[0] = row + 1
+
+
+@kernel
+def next_sample(samples):
+    """Time (s, since the record began) of the next sample; infinity when none is wanted."""
+    if samples.cursor[0] >= samples.rows.shape[0]:
+        return np.inf
+    return samples.cursor[0] * samples.interval
+
+
+@kernel
+def take_sample(samples, t, state):
+    """Append the leading entries of a state at time t (s), the next of the samples."""
+    row = samples.cursor[0]
+    samples.rows[row, 0] = t
+    for i in range(1, samples.rows.shape[1]):  # a slice would need memory, which space has not
+        samples.rows[row, i] = state[i - 1]
+    samples.cursor[0] = row + 1

@@ -1,0 +1,215 @@
+"""One run of a plan, advanced block by block."""
+
+import math
+import time
+from collections.abc import Callable
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.simulation import record
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.space.model import pose
+from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
+
+Array = npt.NDArray[np.float64]
+
+MOST_BLOCKS = 100_000
+"""Largest number of blocks: longer runs have longer blocks, which bounds the memory."""
+
+FIRST_TURN = 1e-3
+"""Largest pitch and roll of the first drop, rad: enough to leave the unstable level motion."""
+
+PERIODS_PER_BLOCK = 4
+"""Length of a block in periods of the drive: the time resolution of the speed's statistics."""
+
+FIRST_ROOM, MOST_ROOM = 1024, 2_000_000
+"""Impacts for which there is room at first, when all are kept: per period of the drive, in all. A run without room for
+all of them is made again."""
+
+ENERGY_TOLERANCE = 0.05
+"""Largest share of the exchanged energy that may remain unaccounted for."""
+
+
+class Outcome(Enum):
+    """How a run ended."""
+
+    OK = "ok"
+    STUCK = "stuck"
+    """At rest on the plate to the end: no impact in the whole measured time."""
+    TOPPLED = "toppled"
+    FOLDED = "leg folded"
+    LEFT = "left the ground"
+    ENERGY = "energy error"
+    """More energy unaccounted for than ENERGY_TOLERANCE allows."""
+    FAILED = "no convergence"
+    TOO_FEW = "too few data for an error bar"
+    ORBIT = "on one periodic orbit"
+    """As all the others: their agreement is no measurement of an error (`orbits`)."""
+    STOPPED = "stopped"
+
+
+ENDED_WELL = (Outcome.OK, Outcome.STUCK)
+"""Outcomes of runs whose speed counts."""
+
+ENDS = {TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED}
+"""Outcome of each status of `world` other than OK."""
+
+UNFINISHED = {Outcome.FAILED, Outcome.STOPPED}
+"""Outcomes whose energy need not balance; that of a fall or a folded leg must."""
+
+
+class RunResult(NamedTuple):
+    """Result of one run."""
+
+    number: int
+    outcome: Outcome
+    measured_s: float
+    speed: float
+    """Mean speed over the measured time, mm/s: along the lane, or along the heading on a plane."""
+    block_s: float
+    block_speeds: Array
+    """Mean speed of each block, mm/s."""
+    energy_error: float
+    tally: record.Tally
+    cpu_s: float
+    places: Array
+    """Place in the plate's plane (along x, to the left of it, mm) and heading (rad) at the ends of
+    the blocks, shape (blocks + 1, 3)."""
+
+
+def compile_kernels(plan: Plan) -> float:
+    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
+    started = time.perf_counter()
+    plan, state = dropped(plan, 0)  # the noise and bumps that a run draws are types of its kernels
+    plan.advance(state, 1e-9, record.new())
+    plan.energy(state)
+    return time.perf_counter() - started
+
+
+def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
+    """Plan of one run, with its own print and its own plate, and the state in which it is let go.
+
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and roll, at a heading of the scene; or as the
+    plan releases it, at phase 0.
+    """
+    run = plan.scene.run
+    rng = np.random.default_rng([run.seed, number])
+    if run.heading_deg == "uniform":
+        heading = rng.spawn(1)[0].uniform(0.0, 2.0 * math.pi)  # a stream of its own: all else is drawn as without
+    else:
+        heading = math.radians(run.heading_deg[number % len(run.heading_deg)])
+    return drop(plan, rng, heading=heading)
+
+
+def drop(
+    plan: Plan, rng: np.random.Generator, common_phase: float | None = None, heading: float = 0.0
+) -> tuple[Plan, Array]:
+    """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
+    low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
+    clearance, pitch, phase, roll = rng.uniform(low, high)
+    plan = plan.drawn(rng)
+    if plan.release is not None:
+        return plan, plan.start(plan.release.height, plan.release.pitch, 0.0, plan.release.roll, heading)
+    height = plan.shaken.amplitude * clearance
+    phase = phase if common_phase is None else common_phase
+    return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll, heading)
+
+
+def simulate(
+    plan: Plan,
+    number: int,
+    stopped: Callable[[], bool] = lambda: False,
+    sample_interval: float | None = None,
+    sample_size: int | None = None,
+    event_room: int = 0,
+) -> RunResult:
+    """Simulate one run: a drop, the discarded start, then the measured time in blocks.
+
+    `stopped()` ends it. Samples hold the leading `sample_size` entries of a state, or all of them.
+    """
+    started = time.thread_time()
+    run = plan.scene.run
+    plan, state = dropped(plan, number)
+    size = len(state) if sample_size is None else sample_size
+    tally = record.new(size, run.seconds, sample_interval, event_room)
+    outcome = Outcome.OK
+    if run.discard_seconds > 0:
+        outcome = _advancer(plan, state, record.new())(run.discard_seconds)
+
+    advance = _advancer(plan, state, tally)
+    blocks = round(run.seconds / (PERIODS_PER_BLOCK * plan.world.drive.period))
+    blocks = min(max(blocks, 1), MOST_BLOCKS)
+    block = run.seconds / blocks
+    places = np.empty((blocks + 1, 3))
+    places[0], energy = pose(state), plan.energy(state)
+    done = 0
+    while done < blocks and outcome is Outcome.OK:
+        if stopped():
+            outcome = Outcome.STOPPED
+            break
+        outcome = advance(block)
+        done += 1
+        places[done] = pose(state)
+
+    error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
+    if outcome not in UNFINISHED and error > ENERGY_TOLERANCE:
+        outcome = Outcome.ENERGY
+    if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done, 0] == places[0, 0]:
+        outcome = Outcome.STUCK
+    speeds = _advances(places[: done + 1], plan.scene.arena.kind == "plane") / block
+    speed = float(speeds.mean()) if done else 0.0
+    cpu = time.thread_time() - started
+    return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1])
+
+
+def _advances(places: Array, on_plane: bool) -> Array:
+    """Distances run in blocks, mm: along x, or along the mean heading of each block on a plane."""
+    moved = np.diff(places, axis=0)
+    if not on_plane:
+        return moved[:, 0]
+    heading = 0.5 * (places[1:, 2] + places[:-1, 2])
+    return np.asarray(moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading))
+
+
+def with_impacts(
+    plan: Plan,
+    number: int,
+    stopped: Callable[[], bool] = lambda: False,
+    sample_interval: float | None = None,
+    sample_size: int | None = None,
+) -> RunResult:
+    """Simulate one run with every impact kept: again, with more room, until all have room."""
+    wanted = FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period
+    room = 256 + int(min(wanted, MOST_ROOM))
+    while True:
+        result = simulate(plan, number, stopped, sample_interval, sample_size, room)
+        impacts, tally = impacts_of(result), result.tally
+        if len(impacts) < room:  # of which the rest goes
+            return result._replace(tally=tally._replace(events=tally.events._replace(rows=impacts.copy())))
+        room *= 4
+
+
+def impacts_of(result: RunResult) -> Array:
+    """Impacts of a run that kept them: rows as in `record.Events`."""
+    events = result.tally.events
+    return np.asarray(events.rows[: events.cursor[0]])
+
+
+def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
+    """What advances a state by so many seconds and says how that ended."""
+    move = plan.advancer(state, tally)
+    arena = plan.scene.arena
+    half = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
+
+    def advance(seconds: float) -> Outcome:
+        status = move(seconds)
+        if status != OK:
+            return ENDS[status]
+        x, y, _ = pose(state)
+        left = abs(x) > half[0] or abs(y) > half[1]
+        return Outcome.LEFT if left else Outcome.OK
+
+    return advance

@@ -1,0 +1,326 @@
+"""Flight in space: C falls, the body is a free top, legs swing, each exactly or nearly so.
+
+The legs' coordinates follow tabulated exponentials for times h 2^i, without the torques of the
+body's turn. The top keeps its angular momentum exactly and turns by the implicit midpoint rule,
+solved to rounding.
+"""
+
+import math
+
+from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation import record
+from walkergen.core.simulation.drive import derivative_bound, moved_on
+from walkergen.core.simulation.effects import noise as noises
+from walkergen.core.simulation.effects import rotor as motors
+from walkergen.core.simulation.effects import roughness as rough
+from walkergen.core.simulation.effects import sway as sways
+from walkergen.core.simulation.effects.acting import across, along, force_in_space
+from walkergen.core.simulation.space.pose import plate_velocity, point_velocity, turn, turned_by
+from walkergen.core.simulation.space.state import (
+    C_X,
+    C_Y,
+    C_Z,
+    HALVINGS,
+    LEGS,
+    MODE,
+    NOISE,
+    OPEN,
+    PHASE,
+    ROW,
+    V_X,
+    V_Y,
+    V_Z,
+    W_X,
+    first_row,
+)
+
+PASSES = 6
+"""Passes of the midpoint rule: each takes its error down by half the turn of a step."""
+
+TURN = 0.02
+"""Largest turn of the body in a step of flight or in a frame, rad."""
+
+LEFT_BEHIND = 1.75
+"""Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
+
+_sways, _sway_motion, _sway_bounds = sways.moves, sways.motion, sways.bounds
+_noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
+_motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
+_motor_strongest = motors.strongest
+_motor_spin, _moment_of = motors.spin, motors.moment_of
+
+
+@lean
+def pass_time(world, state, t):
+    """Move the drive on by t seconds."""
+    state[PHASE] = moved_on(world.drive, state[PHASE], t)
+    state[NOISE] = _noise_moved_on(world.acting.noise, state[NOISE], t)
+
+
+@lean
+def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
+    """Speed (mm/s) by which the legs' swing may bring contact k faster to its surface than now: to
+    the plate (`side` 1), or to the lid (-1).
+    """
+    n, speed = shift.shape[1], 0.0
+    for j in range(n):
+        d, own = -(R[1, 0] * shift[0, j] + R[1, 1] * shift[1, j]), j - leg * f
+        if leg >= 0 and 0 <= own < f:
+            turned = points[k].turned[own]
+            d += R[1, 0] * turned[0] + R[1, 1] * turned[1] + R[1, 2] * turned[2]
+        angle, rate = state[LEGS + j], state[LEGS + n + j]
+        speed += side * d * rate + abs(d) * math.sqrt(rate * rate + fast[j] * angle * angle)
+    return speed
+
+
+@lean
+def strongest_throw(world):
+    """Upper bound of the plate's acceleration, mm/s^2."""
+    _, strongest = _noise_bounds(world.acting.noise)
+    return derivative_bound(world.drive, 2) + strongest
+
+
+@lean
+def longest_flight(world):
+    """Duration (s) of the longest tabulated flight."""
+    return world.options.step * 2.0 ** (len(world.walker.flights) - HALVINGS - 1)
+
+
+@lean
+def _thrown(walker, motor, points, k, d_x, d_y, d_z):
+    """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
+    p = points[k].at
+    return _motor_strongest(motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z)
+
+
+@lean
+def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
+    """Torque on leg coordinate j by which it is left behind, as the body is thrown with the
+    acceleration (x, y, z), mm/s^2, and turned by a torque t; or the momenta that both stand for.
+    """
+    shift, lock = walker.shift, walker.lock
+    moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
+    return -(walker.mass * moved + lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z)
+
+
+@lean
+def _ride_along(walker, omega, state, phase, sign):
+    """Add what a motor at this phase (rad) makes of the legs in lasting flight, times `sign`."""
+    n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
+    for j in range(n):
+        a, b = walker.forced[0, j], walker.forced[1, j]
+        state[LEGS + j] += sign * (a * c + b * s)
+        state[LEGS + n + j] += sign * omega * (b * c - a * s)
+
+
+@lean
+def _turning_energy(walker, state):
+    """Energy of the body's turning rate W, g mm^2/s^2."""
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    return total
+
+
+@lean
+def _swept(world, state, work, k, side, speed):
+    """Upper bounds of what a plate that sways adds to the velocity (mm/s) and to the acceleration (mm/s^2) at which
+    contact k, which moves at `speed`, and the surface on its `side` close, in the longest flight.
+    """
+    R, at, omega, sway = work.R, work.points[k].at, world.drive.omega, world.acting.sway
+    far, slope = _sway_bounds(sway)
+    x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2]
+    z = state[C_Z] + R[2, 0] * at[0] + R[2, 1] * at[1] + R[2, 2] * at[2]
+    _, lifted, _, _, _, _ = _sway_motion(sway, omega, state[PHASE], x, z)
+    along = speed + omega * far
+    reach = math.sqrt(x * x + z * z) + along * longest_flight(world)
+    faster = side * lifted + slope * (along + omega * far)
+    return faster, omega * slope * (omega * (reach + far) + 2.0 * along)
+
+
+@lean
+def clear_time(world, state, work, longest):
+    """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
+    walker, R, points, now = world.walker, work.R, work.points, work.now
+    shift, fast, f = walker.shift, walker.fast, walker.freedoms
+    leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
+    lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
+    fall = across(world.acting) + strongest_throw(world)
+    motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
+    push = _motor_push(motor, walker.mass)
+    swaying, far, fastest = _sways(world.acting.sway), 0.0, 0.0
+    if swaying:
+        far, _ = _sway_bounds(world.acting.sway)
+        fastest = world.drive.omega * far
+    for k in range(len(leg)):
+        gap, points[k].clear = points[k].gap, 0.0
+        if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
+            time = 0.0
+            continue
+        v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
+        if place[k] > 0.0:
+            clear = gap / (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300) + fastest)
+            if motor_acts:
+                drawn = LEFT_BEHIND * _thrown(walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2])
+                root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
+                clear *= 2.0 / (1.0 + root)
+        else:
+            side = 1.0 if place[k] == 0.0 else -1.0
+            closing = side * (lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z))
+            closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k, side)
+            if steep > 0.0:
+                closing += steep * (math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z) + fastest)
+            drawn = fall
+            if swaying:
+                faster, stronger = _swept(world, state, work, k, side, math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z))
+                closing, drawn = closing + faster, drawn + stronger
+            if motor_acts:
+                thrown = _thrown(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
+                drawn += LEFT_BEHIND * (thrown + steep * push)
+            root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
+            clear = 2.0 * gap / max(root, 1e-300)
+        points[k].clear = clear
+        time = min(time, clear)
+    return time
+
+
+@lean
+def _swing(walker, work, state, level):
+    """Swing the legs by the propagator `level`; returns the energy that their dampers take."""
+    n = len(walker.stiffness)
+    before = legs_energy(walker, state)
+    P = walker.flights[level + HALVINGS]
+    for i in range(2 * n):
+        total = 0.0
+        for j in range(2 * n):
+            total += P[i, j] * state[LEGS + j]
+        work.after[i] = total
+    for i in range(2 * n):
+        work.before[i] = state[LEGS + i]
+        state[LEGS + i] = work.after[i]
+    return before - legs_energy(walker, state)
+
+
+@lean
+def legs_energy(walker, state):
+    """Kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
+    n, total = len(walker.stiffness), 0.0
+    for i in range(n):
+        total += walker.stiffness[i] * state[LEGS + i] * state[LEGS + i]
+        for j in range(n):
+            total += walker.hinge_inertia[i, j] * state[LEGS + n + i] * state[LEGS + n + j]
+    return 0.5 * total
+
+
+@lean
+def _times(M, x, y, z):
+    return (
+        M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
+        M[1, 0] * x + M[1, 1] * y + M[1, 2] * z,
+        M[2, 0] * x + M[2, 1] * y + M[2, 2] * z,
+    )
+
+
+@lean
+def _turned_back(x, y, z, t_x, t_y, t_z):
+    """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
+    s, c = turned_by(t_x * t_x + t_y * t_y + t_z * t_z)
+    a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
+    b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
+    return x - s * a_x + c * b_x, y - s * a_y + c * b_y, z - s * a_z + c * b_z
+
+
+@lean
+def _fall(world, state, work, t, sums):
+    """Let C fall for t seconds, with the drag of its start."""
+    walker, now = world.walker, work.now
+    g_x, g_y = along(world.acting), -across(world.acting)
+    f_x, f_y, f_z = force_in_space(world.acting, now)
+    if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
+        sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
+        d_x, d_y, d_z = _times(work.R, f_x, f_y, f_z)
+        state[V_X] += t * d_x * walker.inverse_mass[0]
+        state[V_Y] += t * d_y * walker.inverse_mass[1]
+        state[V_Z] += t * d_z * walker.inverse_mass[2]
+    state[C_X] += t * (state[V_X] + 0.5 * t * g_x)
+    state[C_Y] += t * (state[V_Y] + 0.5 * t * g_y)
+    state[C_Z] += t * state[V_Z]
+    state[V_X] += t * g_x
+    state[V_Y] += t * g_y
+
+
+@lean
+def _swing_shaken(world, state, work, t, level):
+    """Swing the legs as `_swing` does, about what the motor makes of them in lasting flight.
+
+    The energy of their dampers leaves out what that costs them.
+    """
+    walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
+    _ride_along(walker, omega, state, phase, -1.0)
+    damped = _swing(walker, work, state, level)
+    _ride_along(walker, omega, state, moved_on(world.drive, phase, t), 1.0)
+    c, s = math.cos(phase), math.sin(phase)
+    for j in range(len(walker.stiffness)):
+        work.before[j] += walker.forced[0, j] * c + walker.forced[1, j] * s
+    return damped
+
+
+@lean
+def _turn_free(world, state, work, t):
+    """Turn the body, a free top, for t seconds in which its legs have swung from `work.before`.
+
+    With a motor the angular momentum that is kept holds the rotor's, whose unbalanced mass turns
+    the body to and fro.
+    """
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
+    n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
+    for j in range(n):
+        moved = state[LEGS + j] - work.before[j]
+        d_x -= walker.lock[0, j] * moved
+        d_y -= walker.lock[1, j] * moved
+        d_z -= walker.lock[2, j] * moved
+    W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
+    l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    s_x, s_y, s_z, h = 0.0, 0.0, 0.0, world.acting.motor.spin
+    if motor:
+        rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
+        l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
+        b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
+        _motor_swing(rotor, mass, moved_on(world.drive, state[PHASE], t), thrown)
+        b_x, b_y, b_z = thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
+        b_x, b_y, b_z = _moment_of(rotor, centre, mass, b_x, b_y, b_z)
+        b_x, b_y, b_z = _times(walker.inverse_inertia, b_x, b_y, b_z)
+        d_x, d_y, d_z = d_x - b_x, d_y - b_y, d_z - b_z
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
+    t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
+    for _ in range(PASSES):
+        m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
+        if motor:
+            m_x, m_y, m_z = m_x - h[0], m_y - h[1], m_z - h[2]
+        w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
+        t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
+    turn(state, t_x, t_y, t_z)
+    l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
+    if motor:
+        l_x, l_y, l_z = l_x - s_x, l_y - s_y, l_z - s_z
+    state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+
+
+@lean
+def fly(world, state, work, t, level, sums):
+    """Fly for t = Options.step 2^level seconds."""
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
+    _fall(world, state, work, t, sums)
+    if motor:
+        before = _turning_energy(walker, state) + legs_energy(walker, state)
+        damped = _swing_shaken(world, state, work, t, level)
+    else:
+        before, damped = 0.0, _swing(walker, work, state, level)
+    sums[record.DAMPING_LOSS] += damped
+    _turn_free(world, state, work, t)
+    if motor:
+        after = _turning_energy(walker, state) + legs_energy(walker, state)
+        sums[record.PLATE_WORK] += after - before + damped
+    pass_time(world, state, t)

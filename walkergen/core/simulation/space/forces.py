@@ -1,0 +1,368 @@
+"""Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
+
+Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
+a Coulomb slider cuts at friction times the normal force (slider.py). In the middle of the
+step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
+f + b h H f / 2 = -k x - b u_free, b = c + h k / 2: one linear system for given modes and
+directions of sliding, which are corrected until each contact's force agrees with its mode and
+slip. No order of contacts, no iteration between them, no limit on the step from any spring.
+
+A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of
+its force over the step is s times that of spring and damper at the middle of the share.
+"""
+
+import math
+
+from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation.space.slider import dragged
+from walkergen.core.simulation.space.state import MODE, OPEN, ROW, SHEAR, SLIDE, STICK
+from walkergen.core.simulation.space.tips import response
+
+PASSES = 8
+"""Corrections of the modes after which forces are cut to their limits as they are."""
+
+BENT = 0.2
+"""Four times the share of a normal force by which the tangent of a tip's spring may be off: F''/2 is k / (4 d)."""
+
+SHALLOWEST = 1e-3
+"""Least depth about which a tip's spring is linearised, of the depths that a contact passes in a step."""
+
+NEAR = 4.0
+"""Steps at its speed within which a contact is tried as landing; others that land are seen by
+where they end."""
+
+LOCATED, SHORTEST = 0.01, 1e-6
+"""Share of a step to which a touch is located, and the share below which it is left out."""
+
+TURNED = 0.06
+"""Change of a sliding direction, rad, below which a step is not solved anew."""
+
+JAMMED = 0.25
+"""Part of its own force to which sliding may reduce the equation of a contact: below it friction presses a foot on
+faster than the step, and the foot is taken to stick."""
+
+
+@lean
+def _linearise(near, i, h, depth):
+    """Set the tangent of the normal spring of contact i at a depth (mm) in the middle of its share of the step.
+
+    The force in the middle is then F(depth) + k_n (depth' - depth), at the depth' that the step finds.
+    """
+    contact = near[i]
+    depth = max(depth, SHALLOWEST * (abs(contact.gap[0]) + h * abs(contact.speed[0])) + 1e-300)
+    force, k_n, viscous = response(contact.spring, contact.tip, depth)
+    share = contact.share
+    # Eq. 7.8: the damper of the contact
+    contact.about, contact.k_n, contact.c_n = depth, k_n, contact.damper * math.sqrt(viscous)
+    contact.push = force
+    contact.b_n = share * (contact.c_n + 0.5 * share * h * k_n)  # eq. 7.11: b = c + h k / 2
+
+
+@lean
+def _depth_in_middle(near, i, h):
+    """Depth (mm) of contact i in the middle of its share of a step of h seconds."""
+    return max(-near[i].gap[0], 0.0) - 0.5 * near[i].share * h * near[i].middle[0]
+
+
+@lean
+def _push_at_start(near, i):
+    """Normal force (g mm/s^2) by the tangent of contact i at the depth with which its share of the step begins."""
+    contact = near[i]
+    return contact.share * (contact.push + contact.k_n * (max(-contact.gap[0], 0.0) - contact.about))
+
+
+@lean
+def _resist(near, i, h, held):
+    """Set stiffness and resistances of near contact i, closed in the whole step of h seconds.
+
+    Its tangential spring, so far of stiffness `held`, follows the normal one (Mindlin): pressed on it keeps its
+    force, relieved it keeps its stretch, so that it never gains energy.
+    """
+    near[i].share = 1.0
+    _linearise(near, i, h, _depth_in_middle(near, i, h))
+    near[i].k_t = near[i].shear * near[i].k_n
+    near[i].b_t = 0.5 * h * near[i].k_t
+    e_1, e_2 = near[i].gap[1], near[i].gap[2]
+    near[i].strain = 0.5 * held * (e_1 * e_1 + e_2 * e_2)
+    # After eq. 7.9: a stiffer spring keeps its force, a softer one its stretch
+    if near[i].k_t > held:
+        near[i].gap[1], near[i].gap[2] = e_1 * held / near[i].k_t, e_2 * held / near[i].k_t
+
+
+@lean
+def _touch(near, i, h, share):
+    """Set the same for contact i, which touches within the step and is closed for its last `share`.
+
+    Its springs are relaxed at touch. Its force is the mean over the whole step.
+    """
+    near[i].share, near[i].strain = share, 0.0
+    _linearise(near, i, h, _depth_in_middle(near, i, h))
+    near[i].k_t = near[i].shear * near[i].k_n
+    near[i].b_t = 0.5 * share * share * h * near[i].k_t
+
+
+@lean
+def _closed_share(near, i, u, h):
+    """Share of a step of h seconds, up to its end, in which contact i is closed; 0 if it is not.
+
+    It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
+    """
+    gap = near[i].gap[0]
+    end = gap + h * u
+    return end / (end - gap) if end < 0.0 else 0.0
+
+
+@lean
+def guess(state, near, H, m, h, first):
+    """Set first guesses of the modes of m near contacts; returns how many are closed.
+
+    Their velocities in the middle of the step are those expected by the forces of the last one.
+    `first` is the state's first row.
+    """
+    closed = 0
+    for i in range(m):
+        at = first + ROW * near[i].number
+        mode = _guess_of(state, near, H, i, h, at)
+        near[i].tried = mode
+        if mode != OPEN:
+            closed += 1
+    return closed
+
+
+@lean
+def _guess_of(state, near, H, i, h, at):
+    """First guess of the mode of contact i, whose row in the state is at `at`."""
+    gap = near[i].gap[0]
+    if gap > 0.0:
+        share = 0.0
+        if gap < NEAR * h * abs(near[i].speed[0]):
+            share = _closed_share(near, i, near[i].middle[0], h)
+        if share == 0.0:
+            return OPEN
+        _touch(near, i, h, share)
+    else:
+        if gap + 0.5 * h * near[i].speed[0] >= 0.0:
+            return OPEN
+        _resist(near, i, h, state[at + SHEAR])
+    press = max(_push_at_start(near, i) - near[i].b_n * near[i].middle[0], 0.0)
+    mode = int(state[at + MODE])
+    if mode == OPEN:
+        t_1 = near[i].k_t * near[i].gap[1] + near[i].b_t * near[i].speed[1]
+        t_2 = near[i].k_t * near[i].gap[2] + near[i].b_t * near[i].speed[2]
+        limit = near[i].friction * press
+        mode = SLIDE if t_1 * t_1 + t_2 * t_2 > limit * limit else STICK
+    if mode == STICK:
+        return STICK
+    aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
+    return STICK if _jams(near, H, i, h) else SLIDE
+
+
+@lean
+def aim(near, i, u_1, u_2, press, h):
+    """Point contact i along its stretch in the middle of its share of the step, and at its end.
+
+    It slips by (u_1, u_2), mm/s, under the normal force `press`. Returns how far the direction in
+    the middle has changed.
+    """
+    share = near[i].share
+    radius = near[i].friction * press / (share * near[i].k_t)
+    # Eq. 7.10 in the middle of the share and at its end
+    n_1, n_2, near[i].end[0], near[i].end[1] = dragged(
+        near[i].gap[1], near[i].gap[2], u_1, u_2, 0.5 * share * h, radius
+    )
+    turned = abs(n_1 - near[i].toward[0]) + abs(n_2 - near[i].toward[1])
+    near[i].toward[0], near[i].toward[1] = n_1, n_2
+    near[i].slip[0], near[i].slip[1] = u_1, u_2
+    return turned
+
+
+@lean
+def _jams(near, H, i, h):
+    """True when sliding in the contact's direction would press it on faster than the step."""
+    b = 3 * i
+    turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
+    return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAMMED
+
+
+@lean
+def _assemble(near, H, A, m, h):
+    """Fill the equations of the forces for the modes tried; returns their number."""
+    count = 0
+    for i in range(m):
+        near[i].unknown = count
+        if near[i].tried != OPEN:
+            count += 3 if near[i].tried == STICK else 1
+    for i in range(m):
+        if near[i].tried == OPEN:
+            continue
+        for p in range(3 if near[i].tried == STICK else 1):
+            r, a = 3 * i + p, near[i].unknown + p
+            if p == 0:
+                b, pull = near[i].b_n, -_push_at_start(near, i)
+            else:
+                b, pull = near[i].b_t, near[i].k_t * near[i].gap[p]
+            half = 0.5 * h * b  # eq. 7.11: (1 + b h W / 2) f = F_0 - b u_free
+            for j in range(m):
+                c, column = 3 * j, near[j].unknown
+                if near[j].tried == STICK:
+                    A[a, column] = half * H[r, c]
+                    A[a, column + 1] = half * H[r, c + 1]
+                    A[a, column + 2] = half * H[r, c + 2]
+                elif near[j].tried == SLIDE:
+                    turned = near[j].toward[0] * H[r, c + 1] + near[j].toward[1] * H[r, c + 2]
+                    A[a, column] = half * (H[r, c] - near[j].friction * turned)
+            A[a, a] += 1.0
+            A[a, count] = -pull - b * near[i].free[p]
+    return count
+
+
+@lean
+def _eliminate(A, count):
+    """Solve the equations in place by Gauss' elimination; the last column holds the unknowns."""
+    for i in range(count):
+        inverse = A[i, i] = 1.0 / A[i, i]
+        for j in range(i + 1, count):
+            factor = A[j, i] * inverse
+            if factor != 0.0:
+                for c in range(i + 1, count + 1):
+                    A[j, c] -= factor * A[i, c]
+    for i in range(count - 1, -1, -1):
+        total = A[i, count]
+        for c in range(i + 1, count):
+            total -= A[i, c] * A[c, count]
+        A[i, count] = total * A[i, i]
+
+
+@lean
+def _spread(near, A, m, count):
+    """Set the forces from the unknowns; contacts that would pull are opened: their number."""
+    pulling = 0
+    for i in range(m):
+        near[i].force[0] = near[i].force[1] = near[i].force[2] = 0.0
+        if near[i].tried == OPEN:
+            continue
+        c = near[i].unknown
+        press = A[c, count]
+        if not press > 0.0:
+            near[i].tried = OPEN
+            pulling += 1
+            continue
+        near[i].force[0] = press
+        if near[i].tried == STICK:
+            near[i].force[1], near[i].force[2] = A[c + 1, count], A[c + 2, count]
+        else:
+            rub = near[i].friction * press
+            near[i].force[1], near[i].force[2] = (-rub * near[i].toward[0], -rub * near[i].toward[1])
+    return pulling
+
+
+@lean
+def _move(near, H, m, h):
+    """Set the velocities in the middle of the step, from the forces."""
+    for j in range(m):
+        for p in range(3):
+            total, r = 0.0, 3 * j + p
+            for i in range(m):
+                if near[i].tried != OPEN:
+                    c = 3 * i
+                    total += (
+                        H[r, c] * near[i].force[0] + H[r, c + 1] * near[i].force[1] + H[r, c + 2] * near[i].force[2]
+                    )
+            near[j].middle[p] = near[j].free[p] + 0.5 * h * total  # implicit midpoint: u = u_free + h W f / 2
+
+
+@lean
+def _correct(near, H, m, h):
+    """Change modes and directions that the forces contradict; returns how many."""
+    changed = 0
+    for i in range(m):
+        if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
+            changed += 1
+            continue
+        if near[i].tried != OPEN and near[i].tip != math.inf:
+            depth = _depth_in_middle(near, i, h)
+            off = depth - near[i].about
+            if near[i].k_n * off * off > BENT * near[i].about * near[i].force[0]:
+                _linearise(near, i, h, depth)
+                changed += 1
+        press = near[i].force[0]
+        limit = near[i].friction * press  # Coulomb's cone
+        if near[i].tried == STICK:
+            size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
+            if size > limit:
+                aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
+                if not _jams(near, H, i, h):
+                    near[i].tried = SLIDE
+                    changed += 1
+        elif near[i].tried == SLIDE:
+            u_1, u_2 = near[i].middle[1], near[i].middle[2]
+            # where its own stretch, moved along, is short of the limit, it sticks
+            share = near[i].share
+            t_1 = share * near[i].k_t * near[i].gap[1] + near[i].b_t * u_1
+            t_2 = share * near[i].k_t * near[i].gap[2] + near[i].b_t * u_2
+            if t_1 * t_1 + t_2 * t_2 < limit * limit:
+                near[i].tried = STICK
+                changed += 1
+            elif (
+                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1]) > TURNED * (abs(u_1) + abs(u_2))
+                and aim(near, i, u_1, u_2, press, h) > TURNED
+            ):
+                changed += 1
+    return changed
+
+
+@lean
+def _landing_changes(near, H, i, h):
+    """Locate the touch of contact i, open when the step began, anew; True if that changes it."""
+    r, u = 3 * i, near[i].middle[0]
+    if near[i].tried == OPEN:
+        share = _closed_share(near, i, u, h)
+        if share < SHORTEST:
+            return False
+        _touch(near, i, h, share)
+        near[i].tried = STICK
+        return True
+    # the velocity until it touches: without its own force
+    for p in range(3):
+        u -= 0.5 * h * H[r, r + p] * near[i].force[p]
+    share = _closed_share(near, i, u, h)
+    if share < SHORTEST:
+        near[i].tried = OPEN
+        return True
+    if abs(share - near[i].share) < LOCATED:
+        return False
+    _touch(near, i, h, share)
+    return True
+
+
+@lean
+def _cut(near, m, h):
+    """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
+    cut = False
+    for i in range(m):
+        limit = near[i].friction * near[i].force[0]
+        if near[i].tried == STICK:
+            size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
+            if size > limit:
+                cut = True
+                near[i].tried = SLIDE
+                u_1, u_2 = near[i].middle[1], near[i].middle[2]
+                aim(near, i, u_1, u_2, near[i].force[0], h)
+                near[i].force[1] *= limit / size
+                near[i].force[2] *= limit / size
+    return cut
+
+
+@lean
+def solve(near, H, A, m, h):
+    """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
+    for _ in range(PASSES):
+        count = _assemble(near, H, A, m, h)
+        _eliminate(A, count)
+        if _spread(near, A, m, count) > 0:
+            continue
+        _move(near, H, m, h)
+        if _correct(near, H, m, h) == 0:
+            break
+    if _cut(near, m, h):
+        _move(near, H, m, h)

@@ -1,0 +1,183 @@
+"""The walker in space on elastic feet: its first state, its energy, and what each run draws."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.simulation.effects import rotor as motors
+from walkergen.core.simulation.effects import roughness, unevenness
+from walkergen.core.simulation.effects.acting import across, along
+from walkergen.core.simulation.effects.effect import NOISE, Case
+from walkergen.core.simulation.effects.resolve import Resolved
+from walkergen.core.simulation.space.flight import legs_energy
+from walkergen.core.simulation.space.points import mirror_order
+from walkergen.core.simulation.space.pose import locate, place, plate_velocity, point_velocity
+from walkergen.core.simulation.space.state import (
+    ACROSS,
+    ALONG,
+    C_X,
+    C_Y,
+    C_Z,
+    HEADING,
+    J_A,
+    LEGS,
+    MODE,
+    OPEN,
+    PHASE,
+    PITCH,
+    Q_0,
+    Q_Y,
+    Q_Z,
+    ROW,
+    SHEAR,
+    SHOWN_X,
+    SHOWN_Y,
+    U_A,
+    V_X,
+    W_X,
+    W_Y,
+    W_Z,
+    Walker,
+    Work,
+    first_row,
+    size_of,
+    work_for,
+)
+from walkergen.core.simulation.space.tips import elastic_energy
+from walkergen.core.simulation.world import State, World
+
+Array = npt.NDArray[np.float64]
+
+
+def start(
+    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
+) -> State:
+    """A state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
+
+    The body is rolled about its own x axis, then pitched, then turned; angles in rad. A walker that is
+    held in its plane does not roll.
+    """
+    roll = roll if world.walker.inverse_mass[2] > 0.0 else 0.0
+    state = np.zeros(size_of(world.walker))
+    c, s = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
+    a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
+    state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
+    if heading:
+        turn_to(state, heading)
+    state[PHASE] = phase
+    if (walled := world.walker.place > 0.0).any():  # the body's middle in the lane's, wherever its centre of mass is
+        edges = world.walker.root[walled]
+        sides = math.cos(heading) * edges[:, 2] - math.sin(heading) * edges[:, 0]
+        state[C_Z] = 0.0 - 0.5 * (sides.min() + sides.max())
+    work = work_for(world.walker, state)
+    place(world, state, work)
+    _sway(world, state, work)
+    locate(world, state, work)
+    gaps = work.points["gap"][world.walker.place == 0.0]
+    state[C_Y] += clearance - float(gaps.min())
+    place(world, state, work)
+    return state
+
+
+def turn_to(state: State, heading: float) -> None:
+    """Turn a walker at heading 0 to another, rad to the left."""
+    c, s = math.cos(0.5 * heading), math.sin(0.5 * heading)
+    q, i, j, k = state[Q_0 : Q_0 + 4]
+    state[Q_0 : Q_0 + 4] = c * q - s * j, c * i + s * k, c * j + s * q, c * k - s * i
+    state[HEADING] = heading
+
+
+def _sway(world: World, state: State, work: Work) -> None:
+    """Let the body turn to and fro as its motor turns it, without turning on."""
+    walker, rotor = world.walker, world.acting.motor
+    if motors.acts(rotor):
+        still = rotor._replace(spin=(0.0, 0.0, 0.0))
+        turning = motors.spin(still, walker.centre, walker.mass, work.thrown)
+        state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
+        place(world, state, work)
+
+
+@kernel
+def energy(world, state):
+    """Kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
+    walker = world.walker
+    copy = state.copy()
+    work = work_for(walker, state)
+    place(world, copy, work)
+    locate(world, copy, work)
+    total = legs_energy(walker, state)
+    for i in range(3):
+        total += 0.5 * walker.mass * state[V_X + i] * state[V_X + i]
+        for j in range(3):
+            total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    fallen = along(world.acting) * state[C_X] - across(world.acting) * state[C_Y]
+    total -= walker.mass * fallen
+    row = first_row(walker)
+    for k in range(len(walker.leg)):
+        at = row + ROW * k
+        if state[at + MODE] != OPEN:
+            total += elastic_energy(walker.spring[k], walker.tip[k], -work.points[k].gap)
+            stretch = state[at + ALONG] ** 2 + state[at + ACROSS] ** 2
+            total += 0.5 * state[at + SHEAR] * stretch
+    return total
+
+
+def feet(world: World, state: State) -> Array:
+    """Middles of the feet, shape (legs, 4): x along the lane (mm), height over the plate (mm), v_x and v_y over the
+    plate (mm/s).
+    """
+    work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
+    f = walker.freedoms
+    place(world, copy, work)
+    locate(world, copy, work)
+    corners = int(np.count_nonzero(walker.place == 0.0))
+    rows = np.zeros((corners, 4))
+    for k in range(corners):
+        velocity = work.R @ np.array(point_velocity(copy, work.now, work.points, walker.shift, walker.leg[k], f, k))
+        x = state[C_X] + work.R[0] @ work.points["at"][k]
+        rows[k] = x, work.points["gap"][k], velocity[0], velocity[1] - plate_velocity(world, copy)
+    return 0.5 * (rows[0::2] + rows[1::2])
+
+
+def mirrored(walker: Walker, state: State) -> State:
+    """State of the mirror image (x -> -x) of a walker, whose legs are listed the other way round.
+
+    `walker` is the one that the state belongs to. Points of the body are listed from back to
+    front, as in both.
+    """
+    image, n = state.copy(), len(walker.stiffness)
+    image[[SHOWN_X, HEADING, PITCH, C_X, V_X, W_Y, W_Z, Q_Y, Q_Z]] *= -1.0
+    for first in (LEGS, LEGS + n):
+        own = state[first : first + n].reshape(-1, max(walker.freedoms, 1))
+        image[first : first + n] = -own[::-1].ravel()
+    rows = state[LEGS + 2 * n :].reshape(-1, ROW)[mirror_order(walker)]
+    rows[:, [ALONG, U_A, J_A]] *= -1.0
+    image[LEGS + 2 * n :] = rows.ravel()
+    return image
+
+
+def pose(state: State) -> tuple[float, float, float]:
+    """Place of O in the plate's plane (along x, and to the left of it, mm) and heading (rad)."""
+    return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
+
+
+def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
+    """World of one run, with its own print and its own plate, where the scene calls for them."""
+    walker, acting = world.walker, world.acting
+    if resolved.on(unevenness.NAME):
+        corners = walker.place == 0.0
+        heights = unevenness.draw(case, int(corners.sum()), rng)
+        on_body = walker.leg[corners] < 0  # of braced legs
+        root, reach = walker.root.copy(), walker.reach.copy()
+        root[corners, 1] += np.where(on_body, heights, 0.0)
+        reach[corners, 1] += np.where(on_body, 0.0, heights)
+        walker = walker._replace(root=root, reach=reach)
+    if resolved.on(NOISE):
+        from walkergen.core.simulation.effects import noisy_plate
+
+        acting = acting._replace(noise=noisy_plate.draw(case, rng))
+    if resolved.on(roughness.NAME):
+        acting = acting._replace(roughness=roughness.draw(case, rng))
+    return world._replace(walker=walker, acting=acting)

@@ -1,0 +1,76 @@
+"""Rest: a walker that stands on stuck feet on a plate that cannot throw it rides along without steps."""
+
+from walkergen.core.numerics.kernels import lean
+from walkergen.core.simulation import record
+from walkergen.core.simulation.effects.acting import across
+from walkergen.core.simulation.space.flight import pass_time
+from walkergen.core.simulation.space.pose import plate_height, plate_velocity
+from walkergen.core.simulation.space.state import C_X, LEGS, MODE, OPEN, QUIET, ROW, STICK, V_X, W_X, first_row
+
+RESTING = 0.0092
+"""Speed over the plate whose energy counts as rest, of what gravity gives in a period: 1 mm/s at 90 Hz, where a walker
+sways by some 0.3 mm/s on its stuck legs if the plate shakes by 0.5 g."""
+
+DOZE = 2.7
+"""Periods of the plate at rest after which the walker rides on it: several of its sway; and more than one, since on a
+slope the plate's motion changes what friction has to hold."""
+
+STANDING = 3
+"""Stuck corners on which a walker stands."""
+
+
+@lean
+def _energy_over_plate(world, state):
+    """Kinetic energy of a walker as seen from the plate, g mm^2/s^2."""
+    walker, n = world.walker, len(world.walker.stiffness)
+    v = state[V_X + 1] - plate_velocity(world, state)
+    twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)
+    for i in range(3):
+        for j in range(3):
+            twice += walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    for i in range(n):
+        for j in range(n):
+            twice += walker.hinge_inertia[i, j] * state[LEGS + n + i] * state[LEGS + n + j]
+    return 0.5 * twice
+
+
+@lean
+def doze(world, state, t, period):
+    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
+    walker, stuck = world.walker, 0
+    first = first_row(walker)
+    for k in range(len(walker.leg)):
+        mode = state[first + ROW * k + MODE]
+        if mode == STICK:
+            stuck += 1
+        elif mode != OPEN:
+            stuck = -len(walker.leg)
+    resting = RESTING * across(world.acting) * period
+    calm = stuck >= STANDING and _energy_over_plate(world, state) < 0.5 * walker.mass * resting * resting
+    state[QUIET] = state[QUIET] + t if calm else 0.0
+
+
+@lean
+def _halt(world, state, sums):
+    """Take a walker's rates over the plate away: its dampers have the energy."""
+    n, v = len(world.walker.stiffness), plate_velocity(world, state)
+    sums[record.DAMPING_LOSS] += _energy_over_plate(world, state)
+    sums[record.PLATE_WORK] += world.walker.mass * v * (v - state[V_X + 1])
+    state[V_X], state[V_X + 1], state[V_X + 2] = 0.0, v, 0.0
+    state[W_X : W_X + 3] = 0.0
+    state[LEGS + n : LEGS + 2 * n] = 0.0
+
+
+@lean
+def ride(world, state, t, sums):
+    """Ride on the plate for t seconds, at rest."""
+    _halt(world, state, sums)
+    mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
+    before = plate_height(world, state)
+    pass_time(world, state, t)
+    state[C_X + 1] += plate_height(world, state) - before
+    state[V_X + 1] = plate_velocity(world, state)
+    lifted = across(world.acting) * (state[C_X + 1] - height)
+    faster = 0.5 * (state[V_X + 1] ** 2 - velocity * velocity)
+    sums[record.PLATE_WORK] += mass * (lifted + faster)
+    sums[record.CONTACT_TIME] += t

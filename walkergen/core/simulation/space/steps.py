@@ -1,0 +1,342 @@
+"""Time stepping in space: frozen frames of implicit midpoint steps, and flights between them.
+
+Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
+equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact that touches
+within a step acts for the rest of it (forces.py): landings, sliding and flight all err by second
+order. While no contact can close, the walker flies (flight.py).
+"""
+
+import math
+
+from walkergen.core.numerics.kernels import kernel, lean
+from walkergen.core.simulation import record
+from walkergen.core.simulation.drive import TWO_PI
+from walkergen.core.simulation.effects import rotor as motors
+from walkergen.core.simulation.effects import sway as sways
+from walkergen.core.simulation.effects.acting import across
+from walkergen.core.simulation.record import next_sample, take_sample
+from walkergen.core.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
+from walkergen.core.simulation.space.forces import guess, solve
+from walkergen.core.simulation.space.frame import (
+    accelerate,
+    halfway,
+    load,
+    motor_work,
+    plate_acceleration,
+    stiffen,
+    sway_work,
+)
+from walkergen.core.simulation.space.landings import leave, settle
+from walkergen.core.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
+from walkergen.core.simulation.space.resting import DOZE, doze, ride
+from walkergen.core.simulation.space.state import (
+    ACROSS,
+    ALONG,
+    C_X,
+    HALVINGS,
+    LANDED,
+    LEGS,
+    MODE,
+    OPEN,
+    PITCH,
+    QUIET,
+    ROW,
+    V_X,
+    W_X,
+    first_row,
+    work_for,
+)
+from walkergen.core.simulation.space.tips import response
+from walkergen.core.simulation.world import FAILED, FOLDED, OK, TOPPLED
+
+INSTANT = 9e-11
+"""Time, of the plate's period, that counts as zero: 1e-12 s at 90 Hz."""
+
+_motor_acts, _sways = motors.acts, sways.moves
+
+TURN_OF_MOTOR = 0.5
+"""Largest turn of a motor in a flight, rad."""
+
+
+@lean
+def _turn_stretches(walker, state, turned):
+    """Turn tangential stretches on the plate and the lid against the heading, which turned by so many rad."""
+    c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
+    for k in range(len(walker.leg)):
+        at = row + ROW * k
+        if state[at + MODE] != OPEN and walker.place[k] <= 0.0:
+            a, b = state[at + ALONG], state[at + ACROSS]
+            state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
+
+
+@lean
+def _gather(walker, state, work, t):
+    """List contacts that are closed or may close within t seconds: their number."""
+    m, first = 0, first_row(walker)
+    for k in range(len(walker.leg)):
+        at = first + ROW * k
+        if state[at + MODE] == OPEN and work.points[k].clear > t:
+            continue
+        work.near[m].number, work.near[m].gap[0] = k, work.points[k].gap
+        work.near[m].gap[1], work.near[m].gap[2] = state[at + ALONG], state[at + ACROSS]
+        m += 1
+    return m
+
+
+@lean
+def _swing_freely(state, near, J, work, swing, springs, dampers, m, h):
+    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact, for a step of h seconds.
+
+    Those with contact become the ones expected by the forces of the step before.
+    """
+    n, pull, left = len(springs), work.pull, work.left
+    for i in range(n):
+        pull[i] = 0.0
+    for j in range(n):
+        angle, rate = state[LEGS + j], state[LEGS + n + j]
+        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate + left[j]
+        for i in range(n):
+            pull[i] += swing[i, j] * torque
+    for i in range(m):
+        for p in range(3):
+            total = near[i].drift[p]
+            for j in range(n):
+                total += J[3 * i + p, 6 + j] * pull[j]
+            free = near[i].speed[p] + 0.5 * h * total
+            near[i].middle[p] += free - near[i].free[p]
+            near[i].free[p] = free
+
+
+@lean
+def _move_legs(state, near, ML, pull, dampers, m, h):
+    """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
+    n, damped = len(dampers), 0.0
+    for i in range(m):
+        if near[i].tried != OPEN:
+            for p in range(3):
+                for j in range(n):
+                    pull[j] += ML[3 * i + p, j] * near[i].force[p]
+    for j in range(n):
+        change = h * pull[j]
+        rate = state[LEGS + n + j] + 0.5 * change
+        state[LEGS + j] += h * rate
+        state[LEGS + n + j] += change
+        damped += h * dampers[j] * rate * rate
+    return damped
+
+
+@lean
+def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
+    """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
+    sums = tally.sums
+    for i in range(m):
+        k = near[i].number
+        at = first + ROW * k
+        if settle(state, near, i, at, t, h, sums):
+            leave(state, at, k, upward[k, 0] > 0.0, tally)
+        for p in range(3):
+            sums[record.PLATE_WORK] += h * lifted * upward[k, p] * near[i].force[p]
+        span = 0.5 * h * near[i].share
+        for p in range(3):
+            near[i].speed[p] = 2.0 * near[i].middle[p] - near[i].speed[p]
+            push = h * near[i].force[p]
+            near[i].carried[p] += h * near[i].impulse[p] + span * push
+            near[i].impulse[p] += push
+
+
+@lean
+def _touched_late(state, near, H, ML, n, m, h):
+    """Take back what a force from the step's start on would have moved, of contacts that touched
+    within it: their force began later, and moved contacts and legs for a shorter time.
+    """
+    for i in range(m):
+        late = 0.5 * h * h * (1.0 - near[i].share)
+        if near[i].tried == OPEN or late == 0.0:
+            continue
+        for p in range(3):
+            short, c = late * near[i].force[p], 3 * i + p
+            for j in range(m):
+                near[j].gap[0] -= short * H[3 * j, c]
+                if near[j].tried != OPEN and near[j].share == 1.0:
+                    near[j].gap[1] -= short * H[3 * j + 1, c]
+                    near[j].gap[2] -= short * H[3 * j + 2, c]
+            for j in range(n):
+                state[LEGS + j] -= short * ML[c, j]
+
+
+@lean
+def _closed_time(state, near, m, first, h):
+    """Time (s) within a step of h seconds in which any of m near contacts is closed.
+
+    One that opens in it does so where its force, linear in time, vanishes: before the step's start
+    where it counted to the end of the last one.
+    """
+    begin, end = 1.0, -0.5
+    for i in range(m):
+        if near[i].tried != OPEN:
+            begin, end = min(begin, 1.0 - near[i].share), 1.0
+        elif state[first + ROW * near[i].number + MODE] != OPEN:
+            depth = -near[i].gap[0]
+            begin = 0.0
+            if not depth > 0.0:
+                end = max(end, 0.0)
+                continue
+            now, k, viscous = response(near[i].spring, near[i].tip, depth)
+            c = near[i].damper * math.sqrt(viscous)
+            now -= c * near[i].speed[0]
+            falls = k * near[i].speed[0] + 2.0 * c * (near[i].middle[0] - near[i].speed[0]) / h
+            end = max(end, min(max(now / (falls * h), -0.5), 1.0) if falls > 0.0 else 0.0)
+    return h * (end - begin) if begin < 1.0 else 0.0
+
+
+@lean
+def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
+    """Take `count` steps of h seconds from `begin` on.
+
+    The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
+    """
+    near, J, A, springs, dampers = work.near, work.J, work.A, walker.stiffness, walker.damping
+    H, ML, sums, first = work.H, work.ML, tally.sums, first_row(walker)
+    for done in range(count):
+        _swing_freely(state, near, J, work, work.swing, springs, dampers, m, h)
+        if guess(state, near, H, m, h, first) > 0:
+            solve(near, H, A, m, h)
+        else:
+            for i in range(m):
+                for p in range(3):
+                    near[i].force[p], near[i].middle[p] = 0.0, near[i].free[p]
+        sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
+        sums[record.DAMPING_LOSS] += _move_legs(state, near, ML, work.pull, dampers, m, h)
+        t, speed = begin + (done + 1) * h, lifted + (done + 0.5) * h * lifting
+        _move_contacts(state, near, m, first, walker.upward, t, h, speed, tally)
+        _touched_late(state, near, H, ML, len(springs), m, h)
+
+
+@lean
+def _move_body(walker, motor, state, work, m, t, sums):
+    """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
+    near, MJ, R, acting, motion = work.near, work.MJ, work.R, work.acting, work.motion
+    lock, n = walker.lock, len(walker.stiffness)
+    for j in range(6):
+        gained = t * acting[j]
+        moved = t * (motion[j] + 0.5 * gained)
+        for i in range(m):
+            for p in range(3):
+                gained += MJ[3 * i + p, j] * near[i].impulse[p]
+                moved += MJ[3 * i + p, j] * near[i].carried[p]
+        work.gained[j], work.moved[j] = gained, moved
+    if _motor_acts(motor):
+        sums[record.PLATE_WORK] += motor_work(walker, motor, state, work, m, t)
+    for i in range(3):
+        for j in range(3):
+            state[C_X + i] += R[i, j] * work.moved[j]
+            state[V_X + i] += R[i, j] * work.gained[j]
+        state[W_X + i] += work.gained[3 + i]
+        for j in range(n):
+            work.moved[3 + i] -= lock[i, j] * (state[LEGS + j] - work.before[j])
+    turn(state, work.moved[3], work.moved[4], work.moved[5])
+
+
+@lean
+def _frame(world, state, work, begin, h, count, tally):
+    """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
+    walker, t = world.walker, count * h
+    m = _gather(walker, state, work, t)
+    for j in range(len(walker.stiffness)):
+        work.before[j] = state[LEGS + j]
+    lifted = plate_velocity(world, state)
+    halfway(world, state, work, t)
+    stiffen(walker, work, h)
+    accelerate(world, work.midway, work)
+    load(world, work, lifted, t, m)
+    lifting = plate_acceleration(world, work.midway)
+    _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    if _sways(world.acting.sway):
+        tally.sums[record.PLATE_WORK] += sway_work(work.near, m, t)
+    _move_body(walker, world.acting.motor, state, work, m, t, tally.sums)
+    pass_time(world, state, t)
+
+
+@lean
+def _spin(state):
+    """Rate at which the body turns, rad/s, never zero."""
+    return math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2) + 1e-300
+
+
+@lean
+def _level(world, state, clear):
+    """Level of the longest tabulated flight within `clear` seconds, less than -HALVINGS if none is.
+
+    Flights shorter than a step are for a body that spins fast: close to a surface a frame of steps costs less.
+    """
+    step, longest = world.options.step, min(clear, TURN / _spin(state))
+    if _motor_acts(world.acting.motor):
+        longest = min(longest, TURN_OF_MOTOR / world.acting.motor.omega)
+    level = -HALVINGS - 1
+    if clear < step:
+        return level
+    while level + 1 < len(world.walker.flights) - HALVINGS and step * 2.0 ** (level + 1) <= longest:
+        level += 1
+    return level
+
+
+@lean
+def _folded(walker, state):
+    """True when a leg has turned by 90 deg against the body, or a foot has twisted as far."""
+    largest = 0.0
+    for j in range(len(walker.stiffness)):
+        largest = max(largest, abs(state[LEGS + j]))
+    return largest >= 0.5 * math.pi
+
+
+@lean
+def advance_in(world, state, work, duration, tally):
+    """Advance as `advance` does, in a work space that is there: without allocating anything."""
+    walker, sums, step = world.walker, tally.sums, world.options.step
+    begin, t = sums[record.ELAPSED], 0.0
+    gentle = strongest_throw(world) < across(world.acting)
+    gentle = gentle and not _motor_acts(world.acting.motor)
+    gentle = gentle and not _sways(world.acting.sway)
+    period = TWO_PI / world.drive.omega
+    instant, patience = INSTANT * period, DOZE * period
+    if begin == 0.0:  # landings under way count from the record's beginning
+        for k in range(len(walker.leg)):
+            state[first_row(walker) + ROW * k + LANDED] = 0.0
+    while True:
+        _turn_stretches(walker, state, place(world, state, work))
+        sums[record.ELAPSED] = begin + t
+        if begin + t >= next_sample(tally.samples) - instant:
+            take_sample(tally.samples, begin + t, state)
+        if t >= duration:
+            return OK
+        if not math.isfinite(state[C_X + 1]):
+            return FAILED
+        if lowest_corner(world, state, work) <= 0.0:
+            return TOPPLED
+        if _folded(walker, state):
+            return FOLDED
+        sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
+        locate(world, state, work)
+        longest = min(duration - t, max(next_sample(tally.samples) - begin - t, instant))
+        clear = clear_time(world, state, work, longest)
+        level = _level(world, state, clear)
+        if state[QUIET] > patience:
+            passed = longest
+            ride(world, state, passed, sums)
+        elif level >= -HALVINGS:
+            state[QUIET] = 0.0
+            passed = step * 2.0**level
+            fly(world, state, work, passed, level, sums)
+        else:
+            passed = min(longest, world.options.frame * step, max(TURN / _spin(state), instant))
+            count = max(math.ceil(passed / step - 1e-9), 1)
+            _frame(world, state, work, begin + t, passed / count, count, tally)
+            if gentle:
+                doze(world, state, passed, period)
+        t = duration if duration - t - passed < instant else t + passed
+
+
+@kernel
+def advance(world, state, duration, tally):
+    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
+    return advance_in(world, state, work_for(world.walker, state), duration, tally)

@@ -1,0 +1,316 @@
+"""Walker in space: inertia of body and legs, springs, and points of contact, from its masses.
+
+The mass matrix is that of relaxed legs. In the coordinates of `state` (C, shared turning rate W,
+legs) it is block-diagonal: M, inertia about C, and the legs' own block.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects import compliance, feet, turning, twist
+from walkergen.core.simulation.effects import rotor as motors
+from walkergen.core.simulation.effects.effect import LID, WALLS, Case
+from walkergen.core.simulation.effects.resolve import Resolved
+from walkergen.core.simulation.space.points import axis_of, corners_of, points_of
+from walkergen.core.simulation.space.state import HALVINGS, Array, Options, Walker
+from walkergen.core.simulation.world import World
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Limb
+from walkergen.core.walker.mass import LegMass, MassProperties, Spatial, joined
+
+LEVELS = 5
+"""Tabulated flights of a step and longer: the longest takes 2^(LEVELS - 1) steps, 0.4 ms of the paper's walker."""
+
+LARGEST_TERM, TERMS = 0.5, 14
+"""Norm of a matrix up to which so many terms of its exponential's series are exact to rounding."""
+
+RESOLVED, RESOLVED_UP, RESOLVED_SIDEWAYS = 0.23, 1.6, 2.4
+"""Length of a step times the frequency of a corner that bears its share of the walker, pressed as deep as a landing
+presses it; and times the largest frequencies of all feet at that depth, along the normal and sideways: those of light
+legs. At 3.3 sideways a thin leg's twist gained energy."""
+
+COARSEST = 3.0
+"""Length of a step over the feet's own beyond which steps are refused."""
+
+LONGEST, FINEST = 5e-3, 1 / 64
+"""Longest step of soft feet, of the plate's period (56 us at 90 Hz): drive and legs are held for a frame of steps; and
+the least part of what resolves the feet that a step is, however fast the plate."""
+
+STEPS_OF_FRAME, LONGEST_FRAME = 24, 2.2e-2
+"""Steps for which a pose is frozen, and the longest frame of the walker's own steps, of the plate's period (240 us at
+90 Hz)."""
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+class _Limbs(NamedTuple):
+    """Free legs as the mass matrix sees them: columns of momenta for n coordinates, from C."""
+
+    momentum: Array
+    """Linear momentum by each coordinate's rate, shape (3, n)."""
+    spin: Array
+    """Angular momentum about C, shape (3, n)."""
+    inertia: Array
+    """Kinetic energy's quadratic form with C fixed, shape (n, n)."""
+
+
+def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
+    """Walker and steps of a case. Raises InputError for masses without a third dimension."""
+    design, mass, scene = case.design, case.mass, case.scene
+    if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
+        raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
+    free = [place for place, leg in enumerate(mass.legs) if leg.m > 0.0]
+    freedoms = 0 if not free else 2 if resolved.on(twist.NAME) else 1
+    loose, n = resolved.on(turning.NAME), len(free) * freedoms
+    total, centre, inertia = _whole(mass, mass.spatial)
+    inverse_inertia = np.asarray(np.linalg.inv(inertia), float)
+    if not loose:
+        inverse_inertia = np.diag([0.0, 0.0, 1.0 / inertia[2, 2]])
+    limbs = _limbs([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
+    lock = inverse_inertia @ limbs.spin  # Lambda = I_C^-1 L of eq. 7.2
+    # G of eq. 7.3: the legs' inertia without what the whole takes over
+    own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
+    springs, dampers = _hinges(case, free, freedoms)
+    points = points_of(case, free, centre, resolved.on(WALLS), resolved.on(LID))
+    feet = points.pop("foot")
+    walker = Walker(
+        mass=total,
+        inverse_mass=np.array([1.0, 1.0, float(loose)]) / total,
+        inertia=inertia,
+        inverse_inertia=inverse_inertia,
+        centre=-centre,
+        freedoms=freedoms,
+        hinge_inertia=own,
+        hinge_mobility=np.asarray(np.linalg.inv(own), float),
+        stiffness=springs,
+        damping=dampers,
+        fast=springs * np.diag(np.linalg.inv(own)),
+        shift=limbs.momentum / total,
+        lock=lock,
+        **points,
+        upward=_upward(points["place"]),
+        friction=np.array([_friction(scene, design, foot) for foot in feet]),
+        spring=np.zeros(0),
+        tip=np.zeros(0),
+        shear=np.zeros(0),
+        damper=np.zeros(0),
+        corners=corners_of(design, mass, centre),
+        forced=np.zeros((2, n)),
+        flights=np.zeros((0, n, n)),
+    )
+    rotor = resolved.acting.motor
+    if motors.acts(rotor) and n > 0:
+        walker = walker._replace(forced=_forced(walker, rotor))
+    return _with_feet(walker, case, feet)
+
+
+def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
+    """Mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
+    masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
+    centre, inertia = joined(spatial, mass.legs, masses, centres)
+    return float(masses.sum()), centre, inertia
+
+
+def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
+    """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
+    n = len(legs) * freedoms
+    limbs = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
+    for number, (limb, leg) in enumerate(legs):
+        assert leg.tensor is not None
+        j, m, axis, arm = number * freedoms, float(leg.m), axis_of(limb), np.array([*leg.c_A, 0.0])
+        polar = float(axis @ leg.tensor @ axis)
+        swung = m * np.cross(Z, arm)
+        place = np.array([*leg.anchor, leg.across]) + arm - centre
+        limbs.momentum[:, j] = swung
+        limbs.spin[:, j] = np.cross(place, swung) + leg.tensor @ Z
+        limbs.inertia[j, j] = m * arm @ arm + leg.tensor[2, 2]
+        if freedoms > 1:
+            limbs.spin[:, j + 1] = -0.5 * polar * axis
+            limbs.inertia[j + 1, j + 1] = polar / 3.0
+    return limbs
+
+
+def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
+    """Stiffness and damping of the free legs' coordinates, shape (n,) each."""
+    design, legs = case.design, case.scene.legs
+    springs: list[float] = []
+    dampers: list[float] = []
+    for limb, leg in ((design.limbs[k], case.mass.legs[k]) for k in free):
+        assert leg.tensor is not None
+        axis = axis_of(limb)
+        modulus = design.material.youngs_modulus
+        inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
+        stiff = compliance.stiffness(limb, modulus), twist.stiffness(limb, design.material)
+        springs += stiff[:freedoms]
+        dampers += [
+            2.0 * legs.damping_ratio * math.sqrt(k * inertia)
+            for k, inertia in zip(stiff[:freedoms], inertias[:freedoms], strict=True)
+        ]
+    return np.array(springs), np.array(dampers)
+
+
+def _forced(walker: Walker, rotor: motors.Rotor) -> Array:
+    """Coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
+    omega, push = rotor.omega, rotor.moment * rotor.omega**2
+    pushes = push * np.array([rotor.first, rotor.second])
+    torques = np.cross(rotor.place + walker.centre, pushes)
+    left = -(pushes @ walker.shift + torques @ walker.lock)
+    stiff = np.diag(walker.stiffness) - omega**2 * walker.hinge_inertia
+    turned = omega * np.diag(walker.damping)
+    both = np.block([[stiff, turned], [-turned, stiff]])
+    return np.asarray(np.linalg.solve(both, left.ravel()).reshape(2, -1))
+
+
+def _upward(place: Array) -> Array:
+    """Upward components of the directions of contacts with walls, the plate and a lid, shape (k, 3)."""
+    upward = np.zeros((len(place), 3))
+    upward[place == 0.0, 0], upward[place < 0.0, 0], upward[place > 0.0, 2] = 1.0, -1.0, 1.0
+    return upward
+
+
+def _friction(scene: Scene, design: Design, foot: int) -> float:
+    """Friction of a point: a foot's own or the scene's, or that of walls and lid (foot -1)."""
+    if foot < 0:
+        return scene.arena.wall_friction
+    own = design.limbs[foot].friction
+    return scene.contact.friction if own is None else own
+
+
+def _with_feet(walker: Walker, case: Case, feet_of_points: Array) -> tuple[Walker, Options]:
+    """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
+    scene, material = case.scene, case.design.material
+    of_legs = [feet.foot_of(scene, limb, material) for limb in case.design.limbs]
+    H, wall = mobility(walker), walker.place != 0.0
+    # Walls and lid are as stiff as the first leg's corners
+    of_points = [of_legs[max(number, 0)] for number in feet_of_points]
+    wall_ratio = feet.damping_ratio(scene.arena.wall_restitution)
+    ratio = np.where(wall, wall_ratio, np.array([foot.damping_ratio for foot in of_points]))
+    # Restitution is that of a frictionless impact: there is no tangential damper
+    own = np.diag(H)[0::3]
+    walker = walker._replace(
+        spring=np.array([foot.spring for foot in of_points]),
+        tip=np.array([foot.tip for foot in of_points]),
+        shear=np.full(len(of_points), scene.feet.tangential_ratio),
+        damper=2.0 * ratio / np.sqrt(np.where(own > 0.0, own, np.inf)),
+    )
+    period = 2.0 * math.pi / scene.drive.omega
+    own_step = _own_step(walker, H, feet.LANDING_SPEED * case.shaken.peak_speed, LONGEST * period)
+    step = _step(scene.run.step_us, own_step)
+    frame = min(STEPS_OF_FRAME, max(round(LONGEST_FRAME * period / own_step), 1))
+    return walker._replace(flights=_flights(walker, step, len(walker.stiffness), period)), Options(step, frame)
+
+
+def _own_step(walker: Walker, H: Array, speed: float, longest: float) -> float:
+    """Step (s), at most `longest`, that resolves feet that land at a speed (mm/s).
+
+    `H`: mobility of all contacts, shape (3 k, 3 k), 1/g.
+    """
+    corners = np.flatnonzero(walker.place == 0.0)
+    share = walker.mass / len(corners)
+    pressed = np.array([feet.landing_stiffness(tip, share, speed) for tip in walker.tip[corners]])
+    stiff = 1.0 / (1.0 / walker.spring[corners] + 1.0 / pressed)
+    sideways = np.concatenate([3 * corners + 1, 3 * corners + 2])
+    up = math.sqrt(_largest(H[np.ix_(3 * corners, 3 * corners)], stiff))
+    slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(walker.shear[corners] * stiff, 2)))
+    # Eq. 7.12: 0.23 / omega of the landing, and the fastest modes of all feet
+    own = min(RESOLVED / math.sqrt(stiff.max() / share), RESOLVED_UP / up, RESOLVED_SIDEWAYS / slip)
+    # An overdamped corner settles in its damper's time, 1 / (2 zeta omega)
+    damped = walker.damper[corners] * np.sqrt(np.diag(H)[3 * corners])
+    own /= max(1.0, float(damped.max()))
+    return _rounded(min(own, max(longest, FINEST * own)), longest)
+
+
+def _rounded(step: float, unit: float) -> float:
+    """Step in six digits of a unit, so that roots that round leave a scaled walker the same step to the bit."""
+    return unit * float(f"{step / unit:.6g}")
+
+
+def _largest(block: Array, factors: Array) -> float:
+    """Largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
+    if np.all(factors == factors[0]):
+        return float(factors[0]) * float(np.linalg.eigvalsh(block)[-1])
+    roots = np.sqrt(factors)
+    return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
+
+
+def _step(given_us: float | None, own: float) -> float:
+    """Length of a step, s: the feet's own, or a given one. Raises InputError for one that steps over whole contacts."""
+    if given_us is None:
+        return own
+    if 1e-6 * given_us > COARSEST * own:
+        raise InputError(
+            f"run.step_us = {given_us:g}: steps over the contacts of these feet. Give at most "
+            f"{1e6 * COARSEST * own:.3g}, or leave the key out ({1e6 * own:.3g})."
+        )
+    return 1e-6 * given_us
+
+
+def coarser(world: World, factor: float) -> World:
+    """World with steps `factor` times longer, and flights tabulated for them."""
+    walker, step = world.walker, factor * world.options.step
+    flights = _flights(walker, step, len(walker.stiffness), world.drive.period)
+    return world._replace(walker=walker._replace(flights=flights), options=world.options._replace(step=step))
+
+
+def mobility(walker: Walker) -> Array:
+    """Inverse mass of all contacts of a level, relaxed walker, shape (3 k, 3 k), 1/g."""
+    size = 6 + len(walker.stiffness)
+    J = np.zeros((3 * len(walker.leg), size))
+    for k, leg in enumerate(walker.leg):
+        point = walker.root[k] + [*walker.reach[k], walker.side[k]]
+        along, up, across = np.eye(3)
+        axes = (across, along, up) if walker.place[k] > 0.0 else (up, along, across)  # or down: the same mobility
+        for p, direction in enumerate(axes):
+            turn = np.cross(point, direction)
+            row = J[3 * k + p]
+            row[:3], row[3:6] = direction, turn
+            row[6:] = -direction @ walker.shift - turn @ walker.lock
+            if leg >= 0:
+                j = 6 + leg * walker.freedoms
+                across_leg = np.array([-walker.axis[k, 1], walker.axis[k, 0], 0.0])
+                moved = (np.cross(Z, [*walker.reach[k], 0.0]), walker.side[k] * across_leg)
+                for own in range(walker.freedoms):
+                    row[j + own] += direction @ moved[own]
+    M = np.zeros((size, size))
+    M[:3, :3], M[3:6, 3:6] = np.diag(walker.inverse_mass), walker.inverse_inertia
+    M[6:, 6:] = walker.hinge_mobility
+    return np.asarray(J @ M @ J.T)
+
+
+def _flights(walker: Walker, step: float, n: int, period: float) -> Array:
+    """Propagators of the legs in flight for step 2^i seconds, i from -HALVINGS, shape (HALVINGS + LEVELS, 2 n, 2 n).
+
+    The unit of time is a power of two, so that a scaled walker has the same bits, near a radian of legs' swing.
+    """
+    if n == 0:
+        return np.zeros((HALVINGS + LEVELS, 0, 0))
+    unit, rates = 2.0 ** math.frexp(period / 512.0)[1], np.zeros((2 * n, 2 * n))
+    rates[:n, n:] = np.eye(n)
+    rates[n:, :n] = -walker.hinge_mobility * walker.stiffness * unit**2
+    rates[n:, n:] = -walker.hinge_mobility * walker.damping * unit
+    flights = np.array([exponential(step / unit * 2.0**level * rates) for level in range(-HALVINGS, LEVELS)])
+    flights[:, :n, n:] *= unit
+    flights[:, n:, :n] /= unit
+    return flights
+
+
+def exponential(matrix: Array) -> Array:
+    """Exponential of a small square matrix, by its series for a part of it and by squares: as scipy.linalg's, which
+    takes a tenth of a simulation's start to import.
+    """
+    size = float(np.abs(matrix).sum(axis=0).max())
+    squares = max(math.frexp(size / LARGEST_TERM)[1], 0)
+    part = matrix / 2.0**squares
+    term = found = np.eye(len(matrix))
+    for order in range(1, TERMS + 1):
+        term = term @ part / order
+        found = found + term
+    for _ in range(squares):
+        found = found @ found
+    return found

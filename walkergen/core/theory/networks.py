@@ -1,0 +1,187 @@
+"""Networks of the surrogate: speeds at places, their error and the chance of a fall, from the file that is shipped.
+
+Ten of each were trained without other tenths of the rows (evidence/tables): how far they differ tells how well
+they know a place, scaled so that it holds at rows that none has seen.
+"""
+
+import hashlib
+import io
+import json
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+from zipfile import BadZipFile
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.theory.places import Place
+from walkergen.core.walker.limbs import Kind
+
+Array = npt.NDArray[np.float64]
+
+FILE = Path(__file__).with_name("surrogate.npz")
+
+LINEAR_BELOW = 0.25
+"""Speed over the plate's peak speed below which the networks' scale, asinh, is about linear: slow walkers
+scatter by an amount, fast ones by a share."""
+
+FAR_OFF = 2.5
+"""Logarithm of tan(tilt) over friction beyond which feet stick, or slide, as they do at it."""
+
+SLIGHT_DEG = 1.0
+"""Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
+
+FARTHEST = 3.0
+"""Standard deviations beyond which a feature of a smooth function stays as it is there."""
+
+EXPONENTS = (-6.0, 1.0)
+"""Exponents of a smooth function: beyond these it is as there."""
+
+BLOCK = 96
+"""Inputs that are evaluated together: products so small that no library shares them out to threads."""
+
+
+class Speeds(NamedTuple):
+    """Speeds in space over the plate's peak speed: normal after asinh; arrays of shape (n,)."""
+
+    centre: Array
+    error: Array
+    """Standard error of the networks."""
+    between_prints: Array
+    """Standard deviation by which prints of one walker differ, as their feet are uneven."""
+    falls: Array
+    """Chance that a run ends in a fall."""
+
+    def at(self, deviation: Array | float) -> Array:
+        """Speeds over the plate's peak speed, so far from the middle on the scale of the networks."""
+        return np.asarray(LINEAR_BELOW * np.sinh(self.centre + deviation))
+
+
+class Layer(NamedTuple):
+    """One layer of several networks."""
+
+    weights: Array
+    """Shape (networks, inputs, outputs)."""
+    bias: Array
+    """Shape (networks, 1, outputs)."""
+
+
+@cache
+def arrays() -> Mapping[str, Any]:
+    """Arrays of the surrogate's file. Raises InputError for a file that was spoilt."""
+    try:
+        with np.load(io.BytesIO(FILE.read_bytes())) as stored:
+            kept = {name: stored[name] for name in stored.files}
+        whole = str(kept.pop("digest")) == digest_of(kept)
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise InputError(f"{FILE}: the surrogate cannot be read: {error}; install walkergen again") from None
+    if not whole:
+        raise InputError(f"{FILE}: the surrogate was changed or cut: install walkergen again")
+    return kept
+
+
+def digest_of(kept: Mapping[str, Any]) -> str:
+    """Hash of arrays by their names, 32 hexadecimal digits."""
+    hasher = hashlib.sha256()
+    for name in sorted(kept):
+        value = np.ascontiguousarray(kept[name])
+        hasher.update(f"{name} {value.dtype} {value.shape}".encode() + value.tobytes())
+    return hasher.hexdigest()[:32]
+
+
+@cache
+def digest() -> str:
+    """Hash of the surrogate: bounds of two families with equal ones compare."""
+    return digest_of(arrays())
+
+
+@cache
+def facts() -> dict[str, Any]:
+    """What the surrogate tells of itself: ranges of its numbers, and errors at rows that it has not seen."""
+    stored: dict[str, Any] = json.loads(str(arrays()["facts"]))
+    return stored
+
+
+@cache
+def layers_of(name: str) -> tuple[Layer, ...]:
+    """Layers of the networks of this name."""
+    kept = arrays()
+    layers: list[Layer] = []
+    while f"{name}_weights{len(layers)}" in kept:
+        layers.append(Layer(kept[f"{name}_weights{len(layers)}"], kept[f"{name}_bias{len(layers)}"]))
+    return tuple(layers)
+
+
+def evaluated(layers: Sequence[Layer], inputs: Array) -> Array:
+    """Outputs at inputs of shape (n, d), shape (networks, n, outputs), in single precision."""
+    starts = range(0, len(inputs), BLOCK)
+    return np.concatenate([_passed(layers, inputs[k : k + BLOCK]) for k in starts], axis=-2)
+
+
+def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
+    values = inputs.astype(np.float32)
+    for layer in layers[:-1]:
+        values = np.matmul(values, layer.weights)
+        values += layer.bias
+        np.tanh(values, out=values)
+    return np.asarray(np.matmul(values, layers[-1].weights) + layers[-1].bias)
+
+
+def coordinates(places: Array) -> tuple[Array, Array]:
+    """Inputs of the networks, shape (n, d), and the odd factors of their outputs, shape (n, 2).
+
+    Speeds change most where the tilt passes the angle of friction, where feet stick. What turns about with the
+    walker and its plate, tilt and slope, comes into the inputs by products that stay: so a walker without tilt on
+    a level plate has no speed, and the mirror image the other.
+    """
+    of = Place(*places.T)
+    tilt = of.root_tilt**2
+    odd = tilt / (tilt + SLIGHT_DEG)
+    against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - of.log_friction
+    plain = of._replace(
+        slope_ratio=odd * of.slope_ratio,
+        unevenness_ratio=np.sqrt(of.unevenness_ratio),
+        wall_friction=of.closeness * of.wall_friction,
+        wall_restitution=of.closeness * of.wall_restitution,
+        log_body_ratio=of.closeness * of.log_body_ratio,
+        log_depth_ratio=of.closeness * of.log_depth_ratio,
+    )
+    more = (
+        tilt,
+        np.clip(against, -FAR_OFF, FAR_OFF),
+        np.log(of.gamma),
+        of.slope_ratio**2,
+        np.hypot(of.harmonic_cos, of.harmonic_sin),
+        np.sign(of.closeness),
+    )
+    return np.column_stack([*plain, *more]), np.column_stack([odd, of.slope_ratio])
+
+
+def features(inputs: Array) -> Array:
+    """One, the inputs and their squares, of what a smooth function is made; shape (n, 1 + 2 d)."""
+    near = np.clip(inputs, -FARTHEST, FARTHEST)
+    return np.column_stack([np.ones(len(inputs)), near, near**2])
+
+
+def smooth(terms: Array, weights: Array) -> Array:
+    """Positive function of features: the exponential of their weighted sum, shape (n,)."""
+    return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENTS)))
+
+
+def speeds_at(kind: Kind, places: Array) -> Speeds:
+    """Speeds at places, shape (n, numbers), of walkers with legs of a kind."""
+    kept = arrays()
+    plain, odd = coordinates(places)
+    inputs = (plain - kept[f"{kind}_middle"]) / kept[f"{kind}_scale"]
+    values = (evaluated(layers_of(kind), inputs) * odd).sum(axis=-1)
+    terms, uneven = features(inputs), places[:, Place._fields.index("unevenness_ratio")]
+    prints = uneven * smooth(terms, kept[f"{kind}_prints"])
+    run_sd = np.hypot(smooth(terms, kept[f"{kind}_in_time"]), prints)
+    level = np.minimum(np.abs(odd).sum(axis=1), 1.0)  # none without tilt on a level plate, by symmetry
+    parts = np.stack([values.std(axis=0, ddof=1), run_sd * level, level])
+    error = np.sqrt(kept[f"{kind}_error"] ** 2 @ parts**2)
+    falls = 1.0 / (1.0 + np.exp(-evaluated(layers_of(f"{kind}_falls"), inputs)[..., 0].mean(axis=0)))
+    return Speeds(values.mean(axis=0), error, prints, falls)

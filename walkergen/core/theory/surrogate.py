@@ -1,0 +1,180 @@
+"""Surrogate of the model in space: what a simulation would give, in a millisecond, where it is known to.
+
+Small networks on dimensionless numbers of a walker with two equal legs on a shaken plate or in a lane
+(evidence/tables trains them on simulated walkers). Ten of them were trained without other tenths of the rows:
+how far they differ tells how well they know a walker, scaled so that it holds at rows that none has seen.
+Where that error is beyond GOAL, where walkers topple, and beyond the numbers that were sampled there is no
+answer here: such a walker is simulated (`points.speeds`).
+"""
+
+import math
+from collections.abc import Iterator
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import WalkergenError
+from walkergen.core.scene import SHAPES, Scene
+from walkergen.core.theory import networks, places
+from walkergen.core.theory.networks import LINEAR_BELOW, Speeds
+from walkergen.core.theory.places import Place
+from walkergen.core.theory.uncertain import Drawn
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Kind
+from walkergen.core.walker.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
+
+NORMAL_95 = NormalDist().inv_cdf(0.975)
+"""Standard deviations on either side of the middle that hold 95 % of a normal distribution."""
+
+GOAL_SHARE, GOAL_MM_S = 0.10, 1.0
+"""Error (95 %) up to which the surrogate answers: the larger of a share of the speed and a speed."""
+
+MOST_FALLS, SURE_FALLS = 0.04, 0.9
+"""Chance that a run ends in a fall, by the networks, up to which the surrogate answers with a speed; and from which it
+answers that the walker falls over. Walkers between are simulated."""
+
+EDGE = 0.02
+"""Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
+
+
+class UnknownError(WalkergenError):
+    """The surrogate does not know a walker; the text says why, in words that a table of many says once."""
+
+
+class FallsError(UnknownError):
+    """The surrogate knows no speed of a walker, since it falls over."""
+
+    def __init__(self, chance: float) -> None:
+        super().__init__(f"falls over in {100.0 * chance:.0f} % of its runs")
+        self.chance = chance
+
+
+class Known(NamedTuple):
+    """Walker in a scene that the surrogate knows."""
+
+    design: Design
+    scene: Scene
+    place: Place
+
+    @property
+    def sign(self) -> float:
+        """Sign of the tilt: places know its magnitude alone."""
+        return math.copysign(1.0, self.design.tilt_deg)
+
+    @property
+    def peak_speed(self) -> float:
+        """Peak speed of the plate, mm/s, over which the surrogate has speeds."""
+        return self.scene.drive.peak_speed
+
+    def at(self, place: Place) -> Speeds:
+        """Speeds at a place, or at places, beyond the sampled numbers as at their ends."""
+        kind = self.design.kind
+        speeds = networks.speeds_at(kind, np.clip(places.columns(place), *_ends(kind)))
+        return speeds._replace(centre=self.sign * speeds.centre)
+
+    @property
+    def nominal(self) -> tuple[float, float]:
+        """Speed of the walker as designed and its standard error, mm/s."""
+        return self.in_mm_s(self.at(self.place))
+
+    def in_mm_s(self, speeds: Speeds) -> tuple[float, float]:
+        """First of some speeds and its standard error, mm/s."""
+        slope = LINEAR_BELOW * math.cosh(speeds.centre[0])
+        return self.peak_speed * float(speeds.at(0.0)[0]), self.peak_speed * slope * float(speeds.error[0])
+
+    def drawn(self, drawn: Drawn) -> Speeds:
+        """Speeds at drawn values of the inputs of a prediction."""
+        return self.at(self.place.drawn(self.design, self.scene, drawn))
+
+
+def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = True) -> Known:
+    """Return a walker that the surrogate knows.
+
+    Pass `within_goal=False` if the caller accounts for the surrogate's error, as `fit` does. Raises UnknownError, with
+    the reason, for a walker that has to be simulated, and FallsError for one that falls over.
+    """
+    for reason in _reasons(scene, design):
+        raise UnknownError(reason)
+    known = Known(design, scene, places.of(scene, design, mass))
+    _check_ranges(design.kind, known.place)
+    speeds = known.at(known.place)
+    if speeds.falls[0] >= SURE_FALLS:
+        raise FallsError(float(speeds.falls[0]))
+    if speeds.falls[0] > MOST_FALLS:
+        raise UnknownError("such walkers may fall over")
+    speed, se = known.in_mm_s(speeds)
+    goal = max(GOAL_SHARE * abs(speed), GOAL_MM_S)
+    if within_goal and NORMAL_95 * se > goal:
+        raise UnknownError(f"the surrogate does not know it to {100.0 * GOAL_SHARE:g} % or {GOAL_MM_S:g} mm/s")
+    return known
+
+
+def _reasons(scene: Scene, design: Design) -> Iterator[str]:
+    """What of a walker and its scene the surrogate has never met, in words."""
+    if scene.drive.kind == "motor":
+        yield "walkers with a motor are simulated"
+    if not design.alike:
+        yield "walkers of other legs than two equal ones are simulated"
+    if design.kind not in ("flexible", "braced"):
+        yield f"walkers on legs that are {design.kind} are simulated"
+    limb = design.limbs[0]
+    if limb.foot != "flat" or limb.friction is not None or limb.restitution is not None:
+        yield "walkers on feet of another shape or material are simulated"
+    if scene.plate.slope_deg and scene.run.heading_deg != type(scene.run).model_fields["heading_deg"].default:
+        yield "walkers that start across a slope are simulated"
+    yield from beyond(scene)
+
+
+BESIDE = frozenset({"name", "description", "prediction", "run", "crowd", "contact", "drive"})
+"""Tables of a scene that the surrogate reads, or that change no mean speed."""
+
+READ = {
+    "arena": {"kind", "length_mm", "width_mm", "gap_mm", "wall_friction", "wall_restitution"},
+    "plate": {"slope_deg", "noise_ratio", "material", "youngs_modulus_gpa"},
+    "feet": {"unevenness_um", "unevenness_sd_um", "tip_radius_um", "tip_radius_sd_factor"},
+    "legs": {"damping_ratio", "damping_ratio_sd"},
+}
+"""Keys of other tables that the surrogate reads, or that it draws."""
+
+
+NUMBER_OF = {key: number for number, keys in SHAPES.items() for key in (number, *keys)}
+"""Numbers without which keys say nothing."""
+
+
+def beyond(scene: Scene) -> list[str]:
+    """Keys and values of a scene, as people write them, that the surrogate has never met.
+
+    What shapes a number counts only where there is some.
+    """
+    reasons = []
+    for name in type(scene).model_fields:
+        if name in BESIDE:
+            continue
+        table = getattr(scene, name)
+        for key, field in type(table).model_fields.items():
+            number = NUMBER_OF.get(f"{name}.{key}")
+            idle = number is not None and not scene.value(number)
+            value = getattr(table, key)
+            if key not in READ.get(name, ()) and not idle and value != field.default:
+                reasons.append(f"{name}.{key} = {value} is simulated")
+    return reasons
+
+
+def _ends(kind: Kind) -> Array:
+    """Lower and upper ends of the sampled numbers for a kind of legs, shape (2, numbers)."""
+    ranges = networks.facts()["ranges"][kind]
+    return np.array([ranges[name] for name in Place._fields]).T
+
+
+def _check_ranges(kind: Kind, place: Place) -> None:
+    """Raise UnknownError for a walker with a number that was not sampled."""
+    for name, value, low, high in zip(Place._fields, place, *_ends(kind), strict=True):
+        margin = EDGE * (high - low) + 1e-9
+        if not low - margin <= float(value) <= high + margin:
+            words, ends = places.in_words(name, low, high)
+            side = "less" if float(value) < low else "more"
+            raise UnknownError(f"the surrogate knows a {words} of {ends}, and here it is {side}")

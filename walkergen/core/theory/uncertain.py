@@ -1,0 +1,335 @@
+"""Uncertain inputs of a prediction: what design and scene do not know exactly, and draws of it.
+
+Every input has a mean and a standard deviation under keys that people write; prediction, simulation
+and fit take from the same list those that they read.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.drive import MOTOR_HZ, Drive
+from walkergen.core.scene import LEAST_RESTITUTION, PRIORS, Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import LONGEST_MM, SHORTEST_MM
+from walkergen.core.walker.mass import MassProperties, scaled
+
+Array = npt.NDArray[np.float64]
+
+PREDICTION, SPACE = "prediction", "space"
+"""Who reads uncertain inputs: the prediction, and the model in space in its runs."""
+
+FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
+"""Names of what is uncertain of a motor."""
+
+QUANTILES = (0.025, 0.16, 0.84, 0.975)
+"""Ends of the bounds of 95 and 68 %."""
+
+SHARE_POINTS, SHARE_SETS = 512, 8
+"""Points of one set from which shares are computed, and number of sets, whose scatter is the
+error of the shares."""
+
+
+class Input(NamedTuple):
+    """Normal or log-normal distribution of an uncertain input, cut off where it has no meaning."""
+
+    name: str
+    """Key in design or scene; masses are ratios to those of the mesh or the balance."""
+    mean: float
+    sd: float
+    low: float = 0.0
+    high: float = math.inf
+    folded: bool = False
+    """True when the magnitude of the draws counts, as of a standard deviation itself uncertain."""
+    factor: bool = False
+    """True for a log-normal distribution of median `mean`, `sd` the logarithm of its standard factor."""
+
+
+def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
+    """Inputs with a standard deviation that `reader`, PREDICTION or SPACE, reads."""
+    contact, feet = scene.contact, scene.feet
+    mass_sd = 0.01 * design.weighed.mass_sd_percent
+    known = (
+        Input("contact.restitution", contact.restitution, contact.restitution_sd, LEAST_RESTITUTION, 1.0),
+        Input("contact.friction", contact.friction, contact.friction_sd),
+        Input(
+            "legs.thickness_mm",
+            design.limbs[0].thickness,
+            design.limbs[0].thickness_sd,
+            0.25 * design.limbs[0].thickness,
+            4.0 * design.limbs[0].thickness,
+        ),
+        Input(
+            "material.youngs_modulus_gpa",
+            design.material.youngs_modulus_gpa,
+            design.material.youngs_modulus_sd_gpa,
+            0.1 * design.material.youngs_modulus_gpa,
+        ),
+        Input("legs.damping_ratio", scene.legs.damping_ratio, scene.legs.damping_ratio_sd),
+        Input("body mass", 1.0, mass_sd, 0.01),
+        Input("leg mass", 1.0, mass_sd, 0.01),
+        Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
+        _tip_radius(scene),
+        *_of_motor(scene.drive),
+    )
+    off = {"legs.damping_ratio"} if reader == PREDICTION else set()
+    if design.rigid:
+        off.add("leg mass")
+    if scene.feet.rigid_tips:
+        off.add("feet.tip_radius_um")
+    if "unevenness" in scene.effects.off:
+        off.add("feet.unevenness_um")
+    return tuple(one for one in known if one.sd > 0 and one.name not in off)
+
+
+def _tip_radius(scene: Scene) -> Input:
+    """Effective radius of the tips, um, cut off at three standard deviations."""
+    radius, factor = scene.feet.tip_radius_um, scene.feet.tip_radius_sd_factor
+    factor = PRIORS[scene.contact.prior].tip_radius_sd_factor if factor is None else factor
+    ends = radius / factor**3, radius * factor**3
+    return Input("feet.tip_radius_um", radius, math.log(factor), *ends, factor=True)
+
+
+def _of_motor(drive: Drive) -> tuple[Input, ...]:
+    """Inputs of a motor, cut off at half and twice what they are; none of a plate."""
+    if drive.kind == "plate":
+        return ()
+    pace, moment = drive.frequency, drive.eccentric
+    return (
+        Input(FREQUENCY, pace, drive.frequency_sd_hz, max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])),
+        Input(MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
+    )
+
+
+class Drawn(NamedTuple):
+    """Values of inputs by their names."""
+
+    columns: Mapping[str, Array]
+    """Values of each input, shape (number,)."""
+    number: int
+
+    def of(self, name: str, nominal: float) -> Array:
+        """Values of an input, shape (number,): the nominal one where it is not drawn."""
+        return self.columns.get(name, np.full(self.number, nominal))
+
+
+def named(quantities: Sequence[Input], values: Array) -> Drawn:
+    """Values of inputs, shape (count, inputs), by their names."""
+    columns = {quantity.name: values[:, place] for place, quantity in enumerate(quantities)}
+    return Drawn(columns, len(values))
+
+
+def draws(quantities: Sequence[Input], count: int, seed: int) -> Array:
+    """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
+
+    They are kept, since members of a family share them.
+    """
+    return _draws(tuple(quantities), count, seed)
+
+
+@lru_cache(maxsize=8)
+def _draws(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
+    cube = even(len(quantities), count, seed)
+    columns = [quantiles(quantity, cube[:, place]) for place, quantity in enumerate(quantities)]
+    drawn = np.column_stack(columns) if columns else np.empty((count, 0))
+    drawn.flags.writeable = False
+    return drawn
+
+
+LATTICE = (
+    1,
+    182667,
+    469891,
+    498753,
+    110745,
+    446247,
+    250185,
+    118627,
+    245333,
+    283199,
+    408519,
+    391023,
+    246327,
+    126539,
+    399185,
+    461527,
+    300343,
+    69681,
+    516695,
+    436179,
+    106383,
+    238523,
+    413283,
+    70841,
+    47719,
+    300129,
+    113029,
+    123925,
+    410745,
+    211325,
+    17489,
+    511893,
+)
+"""Generating vector of a lattice whose first 2^m points, m up to 20, are each a good lattice
+(R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
+
+
+def even(wide: int, count: int, seed: int) -> Array:
+    """Points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
+
+    Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
+    what random numbers do, by up to a third more than Sobol's (tried on a sum with a ridge), whose
+    import takes a third of a second.
+    """
+    bits = max(math.ceil(math.log2(max(count, 1))), 1)
+    numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
+    for bit in range(bits):
+        turned |= (numbers >> bit & 1) << (bits - 1 - bit)
+    places = turned[:count, None] * np.array(LATTICE[:wide]) % 2**bits / 2**bits
+    return np.asarray((places + np.random.default_rng(seed).random(wide)) % 1.0)
+
+
+STANDARD = NormalDist()
+_of_standard = np.vectorize(STANDARD.inv_cdf, otypes=[float])
+
+
+def quantiles(law: Input, shares: Array) -> Array:
+    """Quantiles of an input's distribution; shares in (0, 1), any shape."""
+    if law.factor:
+        normal = Input(law.name, math.log(law.mean), law.sd, math.log(law.low), math.log(law.high))
+        return np.asarray(np.exp(quantiles(normal, shares)))
+    low = -math.inf if law.folded else (law.low - law.mean) / law.sd
+    high = math.inf if law.folded else (law.high - law.mean) / law.sd
+    bottom, top = STANDARD.cdf(low), STANDARD.cdf(high)
+    tiny = np.finfo(float).tiny
+    within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
+    values = np.asarray(law.mean + law.sd * _of_standard(within))
+    return np.asarray(np.abs(values) if law.folded else np.clip(values, law.low, law.high))
+
+
+def applied(scene: Scene, design: Design, values: Mapping[str, float]) -> tuple[Scene, Design, MassProperties]:
+    """Scene, design and masses with the inputs set to `values`; others keep their means.
+
+    Feet of another material change in the proportion in which the scene's contact does.
+
+    Raises GeometryError for legs that cannot be built so thick.
+    """
+    changes: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        table, _, key = name.partition(".")
+        if key:
+            changes.setdefault(table, {})[key] = float(value)
+    legs = changes.pop("legs", {})
+    thick = legs.pop("thickness_mm", None)
+    material = changes.pop("material", {})
+    if legs:
+        changes["legs"] = legs
+    drawn = scene.model_copy(
+        update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
+    )
+    design = _as_drawn(_as_printed(design, thick, material), scene, drawn)
+    body, leg = values.get("body mass", 1.0), values.get("leg mass", 1.0)
+    return drawn, design, scaled(solids.mass_of(design), float(body), float(leg))
+
+
+def in_proportion(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
+    """Friction or restitution of a foot of another material, as a draw of the scene's changes it.
+
+    It changes in the same proportion, up to `most`; where the scene's `nominal` value is 0 it
+    stays. A float or an array, as `drawn` is.
+    """
+    return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), most)
+
+
+def _as_drawn(design: Design, scene: Scene, drawn: Scene) -> Design:
+    """Design whose feet of another material change as the scene's contact does; validated."""
+    if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
+        return design
+    data = design.model_dump(exclude_unset=True)
+    for leg in data["legs"]:
+        for key, most in (("friction", math.inf), ("restitution", 1.0)):
+            if leg.get(key) is not None:
+                now, nominal = (getattr(one.contact, key) for one in (drawn, scene))
+                leg[key] = float(in_proportion(leg[key], now, nominal, most))
+    return Design.model_validate(data)
+
+
+def _buildable(thickness: float) -> float:
+    """Drawn thickness of a leg, mm, within what a design may have."""
+    return min(max(thickness, SHORTEST_MM), LONGEST_MM)
+
+
+def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
+    """Design with another thickness of its first leg, and of others in proportion; validated."""
+    if thickness is not None:
+        data = design.model_dump(exclude_unset=True)
+        if design.pair:
+            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = _buildable(thickness)
+        else:
+            ratio = thickness / design.limbs[0].thickness
+            for leg, limb in zip(data["legs"], design.limbs, strict=True):
+                leg["thickness_mm"] = _buildable(ratio * limb.thickness)
+        design = Design.model_validate(data)
+    if material:
+        changed = design.material.model_copy(update=material)
+        design = design.model_copy(update={"material": changed})
+    return design
+
+
+class Share(NamedTuple):
+    """Part of a variance that an input is answerable for (Saltelli et al. 2010)."""
+
+    name: str
+    first: float
+    """Part that knowing this input alone would remove."""
+    first_se: float
+    total: float
+    """Part that would remain if all but this input were known."""
+    total_se: float
+
+
+def shares(quantities: Sequence[Input], function: Callable[[Array], Array], seed: int) -> tuple[Share, ...]:
+    """First-order and total shares of a function's variance, largest total first.
+
+    The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
+    errors come from `SHARE_SETS` independent sets of points.
+    """
+    generators = np.random.default_rng(seed).spawn(SHARE_SETS)
+    repeats = np.array([indices(quantities, function, generator) for generator in generators])
+    return listed(quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
+
+
+def indices(quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator) -> Array:
+    """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
+    from scipy.stats import sobol_indices
+
+    if not quantities:
+        return np.empty((2, 0))
+    laws = [_Law(quantity) for quantity in quantities]
+    sobol = sobol_indices(func=lambda x: function(x.T), n=SHARE_POINTS, dists=laws, rng=rng)
+    return np.array([np.ravel(sobol.first_order), np.ravel(sobol.total_order)])
+
+
+def listed(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
+    """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
+    rows = [
+        Share(quantity.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
+        for k, quantity in enumerate(quantities)
+    ]
+    return tuple(sorted(rows, key=lambda share: -share.total))
+
+
+class _Law(NamedTuple):
+    """Distribution of an input as scipy.stats wants it."""
+
+    one: Input
+
+    def ppf(self, shares: Array) -> Array:
+        """Quantiles."""
+        return quantiles(self.one, shares)

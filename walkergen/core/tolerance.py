@@ -1,0 +1,33 @@
+"""Errors that a person can bear, as they are written: 5% or 3mm/s."""
+
+from typing import NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+
+UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
+"""Units of errors, with the least and the largest that can be asked for."""
+
+
+class Tolerance(NamedTuple):
+    """Error that a person can bear, with 95 % confidence."""
+
+    value: float
+    relative: bool
+    """True when the value is a share of the mean speed, False when it is in mm/s."""
+
+    def __str__(self) -> str:
+        return f"{100 * self.value:g} %" if self.relative else f"{self.value:g} mm/s"
+
+
+def parse(text: str) -> Tolerance:
+    """Parse "5%" or "3mm/s". Raises InputError."""
+    unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
+    value = words.value(text.rstrip(" ").removesuffix(unit))
+    if not unit or value is None or value <= 0.0:
+        raise InputError(f"‹error=›{text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
+    relative = unit == "%"
+    low, high = UNITS[unit]
+    if not low <= value <= high:
+        raise InputError(f"‹error=›{text[:30]!r}: must lie in {low:g}..{high:g} {unit}")
+    return Tolerance(0.01 * value if relative else value, relative)

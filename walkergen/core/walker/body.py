@@ -1,0 +1,251 @@
+"""Bodies of walkers: what people write of them, and the shape that it stands for.
+
+A body is a prism in side view (a rectangle or a polygon, extruded across the run), a prism in plan
+view (a disc, an ellipse, a polygon, a drawing, letters, extruded upward), or a mesh from a file.
+Frame: the middle of the body's box at the origin of x and y, z from 0 to its depth.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from operator import not_
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from walkergen.core.files.config import Section
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker.limbs import Kind, Length, Limb, Polygon
+
+Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
+Points = Annotated[
+    list[Annotated[list[float], Field(min_length=2, max_length=2)]], Field(min_length=3, max_length=100_000)
+]
+
+DRAWN = ("disc", "ellipse", "polygon")
+"""Outlines that need no file."""
+
+FILES = ("outline", "mesh", "font")
+"""Keys that may name a file."""
+
+SOURCES = ("profile_mm", "outline", "text", "mesh")
+"""Keys that give a body another shape than a rectangle; one of them at most."""
+
+WITH_SOURCE = ("points_mm", "font", "rails_mm", "scale_mm", "up", "forward", "legs_below_mm", "base", "mirror")
+"""Keys that say more of a source."""
+
+
+class Body(Section):
+    """Massive top of a walker: by default a rectangle in the x-y plane, extruded by its depth."""
+
+    length_mm: Length = 28.0
+    depth_mm: Length = 8.0
+    thickness_mm: Length = 3.0
+    profile_mm: Points | None = None
+    """Corners of a side view, (x, y), extruded across by depth_mm."""
+    outline: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
+    """Plan view: "disc" (of length_mm), "ellipse" (length_mm, depth_mm), "polygon" (points_mm), or
+    a drawing, .svg or .dxf, or a picture, .png or .jpg, beside the file; extruded upward by thickness_mm.
+    A drawing, a text or a mesh is scaled to length_mm where that is given."""
+    points_mm: Points | None = None
+    """Corners of the outline "polygon", seen from above."""
+    text: str | None = None
+    """Letters as the plan view, as high as depth_mm."""
+    font: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
+    """Font of the text, .ttf, .otf or .ttc, beside the file. None: DejaVu Sans."""
+    rails_mm: Length | None = None
+    """Width of two bars along the feet and the tops of the letters, which join them to one part."""
+    mesh: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
+    """Mesh of the body, beside the file."""
+    scale_mm: Length | None = None
+    """Millimetres in a unit of the drawing or mesh. None: what a drawing states; 1 for a mesh."""
+    up: Axis = "z"
+    forward: Axis = "x"
+    """Axes of the mesh that point up and forward."""
+    legs_below_mm: Length | None = None
+    """Height above its lowest point below which a mesh, of a whole walker, is legs."""
+    repair: bool = True
+    """Whether a mesh that is not sound, and paths that cross, are mended; what was changed is told."""
+    base: bool | None = Field(default=None, exclude_if=lambda value: value is None)
+    """Whether a flat plate lies under it all. None: under letters without rails, and where pieces hang together by it
+    alone; without any the largest piece of a file is the body."""
+    mirror: bool = Field(default=False, exclude_if=not_)
+    """True to turn what points forward backward, as a mirror does."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "Body":
+        sources = [key for key in SOURCES if getattr(self, key) is not None]
+        if len(sources) > 1:
+            raise ValueError(f"{' and '.join(sources)} each give the body a shape: keep one of them")
+        if (self.points_mm is not None) != (self.outline == "polygon"):
+            raise ValueError('points_mm and outline = "polygon" go together')
+        if self.scale_mm is not None and not (self.mesh or self._drawing):
+            raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
+        if self.rails_mm is not None and self.text is None:
+            raise ValueError("rails_mm joins the letters of text")
+        if self.text is not None and any("\ud800" <= letter <= "\udfff" for letter in self.text):
+            raise ValueError("text holds bytes that are not UTF-8: write it anew")
+        if self.font is not None and self.text is None:
+            raise ValueError("font is of the letters of text")
+        if not self.sourced and (self.base or self.mirror):
+            raise ValueError("base and mirror are for a text, an outline or a mesh")
+        if self.sourced and self.base and self.legs_below_mm is not None:
+            raise ValueError("base is no part of a finished walker, legs_below_mm: leave one of them out")
+        if self.scale_mm is not None and self.wished_mm is not None:
+            raise ValueError("scale_mm and length_mm each give the size: keep one of them")
+        if self.text is not None and {"length_mm", "depth_mm"} <= self.model_fields_set:
+            raise ValueError("length_mm and depth_mm each give the letters' size: keep one of them")
+        if self.legs_below_mm is not None and self.mesh is None:
+            raise ValueError("legs_below_mm is for a mesh of a whole walker")
+        for key in sources:
+            if wrong := sorted(self._follows(key) & self.model_fields_set):
+                raise ValueError(f"{wrong[0]} follows from {key}: leave it out")
+        return self
+
+    def _follows(self, source: str) -> set[str]:
+        """Sizes that follow from a source of the shape."""
+        flat: dict[str, set[str]] = {"ellipse": set(), "polygon": {"length_mm", "depth_mm"}}
+        return {
+            "profile_mm": {"length_mm", "thickness_mm"},
+            "text": set(),
+            "mesh": {"depth_mm", "thickness_mm"},
+            "outline": flat.get(str(self.outline or ""), {"depth_mm"}),  # of any type before it is checked
+        }[source]
+
+    @classmethod
+    def reshaped(
+        cls, table: Mapping[str, Any], source: str, former: "Body", values: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Table of a body that got another source of its shape, without what followed from the former one.
+
+        Where that was of another kind sizes and all that was said of it go too, unless `values`, by dotted keys of
+        the design, set them anew.
+        """
+        gone = set(SOURCES) - {source}
+        if getattr(former, source) is None:
+            gone |= {*WITH_SOURCE, "length_mm", "depth_mm"}
+        gone |= cls.model_construct(**{source: table[source]})._follows(source)
+        if source == "outline" and table[source] != "polygon":
+            gone.add("points_mm")
+        return {key: value for key, value in table.items() if key not in gone or f"body.{key}" in values}
+
+    @property
+    def sourced(self) -> bool:
+        """True for a body from a text, an outline or a mesh."""
+        return self.flat or self.mesh is not None
+
+    @property
+    def wishful(self) -> bool:
+        """True where length_mm scales all of it."""
+        return self.sourced and self.outline != "polygon" and self.legs_below_mm is None
+
+    def with_keys(self, **keys: Any) -> "Body":
+        """Body with other values of keys; a wished length takes the place of a scale."""
+        table = self.model_dump(exclude_unset=True) | keys
+        for key in {"scale_mm", "depth_mm"} if "length_mm" in keys else ():
+            table.pop(key, None)
+        return Body.model_validate(table)
+
+    @property
+    def wished_mm(self) -> float | None:
+        """Length, mm, to which a drawing, a text or a mesh is scaled."""
+        scaled = self.text is not None or self.mesh is not None or self._drawing
+        return self.length_mm if scaled and "length_mm" in self.model_fields_set else None
+
+    @property
+    def idle(self) -> set[str]:
+        """Keys that say nothing of a body of this shape; other sources of one are among them."""
+        keys = {key for key in SOURCES if getattr(self, key) is None}
+        for key in set(SOURCES) - keys:
+            keys |= self._follows(key)
+        needs = {
+            "points_mm": self.outline == "polygon",
+            **dict.fromkeys(("font", "rails_mm"), self.text is not None),
+            **dict.fromkeys(("scale_mm", "repair"), bool(self.mesh or self._drawing)),
+            **dict.fromkeys(("up", "forward", "legs_below_mm"), bool(self.mesh)),
+            **dict.fromkeys(("base", "mirror"), self.sourced),
+        }
+        return keys | {key for key, needed in needs.items() if not needed}
+
+    @property
+    def _drawing(self) -> bool:
+        return self.outline is not None and self.outline not in DRAWN
+
+    @property
+    def plain(self) -> bool:
+        """True for a rectangle in side view."""
+        shaped = self.profile_mm is not None or self.mesh is not None
+        return not (shaped or self.flat)
+
+    @property
+    def flat(self) -> bool:
+        """True for a body in plan view, which prints flat, upside down with its legs up."""
+        return self.outline is not None or self.text is not None
+
+    @property
+    def key(self) -> str:
+        """JSON of what was written, by which a shape is kept."""
+        return self.model_dump_json(exclude_unset=True)
+
+
+class Size(NamedTuple):
+    """Extent of a body, mm."""
+
+    length: float
+    thickness: float
+    depth: float
+
+
+class FinishedWalker(NamedTuple):
+    """Parts of a mesh that was a whole walker, in the design's frame."""
+
+    whole: Mesh
+    body: Mesh
+    legs: tuple[Mesh, ...]
+    """Legs from back to front, those at one place from z = 0 on."""
+    limbs: Callable[[Kind, float], tuple[Limb, ...]]
+    """Its legs with all their numbers, from their kind and the body's depth, mm. Raises GeometryError."""
+
+
+class Shape(NamedTuple):
+    """Shape that a body's keys stand for."""
+
+    size: Size
+    side: Polygon | None
+    """Profile in the x-y plane, counter-clockwise; None for other bodies than those in side view.
+    """
+    plan: tuple[Polygon, ...] = ()
+    """Outline seen from above, x to the right, outer contour first, then holes."""
+    mesh: Mesh | None = None
+    """Mesh from a file, in the design's frame."""
+    sha256: str = ""
+    """Hash of the bytes of the file, if there is one."""
+    changes: tuple[str, ...] = ()
+    """What was left out of the file, or mended, a few words each."""
+    whole: FinishedWalker | None = None
+    """Body and legs of a mesh that was a whole walker, in the design's frame."""
+
+    def solid(self) -> Mesh:
+        """Return the closed mesh of the body, in the design's frame. Raises SolidError."""
+        if self.mesh is not None:
+            return self.mesh
+        from walkergen.core.shapes.extrusion import extruded  # heavy: the modeller
+
+        if self.side is not None:
+            return extruded([self.side], self.size.depth)
+        return lay_down(extruded(self.plan, self.size.thickness), self.size)
+
+
+def lay_down(plan: Mesh, size: Size) -> Mesh:
+    """Lay an extrusion of what is seen from above into the design's frame: the page's up is -z, its viewer at +y."""
+    x, v, w = plan.vertices.T
+    return Mesh(np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v]), plan.triangles)
+
+
+@lru_cache(maxsize=64)
+def rectangle(length: float, thickness: float, depth: float) -> Shape:
+    """Return the shape of a rectangle in side view."""
+    x, y = 0.5 * length, 0.5 * thickness
+    side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    side.flags.writeable = False  # all designs of that size share it
+    return Shape(Size(length, thickness, depth), side)

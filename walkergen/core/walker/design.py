@@ -1,0 +1,224 @@
+"""Design of a walker: what a person chose about it, with the shape and the legs that it stands for.
+
+Geometry in the x-y plane with the middle of the body at the origin, y up; all legs leave the
+body's bottom face at their anchors, tilted so that the feet lie behind them for tilt > 0. The two
+equal legs of [legs] touch the plate `contact_spacing` apart, symmetric about the middle, whatever
+the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put. Defaults are the
+paper's object.
+"""
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import Any, Self
+
+from pydantic import model_validator
+
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.files.assignments import changed
+from walkergen.core.files.config import validate
+from walkergen.core.walker import resolve
+from walkergen.core.walker.body import Shape, Size
+from walkergen.core.walker.fittings import Marks
+from walkergen.core.walker.limbs import Kind, Legs, Limb
+from walkergen.core.walker.readers import load_readers
+from walkergen.core.walker.spec import DEFAULT_TILT_DEG, WalkerSpec, with_one_body
+
+SHORT = {"tilt": "tilt_deg", "text": "body.text", "mirror": "body.mirror"}
+"""Keys, by the words of commands for them."""
+
+
+class Design(WalkerSpec):
+    """Design of a walker. Construction raises GeometryError for parts that cannot be built."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _level_stance(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        data = with_one_body(data)
+        if data.get("stance") != "as built":
+            return data
+        follow = data.get("leg_tilt_deg")
+        return load_readers().stand_level(data, DEFAULT_TILT_DEG if follow is None else follow)
+
+    @model_validator(mode="after")
+    def _buildable(self) -> Self:
+        resolve.refuse_unbuildable(self)
+        return self
+
+    @property
+    def shape(self) -> Shape:
+        """Shape of the body. Raises GeometryError, and InputError for files."""
+        return resolve.shape_of(self.body)
+
+    @property
+    def size(self) -> Size:
+        """Extent of the body along the run, upward and across, mm."""
+        return self.shape.size
+
+    @cached_property
+    def limbs(self) -> tuple[Limb, ...]:
+        """Every leg with all its numbers, in the order of the file; of two equal: back, front.
+
+        Raises GeometryError for a leg that does not meet the body.
+        """
+        return resolve.place_legs(self)
+
+    def __copy__(self) -> Self:
+        copy = super().__copy__()
+        copy.__dict__.pop("limbs", None)  # of `model_copy`, which may change what they follow from
+        return copy
+
+    @property
+    def tilt_deg(self) -> float:
+        """Tilt by which members of a family are told apart, deg: of all legs that follow it, or of
+        the first leg.
+        """
+        return resolve.tilt_deg_of(self)
+
+    @property
+    def rigid(self) -> bool:
+        """True when all legs are rigid, as braced ones are."""
+        return all(limb.rigid for limb in self.limbs)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was made of the body's file, and the legs that were found for it, a line each."""
+        notes = [f"{self.name}: {'; '.join(changes)}"] if (changes := self.shape.changes) else []
+        return (*notes, f"{self.name}: {resolve.describe_placement(self)}") if self.placed else tuple(notes)
+
+    def with_numbered_legs(self) -> "Design":
+        """Return the design whose legs that were found stand where they are by numbers, which a person can change."""
+        if not isinstance(self.legs, Legs) or not self.placed:
+            return self
+        data, legs = self.model_dump(exclude_unset=True), self.legs.model_dump(exclude_unset=True)
+        first, size = self.limbs[0], self.size
+        if self.alike:
+            own = {"place": "given", "contact_spacing_mm": self.foot_span, "width_mm": first.width}
+            return validate(data | {"legs": legs | own}, Design, self.name)
+        own = {key: legs[key] for key in ("kind", "length_mm", "brace_thickness_mm", "foot") if key in legs}
+        own |= {"thickness_mm": self.legs.thickness_mm, "thickness_sd_mm": self.legs.thickness_sd_mm}
+        listed = [
+            own | {"along_mm": limb.along, "across_mm": limb.across, "width_mm": min(limb.width, size.depth)}
+            for limb in self.limbs
+        ]
+        family = {"family": data.get("family", {}) | {"legs": [self.kind]}}
+        return validate(data | {"leg_tilt_deg": self.tilt_deg, "legs": listed} | family, Design, self.name)
+
+    @property
+    def alike(self) -> bool:
+        """True for two equal legs at equal distances from the middle, as the paper's."""
+        if self.pair and not self.placed:
+            return True
+        if len(self.limbs) != 2:
+            return False
+        first, second = self.limbs
+        image = second._replace(along=0.0 - second.along)
+        own = first.friction is not None or first.restitution is not None
+        return first == image and first.across == 0.0 and not own
+
+    @property
+    def symmetric(self) -> bool:
+        """True when the legs are their own mirror image across the run, left and right."""
+        legs = sorted(self.limbs, key=lambda limb: (limb.along, limb.tilt, limb.across))
+        image = [limb._replace(across=0.0 - limb.across) for limb in self.limbs]
+        return legs == sorted(image, key=lambda limb: (limb.along, limb.tilt, limb.across))
+
+    @property
+    def foot_span(self) -> float:
+        """Distance along the run from the last foot to the first, mm."""
+        places = [limb.along for limb in self.limbs]
+        return max(places) - min(places)
+
+    def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any) -> "Design":
+        """Design with another tilt or kind of legs, or with other values of any keys.
+
+        Keys are those of the file, dotted, and the words of the commands: `tilt` is `tilt_deg`, `legs="braced"` is
+        `kind`, `text` and `mirror` are the body's. Everything is validated together, as the file's lines are, unlike
+        by pydantic's `model_copy`. Legs of a list keep their kinds, and follow the tilt where they have none of their
+        own. Raises InputError or GeometryError, a line for every mistake.
+
+        Example: `wg.load("koumakis2016").variant(tilt=12, **{"legs.flexible_thickness_mm": 0.3})`
+        """
+        words = {SHORT[key]: keys.pop(key) for key in [*keys] if key in SHORT}
+        if isinstance(keys.get("legs"), str):  # a table or a list are the file's
+            words["kind"] = keys.pop("legs")
+        for key, value in (("tilt_deg", tilt_deg), ("kind", kind)):
+            if value is not None and words.setdefault(key, value) is not value:
+                raise InputError(f"{self.name}: {key}: given twice, by its short name too")
+        own = self._named(words.pop("tilt_deg", None), words.pop("kind", None)) | words
+        for key in own.keys() & keys.keys():
+            raise InputError(f"{self.name}: {key}: given twice, by its short name too")
+        return changed(self, own | keys, self.name)
+
+    def __repr__(self) -> str:
+        length, thickness, depth = self.size
+        legs = f"{len(self.limbs)} {self.kind} legs, tilt {self.tilt_deg:g} deg"
+        return f"<Design {self.name}: {legs}, body {length:.4g} x {depth:.4g} x {thickness:.4g} mm>"
+
+    __str__ = __repr__
+
+    def _named(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
+        """Keys that a tilt and a kind of legs stand for. Raises GeometryError where there is none.
+
+        None leaves the design's own.
+        """
+        if self.pair:
+            own = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
+            return {key: value for key, value in own.items() if value is not None}
+        if kind not in (None, self.kind):
+            raise GeometryError(f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}")
+        if tilt_deg not in (None, self.tilt_deg) and not self.follows:
+            raise GeometryError(
+                f"{self.name}: every one of its legs has its own tilt, so that there is no variant "
+                f"at {tilt_deg:g} deg: remove the tilt_deg of [[legs]] that shall follow"
+            )
+        return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
+
+    def members(self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None) -> list["Design"]:
+        """Variants of a family, kinds outermost; by default those of its [family] table.
+
+        Raises GeometryError, with the limit that was exceeded and the tilts at which, if any member
+        cannot be built.
+        """
+        tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
+        tilts = tilts if tilts_deg is None else list(tilts_deg)
+        chosen: list[Kind | None] = [None]
+        if kinds is not None or self.pair:
+            chosen = list(self.family.legs if kinds is None else kinds)
+        if self.weighed.leg_mass_g is not None and chosen not in ([self.kind], [None]):
+            raise GeometryError(
+                f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg; "
+                f"make one kind only (‹legs=›{self.kind}) or remove the key"
+            )
+        variants: list[Design] = []
+        problems: dict[str, list[str]] = {}
+        for kind in chosen:
+            for tilt in tilts:
+                try:
+                    variants.append(self.variant(tilt_deg=tilt, kind=kind))
+                except GeometryError as error:
+                    for line in error.text.splitlines():
+                        problems.setdefault(line, []).append(f"{tilt:g}")
+        if problems:
+            raise GeometryError(
+                "\n".join(
+                    line
+                    if len(where) == len(chosen) * len(tilts) or "tilt_deg = " in line
+                    else f"at tilt {', '.join(dict.fromkeys(where))} deg: {line}"
+                    for line, where in problems.items()
+                )
+            )
+        return variants
+
+    @property
+    def mark(self) -> str:
+        """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
+        if self.marks.blank:
+            return ""
+        return load_readers().mark_text(self.marks, self.family.tilt_deg, self.tilt_deg)
+
+    @property
+    def unmarked(self) -> "Design":
+        """Design without marks, otherwise the same."""
+        return self.model_copy(update={"marks": Marks()})

@@ -1,0 +1,316 @@
+"""Fittings of a walker, as people write them: its marks, its cap, its motor and battery in pockets.
+
+Few walkers have any; what is made of each stands in `marks`, `caps` and `pockets`, which only
+walkers that have it enter. Motor and battery are cylinders with a place in the design's frame: along
+and across from the middle of the body, up from its middle height. Sizes are those of the thing
+itself; its pocket is larger by a clearance.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from walkergen.core.files.config import Section
+from walkergen.core.walker.body import Size
+from walkergen.core.walker.limbs import Place
+
+MOST_SERIAL = 99_999
+"""Largest serial number."""
+
+PLACES = ("along_mm", "up_mm", "across_mm")
+"""Keys of a place, in the order of the design's axes x, y and z."""
+
+FLOOR_MM = 0.4
+"""Thinnest floor or wall of a pocket against the body's box, mm: two layers, or a printed line."""
+
+ABOVE_PLATE_MM = 0.5
+"""Least distance of a part under the body from the plate, mm: what legs give way, assumed."""
+
+
+class Marks(Section):
+    """Settings of the marks by which a part shows its tilt."""
+
+    kind: Literal["none", "notches", "digits", "text"] = "none"
+    text: Annotated[str, Field(min_length=1, max_length=40)] | None = None
+    """Letters of kind "text", engraved: the same on every member of a family."""
+    text_height_mm: Annotated[float, Field(ge=1e-3, le=1e4)] | None = None
+    """Height of its capitals. None: half the body's, as seen on the side that bears them."""
+    line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
+    depth_mm: Annotated[float, Field(ge=1e-3, le=1e4)] = 0.4
+    serial: Annotated[int, Field(ge=1, le=MOST_SERIAL)] | None = None
+    """Number of one copy, engraved beside its mark. None: copies are not told apart."""
+
+    @property
+    def blank(self) -> bool:
+        """True without any mark."""
+        return self.kind == "none" and self.serial is None
+
+    @property
+    def letters(self) -> str:
+        """Text in letters, with the serial number if there is one; "" without both."""
+        parts = (self.text or "", "" if self.serial is None else str(self.serial))
+        return " ".join(part for part in parts if part)
+
+    @model_validator(mode="after")
+    def _lettered(self) -> "Marks":
+        if (self.kind == "text") != (self.text is not None):
+            other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
+            raise ValueError(f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together')
+        return self
+
+
+MARKER_CELLS, TILE_CELLS = 6, 8
+"""Cells along the side of a marker, its black frame included, and of the tile that bears it."""
+
+THICKNESS = {"engraved": 1.0, "raised": 1.0, "paper": 0.1}
+"""Thickness of a tile, unless a design gives it, mm; of a raised one below the cells that stand."""
+PAPER_G_CM3 = 0.8
+"""Density of paper: 80 g/m^2 of 0.1 mm."""
+
+
+class Cap(Section):
+    """Settings of the cap that shows a walker's number to a camera above it."""
+
+    kind: Literal["engraved", "raised", "paper"] = "engraved"
+    dictionary: Literal["4x4_50", "4x4_100"] = "4x4_50"
+    number: Annotated[int, Field(ge=0, le=99)] = 0
+    """Number of the marker; on plates that of the first copy, from which the others count."""
+    marker_mm: Annotated[float, Field(ge=1.0, le=120.0)] = 7.2
+    """Side of the marker, its black frame included; the tile is 4/3 as wide."""
+    thickness_mm: Annotated[float, Field(ge=0.02, le=20.0)] | None = None
+    """Thickness of the tile. None: 1 mm, of paper 0.1 mm."""
+    relief_mm: Annotated[float, Field(ge=0.02, le=5.0)] = 0.4
+    """Depth of engraved cells, or height of raised ones; paper has none."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> "Cap":
+        if self.number >= self.count:
+            raise ValueError(
+                f"number = {self.number}: the markers of {self.dictionary!r} are numbered "
+                f"0..{self.count - 1}" + ("" if self.count > 50 else "; '4x4_100' has more")
+            )
+        if self.kind == "engraved" and self.relief_mm > 0.7 * self.thickness:
+            raise ValueError(
+                f"relief_mm = {self.relief_mm:g}: pockets may be 0.7 of the tile's thickness, "
+                f"{self.thickness:g} mm, at most: make thickness_mm larger"
+            )
+        return self
+
+    @property
+    def count(self) -> int:
+        """Number of markers in the dictionary."""
+        return int(self.dictionary.rpartition("_")[2])
+
+    @property
+    def cell(self) -> float:
+        """Side of a cell, mm."""
+        return self.marker_mm / MARKER_CELLS
+
+    @property
+    def side(self) -> float:
+        """Side of the tile, mm."""
+        return TILE_CELLS * self.cell
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of the tile, mm, without raised cells."""
+        return THICKNESS[self.kind] if self.thickness_mm is None else self.thickness_mm
+
+    def density(self, material_g_cm3: float) -> float:
+        """Density of the cap, g/cm^3: paper's, or that of the walker's material; ink has no mass.
+
+        A second colour is taken for as dense as the first.
+        """
+        return PAPER_G_CM3 if self.kind == "paper" else material_g_cm3
+
+
+Direction = Literal["along", "across", "up"]
+Opening = Literal["up", "down", "side"]
+Extent = Annotated[float, Field(ge=0.5, le=100, description="coin motors and cells have 2 to 25")]
+Gram = Annotated[float, Field(ge=1e-3, le=1e3, description="coin motors and cells weigh 0.5 to 4")]
+
+
+class Cell(NamedTuple):
+    """Size and mass of a standard coin cell."""
+
+    diameter_mm: float
+    height_mm: float
+    mass_g: float
+
+
+CELLS = {"CR2032": Cell(20.0, 3.2, 2.9), "LR44": Cell(11.6, 5.4, 2.0)}
+"""Coin cells by their names in IEC 60086, whose largest sizes these are. Masses: Panasonic's data
+sheet of its CR2032 (other makers state 2.8 to 3.2 g), makers' of LR44 and A76 (1.8 to 2.1 g)."""
+
+
+class Cylinder(NamedTuple):
+    """Solid of a motor or a battery, without clearance."""
+
+    radius: float
+    """Radius, mm."""
+    height: float
+    """Height along its axis, mm."""
+    mass: float
+    """Mass, g."""
+    centre: tuple[float, float, float]
+    """Its middle: x along, y up, z across, from the middle of the body, mm."""
+    axis: int
+    """Index of its axis: 0 along, 1 up, 2 across."""
+
+    @property
+    def half(self) -> tuple[float, float, float]:
+        """Half its extent along x, y and z, mm."""
+        x, y, z = (0.5 * self.height if i == self.axis else self.radius for i in range(3))
+        return x, y, z
+
+    def middle(self, depth: float) -> tuple[float, float, float]:
+        """Its middle in the design's frame, in which the body's depth, mm, begins at z = 0."""
+        x, y, z = self.centre
+        return x, y, z + 0.5 * depth
+
+
+class Part(Section):
+    """Part that a walker carries in a pocket of its body: its place, and where it goes in."""
+
+    along_mm: Place = 0.0
+    """Place of its middle along the body, from the middle."""
+    across_mm: Place = 0.0
+    """Place of its middle across the body, from the middle."""
+    up_mm: Place = 0.0
+    """Height of its middle over the middle of the body."""
+    opens: Opening = "up"
+    """Side of the body to which its pocket opens; "side" is the one that lies up in the print of a
+    walker on its side."""
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """Cylinder that the part is."""
+        raise NotImplementedError
+
+    def _cylinder(self, diameter: float, height: float, mass: float, axis: Direction) -> Cylinder:
+        centre = (self.along_mm, self.up_mm, self.across_mm)
+        return Cylinder(0.5 * diameter, height, mass, centre, ("along", "up", "across").index(axis))
+
+
+class Motor(Part):
+    """Motor with an unbalanced rotor, by default a coin motor that stands on its edge.
+
+    10 x 2.7 mm and about 1 g is a common size, beside 8 x 2.5 mm and 12 x 3.4 mm.
+    """
+
+    diameter_mm: Extent = 10.0
+    height_mm: Extent = 2.7
+    mass_g: Gram = 1.0
+    """Mass of the whole, rotor included."""
+    axis: Direction = "across"
+    """Axis of the cylinder, about which the rotor turns."""
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """Cylinder that the motor is."""
+        return self._cylinder(self.diameter_mm, self.height_mm, self.mass_g, self.axis)
+
+
+class Battery(Part):
+    """Battery, of a standard shape or with sizes of its own; by default it lies flat."""
+
+    shape: Literal["CR2032", "LR44"] | None = None
+    """Standard coin cell, whose sizes and mass it has."""
+    diameter_mm: Extent | None = None
+    height_mm: Extent | None = None
+    mass_g: Gram | None = None
+    """Mass, as weighed. None: that of the shape."""
+    axis: Direction = "up"
+
+    @model_validator(mode="after")
+    def _one_size(self) -> "Battery":
+        own = [key for key in ("diameter_mm", "height_mm") if getattr(self, key) is not None]
+        if self.shape is not None and own:
+            raise ValueError(f"{own[0]} follows from shape = {self.shape!r}: keep one of them")
+        if self.shape is None and (len(own) < 2 or self.mass_g is None):
+            raise ValueError(f"a battery needs shape, one of {', '.join(CELLS)}, or diameter_mm, height_mm and mass_g")
+        return self
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """Cylinder that the battery is."""
+        standard = CELLS.get(self.shape or "", Cell(0.0, 0.0, 0.0))
+        return self._cylinder(
+            self.diameter_mm or standard.diameter_mm,
+            self.height_mm or standard.height_mm,
+            self.mass_g or standard.mass_g,
+            self.axis,
+        )
+
+
+class Pockets(Section):
+    """Pockets of motor and battery, and what joins them: wires in a channel, and glue."""
+
+    clearance_mm: Annotated[float, Field(ge=0, le=2, description="printers state theirs: pocket_clearance_mm")] = 0.2
+    """Gap on every side between a part and the wall of its pocket."""
+    channel_mm: Annotated[float, Field(ge=0, le=5, description="0 for no channel")] = 1.0
+    """Width and height of the channel for the wires from motor to battery. 0: none."""
+    wires_g: Annotated[float, Field(ge=0, le=100)] = 0.1
+    """Mass of the wires, spread evenly from the middle of the motor to that of the battery."""
+    glue_g: Annotated[float, Field(ge=0, le=100)] = 0.1
+    """Mass of the glue, shared by motor and battery and spread as they are."""
+
+
+def place_problems(parts: Mapping[str, Part], pockets: Pockets, size: Size, foot: float) -> list[str]:
+    """Problems of parts, by the names of their tables, that do not go into a body's box.
+
+    `foot` is the height of the feet from the middle of the body, mm. Whether a body of another
+    shape has plastic where a pocket needs it, only its solid says (`pockets.cut`).
+    """
+    return [
+        f"{name}.{problem}"
+        for name, part in parts.items()
+        for problem in _problems_of(name, part, pockets.clearance_mm, size, foot)
+    ]
+
+
+def _problems_of(name: str, part: Part, clearance: float, size: Size, foot: float) -> Iterator[str]:
+    """Problems of one part, each from its key on."""
+    cylinder = part.cylinder
+    for i, key in enumerate(PLACES):
+        value, half = cylinder.centre[i], cylinder.half[i] + clearance
+        low, high = _limits(part.opens, i, half, size[i])
+        if low > high:
+            wide = "height_mm" if i == cylinder.axis else "diameter_mm"
+            needed = 2.0 * (half + FLOOR_MM)
+            yield (
+                f"{wide} = {2.0 * (half - clearance):g}: its pocket needs a body of "
+                f"{needed:.4g} mm {key.removesuffix('_mm')}, this one has {size[i]:.4g} mm: make "
+                "the body larger, or turn the part (axis)"
+            )
+        elif not low <= value <= high:
+            deep = value > high if part.opens == "down" else value < low
+            sunk = i == 1 or (i == 2 and part.opens == "side")
+            what = f"the {name} leaves the body"
+            if deep and sunk:
+                what = "its pocket is deeper than the body"
+            yield (
+                f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
+                f"leaves floor and walls of {FLOOR_MM:g} mm: move it, or make the body larger"
+            )
+    gap = cylinder.centre[1] - cylinder.half[1] - foot
+    low, _ = _limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
+    if gap < ABOVE_PLATE_MM and cylinder.centre[1] >= low:
+        yield (
+            f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
+            f"be at least {ABOVE_PLATE_MM:g} mm: move it up, or make the legs longer"
+        )
+
+
+def _limits(opens: Opening, i: int, half: float, size: float) -> tuple[float, float]:
+    """Least and greatest place along axis i of a pocket that reaches `half` to either side, mm."""
+    room = 0.5 * size - FLOOR_MM - half
+    low, high = -room, room
+    if i == 1 and opens == "down":
+        low = FLOOR_MM - 0.5 * size - half
+    elif i == 1:
+        high = 0.5 * size + half - FLOOR_MM
+    elif i == 2 and opens == "side":
+        high = 0.5 * size - half
+    return low, high

@@ -1,0 +1,213 @@
+"""Legs of a walker: what people write of them, and every leg resolved to numbers.
+
+Two forms: [legs], two equal legs as far apart as their feet, or [[legs]], a list in which every leg
+has its own tilt, thickness, place and material. Frame: the middle of the body at the origin, x
+along the run, y up, z across; a leg leaves the body's underside at its anchor, and its foot lies
+behind the anchor for tilt > 0.
+"""
+
+import math
+from operator import not_
+from typing import Annotated, Literal, NamedTuple, get_args
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field
+
+from walkergen.core.files.config import Fraction, Friction, Section
+
+SHORTEST_MM, LONGEST_MM = 1e-6, 1e6
+Length = Annotated[float, Field(ge=SHORTEST_MM, le=LONGEST_MM)]
+Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Tilt = Annotated[float, Field(ge=-85, le=85)]
+Kind = Literal["flexible", "braced"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+RIGID_KINDS: tuple[Kind, ...] = ("braced",)
+"""Kinds of legs that are part of the body: they neither bend nor twist."""
+
+FootKind = Literal["square", "flat", "round"]
+
+MOST_LEGS = 64
+"""Largest number of legs of a walker."""
+
+Point = tuple[float, float]
+Polygon = npt.NDArray[np.float64]
+
+
+class Legs(Section):
+    """Two equal legs; `kind` says which of the two thicknesses applies."""
+
+    kind: Kind = "flexible"
+    tilt_deg: Tilt = 10.0
+    length_mm: Length = 7.5
+    place: Literal["auto", "given"] | None = Field(default=None, exclude_if=not_)
+    """Whether they are found for the body, or stand as contact_spacing_mm and width_mm say. None: found
+    for a body seen from above or a mesh where neither of these is written."""
+    contact_spacing_mm: Length = 13.0
+    width_mm: Length | None = None
+    """Width across the run. None: as deep as the body."""
+    flexible_thickness_mm: Length = 0.4
+    thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
+    braced_thickness_mm: Length = 1.0
+    brace_thickness_mm: Length = 0.5
+    foot: FootKind = "flat"
+
+    @property
+    def thickness_mm(self) -> float:
+        """Thickness that applies to the kind of legs."""
+        thickness: float = getattr(self, f"{self.kind}_thickness_mm")
+        return thickness
+
+
+class Leg(Section):
+    """One leg of a list."""
+
+    kind: Kind = "flexible"
+    tilt_deg: Tilt | None = None
+    """Tilt of this leg, deg. None: it follows the family's tilt (the design's leg_tilt_deg)."""
+    mirrored: bool = False
+    """True for a leg that leans the other way, at minus its tilt."""
+    length_mm: Length = 7.5
+    thickness_mm: Length | None = None
+    """None: 0.4 mm flexible, 1 mm braced, as those of [legs]."""
+    thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
+    brace_thickness_mm: Length = 0.5
+    foot: FootKind = "flat"
+    along_mm: Place
+    """Place of its foot along the body, from the middle, mm, whatever the tilt."""
+    across_mm: Place = 0.0
+    """Place of its middle across the body, mm."""
+    width_mm: Length | None = None
+    """Width across the run. None: as deep as the body."""
+    friction: Friction | None = None
+    """Friction of its foot, of another material than the scene's contact. None: the scene's."""
+    restitution: Fraction | None = None
+    """Restitution of its foot. None: the scene's."""
+
+
+class Limb(NamedTuple):
+    """Leg with all its numbers; lengths in mm."""
+
+    kind: Kind
+    tilt: float
+    """Tilt from the vertical, rad; the foot lies behind the anchor when positive."""
+    length: float
+    """Length of the centre line from the underside of the body to the end of the leg."""
+    thickness: float
+    thickness_sd: float
+    """Standard deviation of the thickness from print to print."""
+    brace: float
+    """Thickness of the brace, which only braced legs have."""
+    foot: FootKind
+    along: float
+    """Place of the foot along the body."""
+    across: float
+    """Place of the leg's middle across the body."""
+    width: float
+    """Width across the run."""
+    bottom: float
+    """Height of its anchor, on the underside of the body, y <= 0."""
+    embedding: float
+    """Height by which the leg reaches on into the body."""
+    friction: float | None
+    restitution: float | None
+
+    @property
+    def rigid(self) -> bool:
+        """True when the leg neither bends nor twists, as one with a brace."""
+        return self.kind in RIGID_KINDS
+
+    @property
+    def anchor_to_foot(self) -> Point:
+        """Vector from the anchor (centre line on the underside) to where the leg touches, in mm.
+
+        Flat foot (cut parallel to the plate): the middle of the cut. Square (cut across the leg):
+        its lower corner. Round (a half circle): the lowest point of the arc. The centre line from
+        anchor to end has the leg's length in every case.
+        """
+        sin, cos = math.sin(self.tilt), math.cos(self.tilt)
+        length, half = self.length, 0.5 * self.thickness
+        if self.foot == "round":
+            return -(length - half) * sin, -(length - half) * cos - half
+        if self.foot == "square" and self.tilt != 0.0:
+            side = math.copysign(half, self.tilt)
+            return -length * sin + side * cos, -length * cos - side * sin
+        return -length * sin, -length * cos
+
+    @property
+    def anchor(self) -> Point:
+        """Anchor on the underside of the body, x and y from the middle of the body, mm."""
+        return -self.anchor_to_foot[0] + self.along, self.bottom
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the leg along the underside, mm."""
+        return 0.5 * self.thickness / math.cos(abs(self.tilt))
+
+    @property
+    def foot_height(self) -> float:
+        """Height of the foot, from the middle of the body, mm."""
+        return self.bottom + self.anchor_to_foot[1]
+
+
+class Strut(NamedTuple):
+    """Upright support of a leg, from its foot to the underside, as wide as the leg."""
+
+    offset: float
+    """Place of its middle along the run, from the anchor, mm."""
+    thickness: float
+    """Thickness along the run, mm."""
+
+
+def embedding_in(bottom: float) -> float:
+    """Height by which legs reach into a body with a flat underside at `bottom`, mm.
+
+    A quarter of its thickness, so that the parts of the union overlap rather than touch.
+    """
+    return -0.5 * bottom
+
+
+def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
+    """Two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
+    half = 0.5 * legs.contact_spacing_mm
+    return tuple(
+        Limb(
+            legs.kind,
+            math.radians(legs.tilt_deg),
+            legs.length_mm,
+            legs.thickness_mm,
+            legs.thickness_sd_mm,
+            legs.brace_thickness_mm,
+            legs.foot,
+            along,
+            0.0,
+            legs.width_mm or depth,
+            bottom,
+            embedding_in(bottom),
+            None,
+            None,
+        )
+        for along in (-half, half)
+    )
+
+
+def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
+    """Leg of a list; without a tilt of its own it has `follow_deg`."""
+    tilt = follow_deg if leg.tilt_deg is None else leg.tilt_deg
+    thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
+    return Limb(
+        leg.kind,
+        math.radians(0.0 - tilt if leg.mirrored else tilt),
+        leg.length_mm,
+        thickness,
+        leg.thickness_sd_mm,
+        leg.brace_thickness_mm,
+        leg.foot,
+        leg.along_mm,
+        leg.across_mm,
+        leg.width_mm or depth,
+        bottom,
+        embedding_in(bottom),
+        leg.friction,
+        leg.restitution,
+    )

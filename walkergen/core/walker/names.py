@@ -1,0 +1,131 @@
+"""Names of parts and the legend of their marks: what varies within a family, and among designs."""
+
+import re
+from collections.abc import Sequence
+from string import ascii_uppercase
+
+import numpy as np
+
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.fittings import Marks
+
+STEM = "walker"
+"""Beginning of the names of walkers of a single design."""
+
+
+def part(design: Design, stem: str = STEM) -> str:
+    """Name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
+    return f"{stem}_{tilt(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+
+
+def is_part(name: str) -> bool:
+    """Whether a name may be one of `part`, of any design, or of one of its copies (NAME-3)."""
+    return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
+
+
+def tilt(design: Design) -> str:
+    """Tilt of a walker in names of files, such as t05.0: as wide as others, so that they sort."""
+    whole, point, digits = _decimal(design.tilt_deg, 1).partition(".")
+    return f"t{whole.zfill(3 if whole.startswith('-') else 2)}{point}{digits}"
+
+
+def race(members: Sequence[Design]) -> str:
+    """Name of several walkers of a design together, such as race_t05.0-t10.0_flexible."""
+    tilts = dict.fromkeys(tilt(design) for design in members)
+    kinds = dict.fromkeys(design.kind for design in members)
+    return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
+
+
+def legs(design: Design) -> tuple[str, ...]:
+    """Names of a walker's legs in their order: back and front of two, of others their numbers.
+
+    Two legs side by side have numbers as well.
+    """
+    along = [limb.along for limb in design.limbs]
+    if len(along) == 2 and along[0] != along[1]:
+        return ("back", "front") if along[0] < along[1] else ("front", "back")
+    return tuple(f"leg {number}" for number in range(1, len(along) + 1))
+
+
+def parts(members: Sequence[Design]) -> list[str]:
+    """Names of walkers that are printed together: those of several designs begin with its name."""
+    several = len(by_design(members)) > 1
+    return [part(design, design.name if several else STEM) for design in members]
+
+
+def by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
+    """Walkers by the names of their designs, in their order."""
+    groups: dict[str, list[Design]] = {}
+    for design in members:
+        groups.setdefault(design.name, []).append(design)
+    return groups
+
+
+def letters(members: Sequence[Design]) -> dict[str, str]:
+    """Letters that stand for the names of several designs in pictures: A, ... Z, AA; or none."""
+    designs = list(by_design(members))
+    return {} if len(designs) == 1 else {name: _letter(at) for at, name in enumerate(designs)}
+
+
+def legend(members: Sequence[Design]) -> str:
+    """Markdown that tells printed parts apart: letters of several designs, marks of each tilt."""
+    short = letters(members)
+    if not short:
+        return _legend_of_marks(members)
+    lines = [f"| {letter} | {name} |" for name, letter in short.items()]
+    sections = ["| on the map | design |\n|---|---|\n" + "\n".join(lines) + "\n"]
+    for name, own in by_design(members).items():
+        if marks := _legend_of_marks(own):
+            sections.append(f"Marks of {name}. {marks}")
+    return "\n".join(sections)
+
+
+def _legend_of_marks(members: Sequence[Design]) -> str:
+    """Markdown table of the mark for each tilt of one design; "" without marks."""
+    marks: dict[float, dict[str, list[str]]] = {}
+    for design in members:
+        if design.mark:  # numbers count on from kind to kind
+            kinds = marks.setdefault(design.tilt_deg, {})
+            kinds.setdefault(design.kind, []).append(design.mark)
+    if not marks:
+        return ""
+    lines = []
+    for tilt, kinds in sorted(marks.items()):
+        spans = dict.fromkeys(span(own, "`") for own in kinds.values())
+        lines.append(f"| {tilt:g} | {', '.join(spans)} |")
+    head = "| tilt (deg) | mark |\n|-----------:|:-----|"
+    return f"{how_to_read(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
+
+
+def span(marks: Sequence[str], quote: str = "") -> str:
+    """Marks of copies in words: one, or the first to the last of serial numbers."""
+    ends = dict.fromkeys((marks[0], marks[-1]))
+    return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
+
+
+def how_to_read(marks: Marks) -> str:
+    """Instructions for reading the marks of a printed part; "" without marks."""
+    number = "" if marks.serial is None else " The last number is the copy's own."
+    if marks.kind == "none":
+        return f"Digits engraved into the body.{number}" if number else ""
+    if marks.kind == "digits":
+        instruction = "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+        return instruction + number
+    if marks.kind == "text":
+        return f"Letters engraved into the body: they name the design, not the tilt.{number}"
+    unit = 2.0 * marks.line_mm
+    return (
+        f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
+        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm).{number}"
+    )
+
+
+def _letter(index: int) -> str:
+    """Letters that count from 0 as the columns of a spreadsheet do: A, ... Z, AA, AB, ..."""
+    before, last = divmod(index, len(ascii_uppercase))
+    return (_letter(before - 1) if before else "") + ascii_uppercase[last]
+
+
+def _decimal(value: float, digits: int) -> str:
+    """Format a number with all its digits, at least `digits` after the point, never an exponent."""
+    return np.format_float_positional(value + 0.0, unique=True, min_digits=digits)

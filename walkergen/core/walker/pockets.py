@@ -1,0 +1,249 @@
+"""Pockets cut into a walker's body: for its motor, its battery and the wires between them.
+
+A pocket is all the room that a part sweeps, with its clearance, while it is put in from the side
+to which the pocket opens. Its floor, opposite, must be solid all over, whatever the body's shape.
+"""
+
+import itertools
+from collections.abc import Sequence
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.fittings import FLOOR_MM, Cylinder, Part
+from walkergen.core.walker.mass import SolidMass
+
+SEGMENTS = 128
+"""Edges of a round pocket: on a coin cell they lie within 3 um of the circle."""
+
+ROUNDING = 1e-6
+"""Share of a volume that counts as rounding."""
+
+OUT = {"up": (0.0, 1.0, 0.0), "down": (0.0, -1.0, 0.0), "side": (0.0, 0.0, 1.0)}
+"""Directions in which pockets open, in the design's frame."""
+
+
+def cut(design: Design, walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tuple[Mesh, Mesh]:
+    """Walker and body with the pockets of a design's parts cut into them.
+
+    `roots` are the legs with what of them reaches into the body. Raises GeometryError, beginning
+    with the key, for parts that take the same place, stand in a leg, or have no floor.
+    """
+    solid, legs = modeller.solid(body), [modeller.solid(root) for root in roots]
+    tools = _tools(design)
+    if design.motor and design.battery:
+        _refuse_shared(design)
+    for name, tool in tools.items():
+        _refuse_leg(name, tool, legs, design)
+    for name, part in design.parts.items():
+        others = [tool for other, tool in tools.items() if other not in (name, "channel")]
+        _refuse_floor(name, part, solid - _union(others), design)
+    cavity = _cavity(design)
+    rest = [modeller.evaluated(modeller.solid(mesh) - cavity) for mesh in (walker, body)]
+    if any(len(modeller.bodies(piece)) != 1 for piece in rest):
+        raise GeometryError(
+            f"{_place(next(iter(design.parts)), design)}: the pockets cut the body into pieces: "
+            "move them, or make the body larger",
+            _key(next(iter(design.parts))),
+        )
+    return modeller.mesh_of(rest[0]), modeller.mesh_of(rest[1])
+
+
+def refuse_marks(design: Design, marked: Mesh, plain: Mesh) -> None:
+    """Raise GeometryError where the pockets of a body take its marks away.
+
+    `marked` is the body without pockets, `plain` without marks too.
+    """
+    strokes = modeller.solid(plain) - modeller.solid(marked)
+    lost = modeller.evaluated(strokes ^ _cavity(design)).volume() / strokes.volume()
+    if lost > ROUNDING:
+        key = "kind" if design.marks.kind != "none" else "serial"
+        raise GeometryError(
+            f"marks.{key} = {getattr(design.marks, key)!r}: the pockets take {100.0 * lost:.2g} % "
+            "of the mark away: leave it out, make it smaller, or let the pockets open elsewhere",
+            f"marks.{key}",
+        )
+
+
+def without(design: Design) -> Design:
+    """Design of the same walker without pockets, for it carries nothing."""
+    empty = {"motor": None, "battery": None, "pockets": None}
+    return design.model_copy(update=empty)
+
+
+def solids_of(design: Design) -> dict[str, Mesh]:
+    """Meshes of a design's parts themselves, without clearance, in the design's frame."""
+    return {name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0))) for name, part in design.parts.items()}
+
+
+def weigh_carried(design: Design) -> list[SolidMass]:
+    """Mass properties of what a body carries: its parts, each with its share of the glue, and the
+    wires, a thin rod from the middle of the one to that of the other.
+
+    With one part alone the wires are within it. The centres are in the design's frame.
+    """
+    cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
+    extra = design.fit.glue_g / len(cylinders)
+    if len(cylinders) == 1:
+        extra += design.fit.wires_g
+    parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
+    if len(parts) > 1 and design.fit.wires_g > 0.0:
+        first, second = (part.centre for part in parts)
+        way, wires = second - first, design.fit.wires_g
+        tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
+        parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
+    return parts
+
+
+def _of_cylinder(cylinder: Cylinder, mass: float, depth: float) -> SolidMass:
+    """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
+    aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
+    tensor = aside * np.eye(3)
+    tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
+    volume = np.pi * cylinder.radius**2 * cylinder.height
+    return SolidMass(mass, np.array(cylinder.middle(depth)), tensor, volume)
+
+
+def wall_between(design: Design, most: float) -> float:
+    """Thinnest wall between the pockets of motor and battery within the body's box, mm.
+
+    0 where the one opens into the other; `most` where it is thicker, or where there is one pocket.
+    The channel of the wires, which is meant to join them, does not count.
+    """
+    if len(design.parts) < 2:
+        return most
+    size = design.size
+    box = manifold3d.Manifold.cube((size.length, size.thickness, size.depth))
+    box = box.translate((-0.5 * size.length, -0.5 * size.thickness, 0.0))
+    rooms = [_swept(part, design) ^ box for part in design.parts.values()]
+    if not modeller.evaluated(rooms[0] ^ rooms[1]).is_empty():
+        return 0.0
+    return float(rooms[0].min_gap(rooms[1], most))
+
+
+def _tools(design: Design) -> dict[str, manifold3d.Manifold]:
+    """Rooms of pockets and channel, by the names of their tables and "channel"."""
+    tools = {name: _swept(part, design) for name, part in design.parts.items()}
+    if len(tools) > 1 and design.fit.channel_mm > 0.0:
+        tools["channel"] = _channel(design)
+    return tools
+
+
+def _cavity(design: Design) -> manifold3d.Manifold:
+    return _union(list(_tools(design).values()))
+
+
+def _union(tools: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:
+    return manifold3d.Manifold.batch_boolean(list(tools), manifold3d.OpType.Add)
+
+
+def _hull(points: Array) -> manifold3d.Manifold:
+    return modeller.evaluated(manifold3d.Manifold.hull_points(points))
+
+
+def _points(cylinder: Cylinder, design: Design, clearance: float) -> Array:
+    """Corners of a cylinder with clearance on every side, shape (2 SEGMENTS, 3), mm."""
+    angles = 2.0 * np.pi * np.arange(SEGMENTS) / SEGMENTS
+    radius, half = cylinder.radius + clearance, 0.5 * cylinder.height + clearance
+    ring = np.zeros((SEGMENTS, 3))
+    ring[:, cylinder.axis - 2] = radius * np.cos(angles)
+    ring[:, cylinder.axis - 1] = radius * np.sin(angles)
+    end = np.zeros(3)
+    end[cylinder.axis] = half
+    middle: Array = np.array(cylinder.middle(design.size.depth))
+    return np.concatenate([middle + ring - end, middle + ring + end])
+
+
+def _swept(part: Part, design: Design) -> manifold3d.Manifold:
+    """Room that a part takes and passes on its way in."""
+    points = _points(part.cylinder, design, design.fit.clearance_mm)
+    return _hull(np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])]))
+
+
+def _far(points: Array, design: Design) -> float:
+    """Length of a way that leads out of the body from any of the points, mm."""
+    return float(2.0 * sum(design.size) + np.ptp(points, axis=0).sum())
+
+
+def _channel(design: Design) -> manifold3d.Manifold:
+    """Channel from the floor of the one pocket to that of the other; open to their common side."""
+    parts = list(design.parts.values())
+    half = 0.5 * design.fit.channel_mm
+    corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    points = np.concatenate([_end(part, design) + corners for part in parts])
+    if parts[0].opens == parts[1].opens:
+        out = _far(points, design) * np.array(OUT[parts[0].opens])
+        points = np.concatenate([points, points + out])
+    return _hull(points)
+
+
+def _end(part: Part, design: Design) -> Array:
+    """Middle of the end of the channel in a part's pocket: on its floor, within the body."""
+    half, out = 0.5 * design.fit.channel_mm, np.array(OUT[part.opens])
+    cylinder = part.cylinder
+    place = np.array(cylinder.middle(design.size.depth))
+    place -= out * (np.array(cylinder.half) + design.fit.clearance_mm - half)
+    room = max(0.5 * design.size.thickness - FLOOR_MM - half, 0.0)
+    place[1] = min(max(place[1], -room), room)
+    return place
+
+
+def _refuse_shared(design: Design) -> None:
+    """Raise GeometryError where motor and battery take the same place."""
+    motor, battery = (_hull(_points(part.cylinder, design, 0.0)) for part in design.parts.values())
+    shared = modeller.evaluated(motor ^ battery).volume()
+    if shared > ROUNDING * motor.volume():
+        raise GeometryError(
+            f"{_place('motor', design)}: the motor stands in the battery (they share {shared:.3g} "
+            "mm3): move one of them (along_mm, across_mm, up_mm)",
+            _key("motor"),
+        )
+
+
+def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.Manifold], design: Design) -> None:
+    """Raise GeometryError where a pocket cuts a leg, or its root in the body."""
+    for number, leg in enumerate(legs, start=1):
+        lost = modeller.evaluated(leg ^ tool).volume()
+        if lost > ROUNDING * leg.volume():
+            what, remedy = f"the pocket of the {name}", "move it, or the leg"
+            if name == "channel":
+                what, remedy = "the channel", "make it narrower, 0 for none, or move the motor"
+            raise GeometryError(
+                f"{_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
+                f"{lost:.3g} mm3): {remedy}",
+                _key(name),
+            )
+
+
+def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
+    """Raise GeometryError unless a layer of the body lies below a part, or above one that is put
+    in from below.
+    """
+    points = _points(part.cylinder, design, design.fit.clearance_mm)
+    below = np.array(OUT["up" if part.opens == "down" else "down"])
+    layer = _hull(points + FLOOR_MM * below) - _hull(points)
+    # A round part need not sink in to its middle: only the lowest of its floor counts
+    floor = modeller.evaluated(layer.trim_by_plane(below.tolist(), float((points @ below).max()) - FLOOR_MM))
+    solid = modeller.evaluated(floor ^ body).volume() / floor.volume()
+    if solid < 1.0 - ROUNDING:
+        raise GeometryError(
+            f"{_place(name, design)}: {100.0 * (1.0 - solid):.2g} % of the floor of its pocket, "
+            f"{FLOOR_MM:g} mm thick, is outside the body, over a hole or in the other pocket: move "
+            "it (along_mm, across_mm, up_mm), or make the body larger",
+            _key(name),
+        )
+
+
+def _place(name: str, design: Design) -> str:
+    """Key of the place of a part, or of the channel's width, with its value."""
+    value = design.fit.channel_mm if name == "channel" else design.parts[name].along_mm
+    return f"{_key(name)} = {value:g}"
+
+
+def _key(name: str) -> str:
+    """Key of the place of a part, or of the channel's width."""
+    return "pockets.channel_mm" if name == "channel" else f"{name}.along_mm"

@@ -1,0 +1,285 @@
+"""Resolve what a person wrote of a walker: the shape of its body, its legs where they stand, and what hinders them.
+
+This alone reads drawings and meshes and places legs, by the readers that `readers.py` loads for bodies other than
+rectangles.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from walkergen.core.errors import GeometryError, Remedy
+from walkergen.core.walker.body import Body, Shape, Size, rectangle
+from walkergen.core.walker.fittings import place_problems
+from walkergen.core.walker.limbs import Legs, Limb, limb_of, pair_of
+from walkergen.core.walker.readers import load_readers
+from walkergen.core.walker.sections import section_of
+from walkergen.core.walker.spec import WalkerSpec
+
+LEVEL_MM = 0.005
+"""Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
+differ anyway (feet.unevenness_sd_um)."""
+
+ROUNDING_MM = 1e-9
+"""Largest error, mm, of sums of lengths that people write."""
+
+
+def shape_of(body: Body) -> Shape:
+    """Return the shape of a body. Raises GeometryError, and InputError for files."""
+    if body.plain:
+        return rectangle(body.length_mm, body.thickness_mm, body.depth_mm)
+    return load_readers().shape_of(body)
+
+
+def place_legs(spec: WalkerSpec) -> tuple[Limb, ...]:
+    """Return every leg with all its numbers, in the order of the file; of two equal: back, front.
+
+    Raises GeometryError for a leg that does not meet the body.
+    """
+    shape, legs = shape_of(spec.body), spec.legs
+    if shape.whole is not None:
+        assert isinstance(legs, Legs)
+        return shape.whole.limbs(legs.kind, shape.size.depth)
+    if spec.placed:
+        assert isinstance(legs, Legs)
+        return load_readers().place_legs(spec.body.key, legs.model_dump_json())
+    depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
+    if isinstance(legs, Legs):
+        limbs = pair_of(legs, depth, bottom)
+    else:
+        limbs = tuple(limb_of(leg, spec.followed_tilt_deg, depth, bottom) for leg in legs)
+    if spec.body.plain or spec.body.flat:
+        return limbs
+    return load_readers().meet_body(spec.body.key, limbs)
+
+
+def describe_placement(spec: WalkerSpec) -> str:
+    """Return in words where legs that are found for the body stand. Raises UnplacedError where none do."""
+    assert isinstance(spec.legs, Legs)
+    return load_readers().describe_placement(spec.body.key, spec.legs.model_dump_json())
+
+
+def tilt_deg_of(spec: WalkerSpec) -> float:
+    """Return the tilt by which members of a family are told apart, deg: of a cut mesh that of its first leg."""
+    if spec.whole:
+        return round(math.degrees(place_legs(spec)[0].tilt), 2) + 0.0
+    return spec.written_tilt_deg
+
+
+def refuse_unbuildable(spec: WalkerSpec) -> None:
+    """Raise GeometryError for parts that cannot be built, a line for each fault."""
+    shape, legs = shape_of(spec.body), spec.legs
+    if isinstance(legs, Legs) and not spec.placed:
+        faults = [] if spec.whole else _faults_of_pair(legs, shape.size)
+    else:
+        faults = _faults_of_list(place_legs(spec), shape.size)
+    if not faults and spec.body.flat:
+        faults = _off_outline(place_legs(spec), shape)
+    helps = partial(_legs_elsewhere, spec) if faults else tuple
+    if not spec.marks.blank:
+        faults += _unmarkable(spec, shape.size)
+    if not faults and spec.parts:
+        foot = min(limb.foot_height for limb in place_legs(spec))
+        faults = place_problems(spec.parts, spec.fit, shape.size, foot)
+    if spec.pockets is not None and not spec.parts:
+        faults.append("pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or leave them out")
+    if faults:
+        raise GeometryError("\n".join(faults), helps=helps)
+
+
+def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
+    """What helps two equal legs that do not stand where they were put: that they place themselves."""
+    if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
+        return []
+    return load_readers().suggest_placement(spec.body, spec.legs)
+
+
+def _unmarkable(spec: WalkerSpec, size: Size) -> list[str]:
+    """Reasons why the body cannot bear its marks, one line each."""
+    marks, (length, thickness, depth) = spec.marks, size
+    if spec.letters and spec.body.flat:  # letters on a body in plan view go into its upper side
+        marks, thickness, depth = marks.model_copy(update={"kind": "text"}), depth, thickness
+    unfit = load_readers().mark_problems(marks, spec.family.tilt_deg, tilt_deg_of(spec), (length, thickness, depth))
+    if spec.body.plain or (spec.letters and spec.body.flat):
+        return unfit
+    key = f"marks.serial = {marks.serial}" if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
+    rule = "only a rectangular body in side view bears marks, and a body in plan view text: leave them out"
+    return [f"{key}: {rule}", *unfit]
+
+
+def _faults_of_pair(legs: Legs, size: Size) -> list[str]:
+    """Problems of two equal legs, with the largest tilt that is possible."""
+    problems = []
+    for text in _impossible_pair(legs, size, legs.tilt_deg):
+        limit = _largest_tilt(legs, size)
+        hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
+        problems.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
+    return problems
+
+
+def _faults_of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
+    """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
+    problems = []
+    for number, limb in enumerate(limbs, start=1):
+        texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
+        texts += [*section_of(limb).problems(limb), *_struts_off_body([limb], size.length)]
+        problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
+    return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
+
+
+def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
+    """Problems of two equal legs at a tilt in deg, whatever their own tilt is."""
+    length, thickness, depth = size
+    trial = legs.model_copy(update={"tilt_deg": tilt_deg})
+    back, front = pair_of(trial, depth, -0.5 * thickness)
+    problems = [*_too_short(back), *_off_body(_farther(back, front), length), *_off_side(back, depth)]
+    spacing = legs.contact_spacing_mm
+    if 2.0 * back.half_width >= spacing:
+        problems.append(
+            f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
+            f"the plate, the contact spacing is {spacing:g} mm"
+        )
+    problems += section_of(back).problems(back)
+    for strut in section_of(back).struts(back):
+        span = abs(strut.offset)
+        if span + back.half_width + 0.5 * strut.thickness >= spacing:
+            problems.append(
+                f"a leg crosses the other leg's brace: it spans {span:.3f} mm, the contact spacing is {spacing:g} mm"
+            )
+    return problems + _struts_off_body((back, front), length)
+
+
+def _farther(back: Limb, front: Limb) -> Limb:
+    return max(back, front, key=lambda limb: abs(limb.anchor[0]))
+
+
+def _too_short(limb: Limb) -> list[str]:
+    end = {"flat": 0.0, "square": 0.0, "round": 0.5 * limb.thickness}[limb.foot]
+    shortest_side = limb.length - end
+    if limb.foot != "flat":
+        shortest_side -= 0.5 * limb.thickness * math.tan(abs(limb.tilt))
+    if shortest_side > 0:
+        return []
+    return [
+        f"the leg ({limb.thickness:g} mm thick, {limb.length:g} mm long) has no side left: "
+        "make it longer, thinner, or its foot flat"
+    ]
+
+
+def _off_body(limb: Limb, length: float) -> list[str]:
+    half_body, reach = 0.5 * length, abs(limb.anchor[0]) + limb.half_width
+    if reach <= half_body:
+        return []
+    return [
+        f"a leg leaves the body: it reaches x = {reach:.3f} mm, the body ends at "
+        f"{half_body:.3f} mm: lengthen the body, or shorten legs or contact spacing"
+    ]
+
+
+def _off_side(limb: Limb, depth: float) -> list[str]:
+    reach = abs(limb.across) + 0.5 * limb.width
+    if reach <= 0.5 * depth + ROUNDING_MM:
+        return []
+    return [
+        f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), leaves the "
+        f"body: it reaches z = {reach:.3f} mm, the body ends at {0.5 * depth:.3f} mm"
+    ]
+
+
+def _struts_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
+    half_body = 0.5 * length
+    struts = [(limb.anchor[0], strut) for limb in limbs for strut in section_of(limb).struts(limb)]
+    reach = max((abs(x + strut.offset) + 0.5 * strut.thickness for x, strut in struts), default=0.0)
+    if reach <= half_body:
+        return []
+    return [f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at {half_body:.3f} mm"]
+
+
+def _largest_tilt(legs: Legs, size: Size) -> float | None:
+    """Largest tilt (deg, same sign) without any problem, by bisection; None when tilt 0 has one."""
+    if _impossible_pair(legs, size, 0.0):
+        return None
+    good, bad = 0.0, legs.tilt_deg
+    for _ in range(40):
+        middle = 0.5 * (good + bad)
+        good, bad = (good, middle) if _impossible_pair(legs, size, middle) else (middle, bad)
+    return math.copysign(math.floor(abs(good) * 100) / 100, good)
+
+
+def _crossing(limbs: Sequence[Limb]) -> list[str]:
+    """Pairs of legs that take the same place."""
+    import shapely
+
+    problems = []
+    sections = [
+        shapely.union_all(
+            [shapely.Polygon(piece + np.array(limb.anchor)) for piece in section_of(limb).profile(limb, 16)]
+        )
+        for limb in limbs
+    ]
+    for (i, limb), (j, other) in itertools.combinations(enumerate(limbs), 2):
+        apart = abs(limb.across - other.across) - 0.5 * (limb.width + other.width)
+        if apart >= -ROUNDING_MM:
+            continue
+        shared = sections[i].intersection(sections[j]).area
+        if shared > ROUNDING_MM:
+            problems.append(
+                f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (seen from "
+                f"the side they share {shared:.3g} mm2): move them apart, along or across"
+            )
+    return problems
+
+
+def _uneven(limbs: Sequence[Limb]) -> list[str]:
+    """Feet that do not reach the plate while the body stands level."""
+    lowest = min(limb.foot_height for limb in limbs)
+    problems = []
+    for number, limb in enumerate(limbs, start=1):
+        short = limb.foot_height - lowest
+        if short > LEVEL_MM:
+            longer = limb.length + short / math.cos(limb.tilt)
+            problems.append(
+                f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
+                f"the lowest, so that the walker does not stand level: {longer:.4f} mm would reach "
+                "the plate"
+            )
+    return problems
+
+
+def _falling(limbs: Sequence[Limb]) -> list[str]:
+    """Feet all on one line across, on which nothing stands."""
+    places = [limb.along for limb in limbs]
+    if max(places) - min(places) > max(limb.thickness for limb in limbs):
+        return []
+    return [
+        f"legs[1].along_mm = {places[0]:g}: all feet stand at one place along the run, so that the "
+        "walker falls over: put some in front of the others"
+    ]
+
+
+def _off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
+    """Legs that do not stand wholly under an outline seen from above."""
+    import shapely
+
+    outer, *holes = shape.plan
+    ground = shapely.Polygon(outer, holes)
+    problems = []
+    for number, limb in enumerate(limbs, start=1):
+        x, half = limb.anchor[0], limb.half_width
+        left, right = x - half, x + half
+        for strut in section_of(limb).struts(limb):
+            left = min(left, x + strut.offset - 0.5 * strut.thickness)
+            right = max(right, x + strut.offset + 0.5 * strut.thickness)
+        top = shapely.box(left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width)
+        outside = top.difference(ground.buffer(ROUNDING_MM)).area
+        if outside > 0.0:
+            percent = max(1.0, 100 * outside / top.area)
+            problems.append(
+                f"legs[{number}].along_mm = {limb.along:g}: {percent:.0f} % of "
+                "the top of the leg lies beyond the outline or under a hole: move it, or make it "
+                "narrower (width_mm)"
+            )
+    return problems

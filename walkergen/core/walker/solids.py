@@ -1,0 +1,406 @@
+"""Solids: from a design to closed meshes, by 2D profiles and one extrusion in manifold3d.
+
+The profile lies in the x-y plane and is extruded along z by the body's depth, which is also how
+the part is printed: lying on its side. Notches belong to the profile; digits are engraved into the
+side that prints last, by a second, shallow extrusion taken from the first.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
+from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker import mass
+from walkergen.core.walker.body import FinishedWalker
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.limbs import Limb, Polygon
+from walkergen.core.walker.mass import LegMass, MassProperties, SolidMass, Spatial
+from walkergen.core.walker.readers import load_readers
+from walkergen.core.walker.sections import section_of
+
+if TYPE_CHECKING:
+    from walkergen.core.shapes import joining
+
+FOOT_SEGMENTS = 64
+"""Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
+
+ROUNDING_MM = 1e-9
+"""Largest error, mm, of the modeller's heights."""
+
+
+class Solids(NamedTuple):
+    """Meshes of one walker."""
+
+    walker: Mesh
+    """Printable union of body and legs, in the design's frame: one closed body."""
+    body: Mesh
+    """Body alone, in the design's frame."""
+    legs: tuple[Mesh, ...]
+    """Each leg outside the body, with its brace if it has one, in the order of `Design.limbs`; its
+    anchor at the origin of x and y, z from 0 to its width."""
+    cap: Mesh | None = None
+    """Cap on the body, in the design's frame, which prints apart; None without."""
+    weighed: SolidMass | None = None
+    """Mass of the body at 1 g/mm^3, where it is known already."""
+
+    @property
+    def seen(self) -> Mesh:
+        """Walker with its cap, as it runs; not one closed body."""
+        return self.walker if self.cap is None else _beside([self.walker, self.cap])
+
+
+class Outline(NamedTuple):
+    """Polygons of a walker seen from the side, counter-clockwise, shape (n, 2), mm."""
+
+    body: Polygon
+    """Profile of the body, in the design's frame."""
+    limbs: tuple[tuple[Polygon, ...], ...]
+    """Each leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
+
+
+def _beside(meshes: Sequence[Mesh]) -> Mesh:
+    """Meshes as one, not united."""
+    starts = itertools.accumulate([0, *(len(mesh.vertices) for mesh in meshes)])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=False)]
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(triangles))
+
+
+def build(design: Design, foot_segments: int = FOOT_SEGMENTS, united: bool = True) -> Solids:
+    """Build a walker's solids; unless they shall be united, a body of any shape may stay beside its legs, to be seen.
+
+    Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
+    meet the body, for pockets that do not go into it, and for a cap that it does not hold.
+    """
+    solid = _solid(design, foot_segments, united or bool(design.parts))
+    solid = _with_pockets(design, solid, foot_segments) if design.parts else solid
+    return solid._replace(cap=_cap(design, solid.body))
+
+
+def _cap(design: Design, body: Mesh) -> Mesh | None:
+    """Cap on a body; None without. Raises GeometryError."""
+    if design.cap is None:
+        return None
+    return load_readers().put_cap(design.cap, body, design.size.depth)
+
+
+def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
+    """Solids with the pockets of what the design carries. Raises GeometryError."""
+    from walkergen.core.walker import pockets
+
+    if design.whole:
+        roots = [
+            _shifted(leg, _corner(limb, design.size.depth)) for limb, leg in zip(design.limbs, solid.legs, strict=True)
+        ]
+    else:
+        roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
+    walker, body = pockets.cut(design, solid.walker, solid.body, roots)
+    if not design.marks.blank:
+        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments, united=False).body)
+    return solid._replace(walker=walker, body=body, weighed=None)
+
+
+def _solid(design: Design, foot_segments: int, united: bool) -> Solids:
+    """Solids of a walker without pockets and cap."""
+    if design.shape.whole is not None:
+        return _cut(design.shape.whole, design)
+    if not design.body.plain:
+        return _on_any_body(design, foot_segments, united)
+    body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
+    sections = _sections(limbs, foot_segments)
+    digits = Engraving(_engraved(design), design.marks.depth_mm)
+    top, legs = extruded([body], depth, 0, digits), _legs(limbs, sections)
+    if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
+        windows = sum(has_window(limb) for limb in limbs)
+        placed = [
+            part + np.array(limb.anchor)
+            for limb, section in zip(limbs, sections, strict=True)
+            for part in section.raised
+        ]
+        return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
+    from walkergen.core.shapes import joining
+
+    bars = _bars(limbs, sections, depth)
+    return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
+
+
+def _cut(finished: FinishedWalker, design: Design) -> Solids:
+    """Solids of a finished walker, cut into body and legs."""
+    depth = design.size.depth
+    legs = [_shifted(leg, -_corner(limb, depth)) for limb, leg in zip(design.limbs, finished.legs, strict=True)]
+    return Solids(finished.whole, finished.body, tuple(legs))
+
+
+def _on_any_body(design: Design, foot_segments: int, united: bool) -> Solids:
+    """Solids of a walker whose body is no rectangle in side view."""
+    from walkergen.core.shapes import joining
+
+    readers = load_readers()
+    ground, limbs, depth = readers.solid_of(design.body.key), design.limbs, design.size.depth
+    weighed = None if design.letters else readers.mass_of(design.body.key)
+    if design.letters:
+        ground = joining.ready(readers.cut_letters(ground.mesh, design))
+    sections = _sections(limbs, foot_segments)
+    bars = _bars(limbs, sections, depth)
+    legs = _legs(limbs, sections) if design.body.flat else _flush_legs(limbs, bars, ground, depth)
+    if united:
+        return Solids(joining.union_with_legs(ground, bars), ground.mesh, legs, weighed=weighed)
+    placed = [_shifted(leg, _corner(limb, depth)) for limb, leg in zip(limbs, legs, strict=True)]
+    return Solids(_beside([ground.mesh, *placed]), ground.mesh, legs, weighed=weighed)
+
+
+def _flush_legs(limbs: Sequence[Limb], bars: Sequence[Mesh], ground: "joining.Body", depth: float) -> tuple[Mesh, ...]:
+    """Legs outside a body whose underside is not flat, anchors at the origin. Raises GeometryError."""
+    from walkergen.core.shapes import joining
+
+    legs = []
+    for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
+        key = f"legs[{number}].along_mm = {limb.along:g}"
+        outside = joining.flush(bar, ground, key)
+        if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - ROUNDING_MM:
+            raise GeometryError(f"{key}: the leg is not wholly under the body: move it", f"legs[{number}].along_mm")
+        legs.append(_shifted(outside, -_corner(limb, depth)))
+    return tuple(legs)
+
+
+class _Section(NamedTuple):
+    """Profiles of a leg, and of its brace if it has one, with the anchor at the origin."""
+
+    below: Sequence[Polygon]
+    """Outside the body."""
+    raised: tuple[Polygon, ...]
+    """Reaching into the body."""
+
+
+def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
+    """Profiles of legs; legs of one shape share theirs, the same object."""
+    by_shape: dict[Limb, _Section] = {}
+    sections = []
+    for limb in limbs:
+        shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
+        if shape not in by_shape:
+            below = section_of(limb).profile(limb, foot_segments)
+            raised = tuple(_raised(part, limb.embedding) for part in below)
+            by_shape[shape] = _Section(below, raised)
+        sections.append(by_shape[shape])
+    return sections
+
+
+def _raised(profile: Polygon, embedding: float) -> Polygon:
+    """Profile that reaches `embedding` mm higher, into the body."""
+    left, right = profile[0], profile[-1]
+    up = np.array([0.0, embedding])
+    return np.concatenate([profile, [right + up, left + up]])
+
+
+def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
+    """Legs that reach into the body, where they stand in the design's frame."""
+    bars = []
+    for limb, section in zip(limbs, sections, strict=True):
+        mesh = extruded([part + np.array(limb.anchor) for part in section.raised], limb.width)
+        bars.append(_shifted(mesh, np.array([0.0, 0.0, _left_side(limb, depth)])))
+    return bars
+
+
+def _legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
+    """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
+    meshes: dict[int, Mesh] = {}
+    for limb, section in zip(limbs, sections, strict=True):
+        if id(section) not in meshes:
+            meshes[id(section)] = extruded(section.below, limb.width)
+    return tuple(meshes[id(section)] for section in sections)
+
+
+def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+    return mesh._replace(vertices=mesh.vertices + shift)
+
+
+def _corner(limb: Limb, depth: float) -> Array:
+    """Where a leg's anchor and flat side stand, shape (3,), mm."""
+    return np.array([*limb.anchor, _left_side(limb, depth)])
+
+
+def _left_side(limb: Limb, depth: float) -> float:
+    """Place z of a leg's flat side, in the frame in which the body begins at z = 0, mm."""
+    return 0.5 * depth + limb.across - 0.5 * limb.width
+
+
+def on_side(design: Design) -> bool:
+    """True for a walker that prints lying on its side: a prism whose legs all begin at that side.
+
+    All others print upside down with their legs up: legs narrower than the body would hang over
+    the bed.
+    """
+    if not (design.body.plain or design.body.profile_mm is not None):
+        return False
+    depth = design.size.depth
+    return all(_left_side(limb, depth) <= ROUNDING_MM for limb in design.limbs)
+
+
+def as_printed(design: Design, mesh: Mesh) -> Mesh:
+    """Mesh as it lies on the bed, z up from 0: on its side, or upside down with its legs up.
+
+    Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is
+    flat.
+    """
+    if on_side(design):
+        return mesh
+    x, y, z = mesh.vertices.T
+    turned = np.column_stack([x, z, -y])
+    turned[:, 2] -= turned[:, 2].min()
+    return mesh._replace(vertices=turned)
+
+
+def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
+    """Polygons whose union, with each limb at its anchor, is the walker seen from the side.
+
+    Of a body that is no prism in side view the polygon is its box.
+    """
+    sections = _sections(design.limbs, foot_segments)
+    return Outline(_body_profile(design), tuple(section.raised for section in sections))
+
+
+def weigh(design: Design, solids: Solids) -> MassProperties:
+    """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
+    body = mass.weigh(solids.body, 1.0) if solids.weighed is None else solids.weighed
+    return _weighed(design, body, solids.legs, solids.cap)
+
+
+def mass_of(design: Design) -> MassProperties:
+    """Mass properties of a design's own solids, without their union where none is needed.
+
+    Raises SolidError, GeometryError for a walker that cannot stand.
+    """
+    if design.parts or not design.body.plain:
+        return weigh(design, build(design, united=False))
+    digits = Engraving(_engraved(design), design.marks.depth_mm)
+    top = extruded([_body_profile(design)], design.size.depth, 0, digits)
+    legs = _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS))
+    return _weighed(design, mass.weigh(top, 1.0), legs, _cap(design, top))
+
+
+def _weighed(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
+    whole = assemble(design, body, legs, cap)
+    if not design.pair:
+        mass.refuse_falling(design.limbs, whole)
+    return whole
+
+
+def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | None = None) -> MassProperties:
+    """Mass properties of a walker from its body, weighed at 1 g/mm^3, and the meshes of its legs outside the body.
+
+    The body lies in the design's frame, a leg's mesh has its anchor at the origin; a braced
+    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
+    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
+    the density is not.
+    """
+    density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
+    whole = body.times(density)
+    if cap is not None and design.cap is not None:
+        of_cap = mass.weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
+        whole = mass.together([whole, of_cap])
+    top = mass.rescale(whole, design.weighed.body_mass_g)
+    if design.parts:
+        from walkergen.core.walker import pockets
+
+        top = mass.together([top, *pockets.weigh_carried(design)])
+    O = top.centre[:2]  # noqa: E741  (the paper's name)
+    distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
+    weighed_once = {key: mass.weigh(mesh, density) for key, mesh in distinct.items()}
+    placed, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
+    mean = sum(part.mass for part in meshed) / len(meshed)
+    prisms = design.body.plain or design.body.flat
+    for limb, part in zip(limbs, meshed, strict=True):
+        weighed = design.weighed.leg_mass_g
+        own = mass.rescale(part, None if weighed is None else weighed * (part.mass / mean))
+        c_A = own.centre[:2]
+        # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
+        aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
+        placed.append(
+            LegMass(
+                own.mass,
+                own.inertia,
+                np.array(limb.anchor) - O,
+                c_A,
+                np.array(limb.anchor_to_foot) - c_A,
+                limb.across + aside,
+                own.tensor,
+            )
+        )
+    across = float(top.centre[2]) - 0.5 * design.size.depth
+    loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
+    return mass.frozen(loose, [limb.rigid for limb in limbs])
+
+
+def has_window(limb: Limb) -> bool:
+    """True when there is air between a braced leg and its brace, as at all but small tilts."""
+    return window_width(limb) > NARROWEST_WINDOW * limb.length
+
+
+def window_width(limb: Limb) -> float:
+    """Width of the air between a leg and its strut along the body's bottom face, mm.
+
+    There it is widest; it is negative where leg and strut overlap, and 0 for legs without struts.
+    """
+    struts = section_of(limb).struts(limb)
+    return min((abs(strut.offset) - (limb.half_width + 0.5 * strut.thickness) for strut in struts), default=0.0)
+
+
+def clearance(limbs: Sequence[Limb]) -> float:
+    """Least distance along the run between two legs (or their braces) that stand in line, mm."""
+    apart = [math.inf]
+    for first, second in itertools.combinations(limbs, 2):
+        back, front = sorted((first, second), key=lambda limb: limb.along)
+        if abs(first.across - second.across) >= 0.5 * (first.width + second.width):
+            continue
+        spacing = front.along - back.along
+        if back.tilt == front.tilt:
+            apart.append(spacing - (back.half_width + front.half_width))
+        else:
+            apart.append(min(spacing, front.anchor[0] - back.anchor[0]) - (back.half_width + front.half_width))
+        for limb in (back, front):
+            for strut in section_of(limb).struts(limb):
+                crossing = abs(strut.offset) + limb.half_width + 0.5 * strut.thickness
+                apart.append(spacing - crossing)
+    return min(apart)
+
+
+def bodies(mesh: Mesh) -> int:
+    """Number of closed bodies of a mesh once its coordinates are 32-bit floats, as in a file; cavities are none.
+
+    Zero when it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
+    """
+    rounded = mesh.vertices.astype(np.float32)
+    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[mesh.triangles].astype(np.uint32)
+    solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
+    if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
+        return 0
+    return len(modeller.bodies(solid))
+
+
+def _body_profile(design: Design) -> Polygon:
+    """Profile of the body with the notches in its upper edge, counter-clockwise."""
+    if design.body.profile_mm is not None:
+        side = design.shape.side
+        assert side is not None
+        return side
+    x, y = 0.5 * design.size.length, 0.5 * design.size.thickness
+    corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    if design.marks.blank:
+        return corners
+    return load_readers().add_notches(design, corners)
+
+
+def _engraved(design: Design) -> list[Polygon]:
+    """Pockets in the side of a body, about its middle: its digits or its text."""
+    if design.marks.blank:
+        return []
+    return load_readers().engraved_profiles(design)

@@ -1,0 +1,308 @@
+"""Specification of a walker: all that a person chooses about it, each key validated.
+
+It holds text and numbers and reads no drawing. What they stand for, its shape and its legs, is `resolve`'s to find.
+"""
+
+import copy
+import hashlib
+import os
+import re
+import unicodedata
+from collections.abc import Mapping
+from operator import not_
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, SerializeAsAny, Tag, ValidationInfo, field_validator, model_validator
+
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.core.files.config import Name, Section, validate
+from walkergen.core.walker.body import DRAWN, FILES, SOURCES, Body
+from walkergen.core.walker.fittings import Battery, Cap, Marks, Motor, Part, Pockets
+from walkergen.core.walker.limbs import KINDS, MOST_LEGS, RIGID_KINDS, Kind, Leg, Legs, Tilt
+
+MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
+
+
+class Material(Section):
+    """Material that a walker is printed of, with solid infill.
+
+    Its temperatures are PLA's, and only go into the settings of who has no profile of the filament:
+    Prusament PLA's maker states 210 +- 10 C and a bed of 40 to 60 C.
+    """
+
+    density_g_cm3: Annotated[float, Field(ge=1e-3, le=100)] = 1.24
+    youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] = 3.0
+    youngs_modulus_sd_gpa: Annotated[float, Field(ge=0, le=1e4)] = 0.35
+    poisson_ratio: Annotated[float, Field(ge=0, le=0.5)] = 0.36
+    """Poisson's ratio; PLA's."""
+    nozzle_deg_c: Annotated[int, Field(ge=100, le=500)] = 210
+    bed_deg_c: Annotated[int, Field(ge=0, le=200)] = 60
+    """Temperature of the bed; 0: it is not heated."""
+
+    @property
+    def youngs_modulus(self) -> float:
+        """Young's modulus, Pa = g/(mm s^2)."""
+        return 1e9 * self.youngs_modulus_gpa
+
+
+class Weighed(Section):
+    """Masses from a balance, which override the mesh's, and the spread of masses."""
+
+    body_mass_g: MassGram | None = None
+    leg_mass_g: MassGram | None = None
+    mass_sd_percent: Annotated[float, Field(ge=0, le=50)] = 2.0
+
+    @property
+    def states(self) -> bool:
+        """Whether it has masses that come before those that are drawn."""
+        return self.body_mass_g is not None or self.leg_mass_g is not None
+
+
+class Family(Section):
+    """Members that `walkergen family` makes when the command line does not say which."""
+
+    tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=10_000)] = Field(
+        default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
+    )
+    legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = Field(default_factory=lambda: list(KINDS))
+
+    @field_validator("tilt_deg", "legs")
+    @classmethod
+    def _no_repeats(cls, values: list[Any]) -> list[Any]:
+        return list(dict.fromkeys(values))
+
+
+OUTLINES, MESHES = (".svg", ".dxf", ".png", ".jpg", ".jpeg"), (".stl", ".obj", ".ply", ".off", ".3mf", ".glb")
+"""Endings of files that stand for a walker by themselves, as the shape of its body."""
+
+CAD = (".step", ".stp", ".iges", ".igs", ".f3d", ".scad", ".fcstd", ".blend")
+"""Endings of files of programs that save meshes too."""
+
+DEFAULT_FAMILY = {"tilt_deg": [0.0, 5.0, 10.0, 15.0, 20.0], "legs": ["flexible"]}
+"""Family of a shape that says nothing of its own."""
+
+PLACES = ("contact_spacing_mm", "width_mm")
+"""Keys that say where two equal legs stand."""
+
+DEFAULT_TILT_DEG = 10.0
+"""Tilt of legs that give none, unless the design gives one."""
+
+
+class WalkerSpec(Section):
+    """Keys of a walker's file."""
+
+    name: Name = "walker"
+    description: Annotated[str, Field(max_length=2000)] = ""
+    stance: Literal["level", "as built"] = "level"
+    """Stance at rest: level, or turned until the feet of unlike legs are level."""
+    body: Body = Body()
+    legs: Annotated[
+        Annotated[Legs, Tag("table")]
+        | Annotated[Annotated[list[Leg], Field(min_length=1, max_length=MOST_LEGS)], Tag("list")],
+        Discriminator(lambda legs: "list" if isinstance(legs, list) else "table"),
+        SerializeAsAny(),  # a Ctrl-C that arrives while the discriminator serializes is lost
+    ] = Legs()
+    leg_tilt_deg: Tilt | None = None
+    """Tilt of those legs of a list that give none of their own; None: 10 deg."""
+    material: Material = Material()
+    weighed: Weighed = Weighed()
+    marks: Marks = Marks()
+    motor: Motor | None = Field(default=None, exclude_if=not_)
+    """Motor that the body carries. None: none, and its data are as if there were no such key."""
+    battery: Battery | None = Field(default=None, exclude_if=not_)
+    pockets: Pockets | None = Field(default=None, exclude_if=not_)
+    """Pockets of motor and battery. None: `fit`, the usual ones."""
+    cap: Cap | None = Field(default=None, exclude_if=not_)
+    """Cap with a marker. None: none, and its data are as if there were no such key."""
+    family: Family = Family()
+
+    @field_validator("leg_tilt_deg")
+    @classmethod
+    def _of_a_list(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if value is not None and isinstance(info.data.get("legs"), Legs):
+            raise ValueError("it is for a list [[legs]]; two equal legs have legs.tilt_deg")
+        return value
+
+    @model_validator(mode="before")
+    @classmethod
+    def _whole_walker(cls, data: Any) -> Any:
+        return with_one_body(data) if isinstance(data, Mapping) else data
+
+    @classmethod
+    def of_file(cls, path: Path) -> dict[str, Any] | None:
+        """Data of a walker whose body is a drawing, a picture or a mesh. Raises InputError for files of CAD."""
+        ending, endings = path.suffix.lower(), {"outline": OUTLINES, "mesh": MESHES}
+        if ending in CAD:
+            raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")
+        source = next((key for key in endings if ending in endings[key]), None)
+        data = {"name": named(path.stem), "body": {source: path.name}, "family": DEFAULT_FAMILY}
+        return None if source is None else data
+
+    @classmethod
+    def of_text(cls, text: str) -> Self:
+        """Walker whose body is a text. Raises GeometryError for letters that cannot be drawn."""
+        data = {"name": named(text), "body": {"text": text}, "family": DEFAULT_FAMILY}
+        return validate(data, cls, f"text {text[:40]!r}")
+
+    @classmethod
+    def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+        """Return the data of a file, the files that it names found from its folder."""
+        tables = {name: dict(data[name]) for name in ("body", "walker") if isinstance(data.get(name), Mapping)}
+        for table in tables.values():
+            files = [key for key in FILES if isinstance(table.get(key), str)]
+            table |= {key: str(folder / table[key]) for key in files if table[key] not in ("", *DRAWN)}
+        return {**data, **tables}
+
+    def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the data without what followed from the former shape of the body, where `values` give another.
+
+        Dropped are the places of two equal legs, which are then found for the new shape, masses and marks of the
+        former one, and the family: legs that were found do not stand at every tilt. What `values` set stays.
+        """
+        body = data.get("body")
+        former = {key: getattr(self.body, key) for key in SOURCES}
+        source = next((key for key in SOURCES if values.get(f"body.{key}", former[key]) != former[key]), None)
+        if not isinstance(body, dict) or (source is None and "body" not in values):
+            return data
+        if source is not None:
+            data["body"] = Body.reshaped(body, source, self.body, values)
+            if source != "profile_mm" and not any(key.partition(".")[0] == "family" for key in values):
+                data["family"] = copy.deepcopy(DEFAULT_FAMILY)
+            if "name" not in values:
+                data["name"] = named(Path(str(values[f"body.{source}"])).stem)
+                data.pop("description", None)
+        if source != "profile_mm" and not any(key.partition("[")[0] == "legs" for key in values):
+            data["legs"] = self._without_places(data.get("legs", {}), data["body"].get("outline") in DRAWN, values)
+            if isinstance(data["legs"], dict):
+                data.pop("leg_tilt_deg", None)
+        for table in ("weighed", *(["marks"] if self.body.plain else [])):
+            if not any(key.partition(".")[0] == table for key in values):
+                data.pop(table, None)
+        return data
+
+    def _without_places(self, legs: Any, drawn: bool, values: Mapping[str, Any]) -> Any:
+        """Return legs of a body that gets another shape, without their places; those of a list become two equal ones.
+
+        Under outlines that need no file, `drawn`, a list stays.
+        """
+        if isinstance(legs, Mapping):
+            return {key: value for key, value in legs.items() if key not in PLACES or f"legs.{key}" in values}
+        first = self.legs if isinstance(self.legs, Legs) else self.legs[0]
+        own = {
+            "kind": self.kind,
+            "tilt_deg": self.written_tilt_deg,
+            "length_mm": legs[0].get("length_mm", 7.5),
+            "foot": first.foot,
+        }
+        thickness = first.thickness_mm or Legs(kind=first.kind).thickness_mm
+        return legs if drawn else own | {f"{self.kind}_thickness_mm": thickness}
+
+    def with_paths_relative_to(self, folder: Path) -> Self:
+        """Return the walker as a file in a folder has it: files of the body by their way from there."""
+        files = {key: getattr(self.body, key) for key in FILES}
+        ways = {
+            key: Path(os.path.relpath(name, folder)).as_posix()
+            for key, name in files.items()
+            if name is not None and name not in DRAWN
+        }
+        return self.model_copy(update={"body": self.body.model_copy(update=ways)})
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """Parts that the body carries, motor and battery, by the names of their tables."""
+        parts = {"motor": self.motor, "battery": self.battery}
+        return {name: part for name, part in parts.items() if part is not None}
+
+    def driving_motor(self) -> Motor:
+        """Motor that drives it. Raises InputError where it carries none."""
+        if self.motor is None:
+            raise InputError(
+                f"drive.kind = 'motor': {self.name} carries none; give its design a table [motor] "
+                "with diameter_mm, height_mm and mass_g, or take the template coinbot"
+            )
+        return self.motor
+
+    @property
+    def fit(self) -> Pockets:
+        """Pockets that hold its parts, with clearance, wires and glue."""
+        return self.pockets or Pockets()
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of legs: that of the first that is not rigid, or of the first."""
+        kinds = [self.legs.kind] if isinstance(self.legs, Legs) else [leg.kind for leg in self.legs]
+        return next((kind for kind in kinds if kind not in RIGID_KINDS), kinds[0])
+
+    @property
+    def written_tilt_deg(self) -> float:
+        """Tilt as it is written, deg: of all legs that follow the family's, or of the first leg."""
+        if isinstance(self.legs, Legs):
+            return self.legs.tilt_deg
+        first = self.legs[0]
+        if self.follows or first.tilt_deg is None:
+            return self.followed_tilt_deg
+        return 0.0 - first.tilt_deg if first.mirrored else first.tilt_deg
+
+    @property
+    def followed_tilt_deg(self) -> float:
+        """Tilt of those legs of a list that give none of their own, deg."""
+        return DEFAULT_TILT_DEG if self.leg_tilt_deg is None else self.leg_tilt_deg
+
+    @property
+    def follows(self) -> bool:
+        """True when a leg has the family's tilt."""
+        if isinstance(self.legs, Legs):
+            return not self.whole
+        return any(leg.tilt_deg is None for leg in self.legs)
+
+    @property
+    def whole(self) -> bool:
+        """True for a finished walker's mesh, cut into body and legs."""
+        return self.body.legs_below_mm is not None
+
+    @property
+    def pair(self) -> bool:
+        """True for two equal legs by the short form, [legs]."""
+        return isinstance(self.legs, Legs) and not self.whole
+
+    @property
+    def placed(self) -> bool:
+        """True for legs that are found for the body (`placing`)."""
+        if not isinstance(self.legs, Legs) or self.whole:
+            return False
+        shaped = self.body.flat or self.body.mesh is not None
+        written = self.legs.model_fields_set & set(PLACES)
+        return self.legs.place == "auto" or (self.legs.place is None and shaped and not written)
+
+    @property
+    def letters(self) -> str:
+        """Text that is engraved in letters, as numbers on a body in plan view are; "" without."""
+        number = self.marks.kind == "none" and self.body.flat
+        return self.marks.letters if number or self.marks.kind == "text" else ""
+
+
+def named(text: str) -> str:
+    """Name that file names may hold, of a text in any script."""
+    plain = unicodedata.normalize("NFKD", text.replace("ß", "ss")).encode("ascii", "ignore").decode()
+    name = re.sub(r"[^A-Za-z0-9_-]+", "-", plain).strip("-_")[:64]
+    return name or f"walker-{hashlib.sha256(text.encode(errors='surrogatepass')).hexdigest()[:6]}"
+
+
+def with_one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return data in which a finished walker, [walker], is the body that is cut. Raises GeometryError."""
+    if "walker" not in data:
+        return data
+    whole, table = dict(data), data["walker"]
+    del whole["walker"]
+    if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
+        raise GeometryError(
+            "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm, "
+            "the height above its lowest point below which it is legs"
+        )
+    if "body" in data or "legs" in data:
+        raise GeometryError("walker = ...: a finished walker has its body and legs: leave out [body] and [legs]")
+    whole["body"] = {key: value for key, value in table.items() if key != "legs"}
+    if "legs" in table:
+        whole["legs"] = {"kind": table["legs"]}
+    return whole

@@ -1,6 +1,0 @@
-"""What crowds do: films of many walkers in, statistics with errors from independent runs out."""
-
-from walkergen.crowd.statistics.film import CrowdFilm
-from walkergen.crowd.statistics.measuring import CrowdStatistics, measure
-
-__all__ = ["CrowdFilm", "CrowdStatistics", "measure"]

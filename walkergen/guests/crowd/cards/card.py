@@ -1,0 +1,201 @@
+"""Card of a walker: what a crowd in a plane has to know of it, each number with its error.
+
+A card is measured from runs or films (`walkergen crowd --card`), written as JSON, and read again by the
+flat model of a crowd. Its frame is the walker seen from above: heading along +x, C at the origin.
+"""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import (
+    Field,
+    PlainSerializer,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+    model_validator,
+)
+
+from walkergen.core.errors import InputError, for_python
+from walkergen.core.files import config, reading
+from walkergen.core.files.config import Fraction, Friction, Name, Section
+from walkergen.core.numerics.quantity import Quantity
+
+Size = Annotated[float, Field(gt=0, le=1e9)]
+Value = Annotated[float, Field(ge=-1e9, le=1e9)]
+Corner = Annotated[list[Value], Field(min_length=2, max_length=2)]
+Contour = Annotated[list[Corner], Field(min_length=3, max_length=100_000)]
+
+
+SMALLEST_MM2 = 1e-6
+"""Least area of a contour, mm^2."""
+
+
+UNITS = ("g_mm2_s2", "mm2_s", "rad2_s", "rad_s", "mm_s", "per_mm", "s")
+"""Units that keys of a card end in, those first that end in others."""
+
+
+class _Number(Section):
+    """A measured number as the file has it."""
+
+    value: Value
+    se: Annotated[float, Field(ge=0, le=1e9)] | None = None
+    """Standard error; None where nothing tells it."""
+    runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
+    """Independent runs or films that it is from: one more than the degrees of freedom of the error."""
+
+
+def _read(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Quantity:
+    """Quantity of a number of the file, by the key of its field."""
+    if isinstance(data, Quantity):
+        return data
+    number: _Number = validate(data)
+    return measured(str(info.field_name), number.value, number.se, number.runs)
+
+
+def _written(quantity: Quantity) -> dict[str, Any]:
+    """Number as the file has it."""
+    return {"value": quantity.value, "se": quantity.se, "runs": runs_of(quantity)}
+
+
+if TYPE_CHECKING:
+    Measured = Quantity
+else:  # what a file has is a table, of which a quantity is made
+    Measured = Annotated[_Number, WrapValidator(_read), PlainSerializer(_written)]
+
+
+def measured(field: str, value: float, se: float | None = None, runs: int | None = None) -> Quantity:
+    """Quantity of a field of a card, from so many independent runs."""
+    unit = next((unit for unit in UNITS if field.endswith(f"_{unit}")), "")
+    return Quantity(field.removesuffix(f"_{unit}"), unit, value, se, math.inf if runs is None else runs - 1.0)
+
+
+def runs_of(quantity: Quantity) -> int | None:
+    """Independent runs that a card's number is from; None where it does not say."""
+    return None if math.isinf(quantity.freedom) else round(quantity.freedom) + 1
+
+
+class Overdamped(Section):
+    """Whether a model without inertia is enough for a walker."""
+
+    enough: bool | None
+    """None: within their errors the numbers allow both."""
+    reason: str
+    """Numbers that decide, in words."""
+
+
+class Card(Section):
+    """What a flat crowd has to know of a walker; None for what was not measured."""
+
+    name: Name
+    scene: str = ""
+    mass_g: Size
+    inertia_g_mm2: Size
+    """Inertia about the vertical axis through C."""
+    outline_mm: Annotated[list[Contour], Field(min_length=1, max_length=2000)]
+    """Outer contours seen from above, counter-clockwise, from C."""
+    corner_radius_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    """Radius of the rounding of corners, inside the outline."""
+    speed_mm_s: Measured
+    """Mean speed along the heading, of a walker alone."""
+    velocity_relaxation_s: Measured
+    """Time in which the velocity along the heading forgets a push: mass over friction coefficient."""
+    sideways_relaxation_s: Measured | None = None
+    """The same of the velocity across the heading; None where it is that along it."""
+    turning_rad_s: Measured
+    """Mean turning rate."""
+    turning_sd_rad_s: Measured | None = None
+    """Spread of that rate from print to print."""
+    turning_relaxation_s: Measured | None = None
+    """Time in which the turning rate forgets a push."""
+    rotational_diffusion_rad2_s: Measured
+    """D_R: the heading's squared change grows by 2 D_R t."""
+    translational_diffusion_mm2_s: Measured
+    """D_T across and along the heading: the part of the spread that no heading explains."""
+    delay_s: Measured | None = None
+    """Mean time by which the velocity lags behind the heading."""
+    sideways_mm_s: Measured | None = None
+    """Mean velocity to the left of the heading."""
+    self_alignment_per_mm: Measured | None = None
+    """Curvity: rate of turning toward a velocity across the heading, over that velocity."""
+    restitution: Fraction = 0.5
+    friction: Friction = 0.3
+    """Restitution and friction of body on body."""
+    wall_restitution: Fraction = 0.5
+    wall_friction: Friction = 0.25
+    wall_alignment: Measured | None = None
+    """Mean of -cos(2 angle) by a wall, of the angle from the way out to the heading: 1 along the
+    wall, 0 for any direction alike, -1 head on."""
+    wall_turning_rad_s: Measured | None = None
+    """Mean rate at which a wall turns a walker along itself that runs against it askew."""
+    wall_torque_g_mm2_s2: Measured | None = None
+    """Torque of the wall that does this."""
+    overdamped: Overdamped | None = None
+
+    @field_validator("outline_mm")
+    @classmethod
+    def _turning_left(cls, contours: list[Contour]) -> list[Contour]:
+        for number, contour in enumerate(contours, start=1):
+            size = area(contour)
+            if size < SMALLEST_MM2:
+                raise ValueError(
+                    f"contour {number} encloses {size:.3g} mm2: must be counter-clockwise and >= "
+                    f"{SMALLEST_MM2:g} mm2; turn the order of its corners round, or mend them"
+                )
+        return contours
+
+    @property
+    def length_mm(self) -> float:
+        """Extent of the outline along the heading."""
+        along = [x for contour in self.outline_mm for x, _ in contour]
+        return max(along) - min(along)
+
+    @property
+    def propulsion_mm_s(self) -> float:
+        """Speed v0 that propulsion alone would give, mm/s: above the mean speed along the heading
+        of a walker that turns, by the velocity that lags behind it.
+
+        Of active Brownian particles with inertia, whose turning forgets at once.
+        """
+        along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
+        across = along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number
+        turned = self.turning_rad_s.number**2 * along * across
+        return self.speed_mm_s.number * (1.0 + rotation * along + turned / (1.0 + rotation * across))
+
+    @model_validator(mode="after")
+    def _possible(self) -> "Card":
+        for key in (
+            "velocity_relaxation_s",
+            "rotational_diffusion_rad2_s",
+            "translational_diffusion_mm2_s",
+            "sideways_relaxation_s",
+            "turning_relaxation_s",
+            "turning_sd_rad_s",
+        ):
+            number = getattr(self, key)
+            if number is not None and number.number < 0:
+                raise ValueError(f"{key}.value = {number.number:g} must be >= 0")
+        return self
+
+
+def area(contour: Contour) -> float:
+    """Area that a contour encloses, mm^2; below 0 where it runs clockwise."""
+    after = [*contour[1:], contour[0]]
+    return 0.5 * sum(x * v - u * y for (x, y), (u, v) in zip(contour, after, strict=True))
+
+
+def read(path: Path) -> Card:
+    """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
+    data = reading.json_of(path)
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: holds no table of a card; give what `walkergen crowd --card` wrote")
+    return config.validate(data, Card, str(path), "")
+
+
+def to_json(card: Card) -> bytes:
+    """Card as it is written: equal cards give equal bytes."""
+    data: dict[str, Any] = card.model_dump(mode="json")
+    return for_python(json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -1,0 +1,127 @@
+"""Delay of the velocity behind the heading, as inertia makes it.
+
+The delay function d(t) = <v(t) . e(0)> - <v(0) . e(t)> (C. Scholz, S. Jahanshahi, A. Ldov,
+H. Loewen, Nat. Commun. 9, 5156, 2018) is 0 where the velocity follows the heading e at once, and
+above 0 where it comes later. A velocity that follows as an average over earlier headings, with a
+mean delay s, has the integral of d from 0 to t equal to 2 s (f(0) - f(t)), where f is the mean of
+the two correlations; exact for an exponential memory as t grows.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import lagged, moments
+from walkergen.analysis.estimates import FEWEST_SAMPLES
+from walkergen.analysis.motion import Curve
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+HALF = 0.5
+"""Share of the direction at whose loss the integral ends, if a quarter of a track shows it."""
+
+CUTS = 16
+"""Samples that tracks of few walkers are cut into, at least."""
+
+MOST_LAGS = 4000
+
+
+class Delay(NamedTuple):
+    """Delay of the velocity behind the heading."""
+
+    mean: Quantity
+    """Mean delay, s; refused where headings do not turn or data are too few."""
+    until: float
+    """Lag up to which the delay function was integrated, s."""
+    function: Curve
+    """Delay function by lag, mm/s."""
+
+
+def measure(tracks: Tracks) -> Delay:
+    """Delay function of tracks with headings, and the mean delay, by a jackknife over walkers."""
+    series = [_series(track, tracks.interval) for track in tracks.tracks if _turns(track)]
+    if len(series) < moments.ENOUGH_PARTICLES:
+        cuts = math.ceil(CUTS / max(len(series), 1))
+        series = [
+            (velocity, unit)
+            for whole, headings in series
+            for velocity, unit in zip(np.array_split(whole, cuts), _cut(headings, cuts), strict=True)
+        ]
+    longest = max((len(velocity) for velocity, _ in series), default=0) // 4
+    none = np.zeros(0)
+    if len(series) < FEWEST_SAMPLES or longest < 4:
+        reason = f"{len(series)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
+        return Delay(Quantity("delay", "s", None, refused=reason), math.nan, Curve(none, none, none))
+    lags = np.arange(min(longest, MOST_LAGS), dtype=np.int64)
+    sums = np.array([_sums(velocity, unit, lags) for velocity, unit in series])
+    whole = sums.sum(axis=0)
+    both = np.array([_correlations(one) for one in (whole, *(whole - own for own in sums))])
+    function = both[:, 0] - both[:, 1]
+    mean = both.mean(axis=1)
+    at_once = 1.5 * mean[:, 0] - 0.5 * mean[:, 1]
+    fallen = np.flatnonzero(mean[0] < HALF * at_once[0])
+    end = max(int(fallen[0]), 2) if len(fallen) else len(lags) - 1
+    lost = at_once - 0.5 * (mean[:, end] + mean[:, end - 1])
+    areas = tracks.interval * function[:, :end].sum(axis=1)
+    curve = Curve(tracks.interval * (lags.astype(float) + 0.5), function[0], statistics.jackknife_error(function[1:]))
+    return Delay(_mean(areas, lost), end * tracks.interval, curve)
+
+
+def expected(lag: Array, speed: float, rate: float, turn: float, relaxation: float) -> Array:
+    """Delay function (mm/s) of a particle with inertia, at lags in s.
+
+    `speed` of its propulsion (mm/s), `rate` of diffusion of its heading (rad^2/s), which forgets at
+    once, `turn` in rad/s, `relaxation` of its velocity in s (> 0).
+    """
+    lost = complex(rate, -turn)
+    kept, forgot = np.exp(-lost * lag), np.exp(-lag / relaxation)
+    before = kept / (1.0 + lost * relaxation)
+    after = (kept - forgot) / (1.0 - lost * relaxation)
+    after = after + forgot / (1.0 + lost.conjugate() * relaxation)
+    return np.asarray(speed * (after - before).real)
+
+
+def _mean(areas: Array, lost: Array) -> Quantity:
+    """Half of the areas over what was lost of the correlation, first of all samples."""
+    error = float(statistics.jackknife_error(lost[1:, None])[0])
+    if not lost[0] > 3.0 * error:
+        reason = "headings hardly turn, or no speed along them is known: film for longer"
+        return Quantity("delay", "s", None, refused=reason)
+    delays = 0.5 * areas / lost
+    se = float(statistics.jackknife_error(delays[1:, None])[0])
+    return Quantity("delay", "s", float(delays[0]), se, len(delays) - 2.0)
+
+
+def _turns(track: Track) -> bool:
+    return track.heading is not None and len(track.position) > 1
+
+
+def _series(track: Track, interval: float) -> tuple[Complex, Complex]:
+    """Velocities over each interval, mm/s, and unit vectors of the headings at all samples."""
+    assert track.heading is not None
+    return np.diff(moments.planar(track)) / interval, np.exp(1j * track.heading)
+
+
+def _cut(unit: Complex, cuts: int) -> list[Complex]:
+    """Headings of pieces that have one more of them than velocities."""
+    parts = np.array_split(np.arange(len(unit) - 1), cuts)
+    return [unit[part[0] : part[-1] + 2] if len(part) else unit[:1] for part in parts]
+
+
+def _sums(velocity: Complex, unit: Complex, lags: lagged.Lags) -> Array:
+    """Sums and pairs of v(t) . e(0), then of v(0) . e(t), half an interval more than each lag."""
+    after, pairs = lagged.crossed(unit[:-1], velocity, lags)
+    before, others = lagged.crossed(velocity, unit[1:], lags)
+    return np.array([after.real, pairs, before.real, others])
+
+
+def _correlations(sums: Array) -> Array:
+    """Mean products v(t) . e(0) and v(0) . e(t), shape (2, lags)."""
+    after, pairs, before, others = sums
+    return np.array([after / np.maximum(pairs, 1.0), before / np.maximum(others, 1.0)])

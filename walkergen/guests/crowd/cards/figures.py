@@ -1,0 +1,119 @@
+"""Figures of a card: how a walker spreads, how long it remembers a push, how late it follows; and by a wall."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.analysis import walks
+from walkergen.analysis.walks import Spread
+from walkergen.files import figures as plots
+from walkergen.files.figures import COLUMN, FITTED, GREY, MEASURED, SERIES, Look, grid_of, panels_of, style
+from walkergen.guests.crowd.cards import delay
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.cards.relaxation import Relaxation
+from walkergen.guests.crowd.cards.walker_motion import Measured
+from walkergen.guests.crowd.cards.walled import Walled
+
+SHOWN = 5.0
+"""Times of relaxation over which correlations are drawn."""
+
+DELAYS = 60
+"""Most points of the delay function that are drawn."""
+
+
+@style()
+def of_card(card: Card, measured: Measured) -> Figure:
+    """Draw squared displacement with its parts, correlations of fluctuations, delay function."""
+    title = ", ".join(filter(None, (f"Card of {card.name}", card.scene)))
+    figure, (spread, memory, late) = grid_of(title, 3, 1, 2.2, COLUMN)
+    _spread(spread, card, measured)
+    _memory(memory, measured)
+    _delay(late, card, measured)
+    return figure
+
+
+def _spread(axes: Axes, card: Card, measured: Measured) -> None:
+    """Squared displacement measured, and what run and diffusion of the card make of it."""
+    at, value, _ = measured.motion.msd
+    speed, turning = card.speed_mm_s.number, card.turning_rad_s.number
+    time, rotation = card.velocity_relaxation_s.number, card.rotational_diffusion_rad2_s.number
+    fine = np.geomspace(at[0], at[-1], 200)
+    run = walks.squared(fine, Spread(speed**2, rotation, 0.0, 0.0, turning))
+    late = walks.late(fine, time) if time > 0.0 else fine  # less the time in which pushes are remembered
+    pushed = 4.0 * card.translational_diffusion_mm2_s.number * late
+    plots.points(axes, measured.motion.msd, label="measured")
+    axes.plot(fine, run + pushed, color=FITTED.colour, label="card: sum")
+    axes.plot(fine, run, "--", color=GREY, label="run, turning")
+    axes.plot(fine, pushed, ":", color=GREY, label="pushes")
+    axes.set_xlim(0.8 * at[0], 1.25 * at[-1])
+    positive = value[value > 0]
+    if len(positive):
+        axes.set_ylim(0.3 * positive.min(), 3.0 * positive.max())
+    axes.legend(loc="upper left")
+    plots.name(axes, "lag (s)", "squared displacement (mm²)", log="xy")
+
+
+def _memory(axes: Axes, measured: Measured) -> None:
+    """Correlations of velocity and of turning, each over its first value, with exponentials."""
+    longest = 0.0
+    for relaxed, look, name in ((measured.velocity, SERIES[0], "velocity"), (measured.turning, SERIES[1], "turning")):
+        curve = relaxed.correlation
+        if not len(curve.at) or not curve.value[0] > 0.0 or relaxed.time.value is None:
+            continue
+        shown = curve.at <= max(SHOWN * relaxed.time.value, 6.0 * measured.interval)
+        longest = max(longest, float(curve.at[shown][-1]))
+        _correlation(axes, relaxed, int(shown.sum()), look, name)
+    plots.level(axes)
+    if longest:
+        axes.set_xlim(-0.02 * longest, 1.02 * longest)
+        axes.legend(loc="upper right")
+    plots.name(axes, "lag (s)", "correlation")
+
+
+def _correlation(axes: Axes, relaxed: Relaxation, shown: int, look: Look, name: str) -> None:
+    """First points of a correlation, and its exponential."""
+    at, value, se = (part[:shown] for part in relaxed.correlation)
+    first, time = value[0], relaxed.time.value
+    plots.points(axes, (at, value / first, se / first), look, f"of {name}")
+    if relaxed.resolved and time:
+        fine = np.linspace(0.0, float(at[-1]), 200)
+        height = relaxed.deviation**2 / first
+        axes.plot(fine, height * np.exp(-fine / time), color=look.colour, lw=0.8, label=f"exp(-t / {time:.2g} s)")
+
+
+def _delay(axes: Axes, card: Card, measured: Measured) -> None:
+    """Delay function measured, and that of a particle with the card's numbers."""
+    function = measured.delay.function
+    stride = max(len(function.at) // DELAYS, 1)
+    at, value, se = (part[::stride] for part in function)
+    plots.level(axes)
+    plots.name(axes, "lag (s)", "delay function (mm/s)")
+    if not len(at):
+        return
+    plots.points(axes, (at, value, se), label="measured")
+    time = card.velocity_relaxation_s.number
+    if time > 0.0:
+        fine = np.linspace(0.0, float(at[-1]), 300)
+        rate, turn = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
+        expected = delay.expected(fine, card.propulsion_mm_s, rate, turn, time)
+        axes.plot(fine, expected, color=FITTED.colour, label="card: inertia alone")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.2 * (high - low))
+    axes.legend(loc="upper right", ncols=2)
+
+
+@style()
+def of_walls(card: Card, walled: Walled) -> Figure:
+    """Draw how often a walker stands to a wall at each angle, and how it turns there."""
+    figure, (often, turns) = panels_of(f"{card.name} by the wall of {walled.dish.words}", (1.6, 1.9))
+    by_wall = walled.by_wall
+    angles = np.degrees(by_wall.angles)
+    edges = np.linspace(-180.0, 180.0, len(angles) + 1)
+    often.stairs(by_wall.density, edges, color=MEASURED.colour, fill=True, alpha=0.6)
+    seen = np.isfinite(by_wall.rates) & np.isfinite(by_wall.rates_se)
+    plots.points(turns, (angles[seen], by_wall.rates[seen], by_wall.rates_se[seen]))
+    plots.level(turns)
+    turns.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 90))
+    plots.name(often, y="density (1/rad)")
+    plots.name(turns, "heading from the way out (deg)", "turning by it (rad/s)")
+    return figure

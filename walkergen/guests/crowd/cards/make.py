@@ -1,0 +1,145 @@
+"""Card of a walker: measured, judged, and written as JSON, a page and inputs for other programs."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from walkergen.analysis.track_files import Units
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.files import web_page
+from walkergen.guests.crowd.cards import card as cards
+from walkergen.guests.crowd.cards import inputs, overdamped, report, walker_motion, walled
+from walkergen.guests.crowd.cards.card import Card, measured
+from walkergen.guests.crowd.cards.report import CardReport
+from walkergen.guests.crowd.cards.walker_motion import Measured
+from walkergen.readers.walkers import seen_above
+
+FILE = "card.json"
+
+
+def folder_of(design: Design) -> Path:
+    """Folder of a card by default: below out/ and the walker's name."""
+    return Path("out") / design.name / f"card_{names.part(design)}"
+
+
+def of_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
+    """Card of simulated runs of a walker alone, and if wanted against the wall of the scene's dish.
+
+    Raises InputError before or after they run.
+    """
+    mass = solids.mass_of(design)
+    if walls:
+        walled.check(scene.crowd.dish)
+    motion = walker_motion.simulated(scene, design, mass, progress)
+    card = card_of(scene, design, mass, motion)
+    if not walls:
+        return report.of(card, motion)
+    by_wall = walled.simulated(scene, design, mass, card.speed_mm_s, progress)
+    numbers = {
+        "wall_alignment": by_wall.by_wall.alignment,
+        "wall_turning_rad_s": by_wall.by_wall.turning,
+        "wall_torque_g_mm2_s2": walled.torque(by_wall.by_wall.turning, motion.turning.time, card.inertia_g_mm2),
+    }
+    known = {field: _known(field, number, by_wall.runs) for field, number in numbers.items()}
+    return report.of(card.model_copy(update=known), motion, by_wall)
+
+
+def of_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
+    """Card of filmed walkers of a design, on the plate of a scene. Raises InputError."""
+    motion = walker_motion.filmed(path, units, scene)
+    return report.of(card_of(scene, design, solids.mass_of(design), motion), motion)
+
+
+def of_file(path: Path) -> CardReport:
+    """Card that was written before, or by hand. Raises InputError for what is none."""
+    return report.of(cards.read(path), None)
+
+
+def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured) -> Card:
+    """Card of a walker whose motion was measured.
+
+    Raises InputError where one of the numbers that every card has is not known.
+    """
+    found = motion.motion.estimates
+    needed = {
+        "speed_mm_s": ("speed", found["speed"]),
+        "velocity_relaxation_s": ("relaxation", motion.velocity.time),
+        "turning_rad_s": ("mean turning", found["turning_bias"]),
+        "rotational_diffusion_rad2_s": ("rotational diffusion", found["rotational_diffusion"]),
+        "translational_diffusion_mm2_s": ("translational diffusion", motion.translation),
+    }
+    other = {
+        "turning_sd_rad_s": found["turning_scatter"],
+        "sideways_relaxation_s": motion.sideways,
+        "turning_relaxation_s": motion.turning.time,
+        "delay_s": motion.delay.mean,
+        "sideways_mm_s": found["sideways_speed"],
+        "self_alignment_per_mm": motion.aligning,
+    }
+    for what, number in needed.values():
+        if number.value is None:
+            raise InputError(f"the {what} is not known: {number.refused}; ‹runs=›16, or more tracks")
+    numbers: dict[str, Any] = {
+        field: _known(field, number, motion.runs)
+        for field, number in [*((field, number) for field, (_, number) in needed.items()), *other.items()]
+    }
+    away = walker_motion.centre(mass)
+    outline = [contour - away for contour in seen_above.outline_of(design, mass)]
+    length = float(np.ptp(np.concatenate(outline)[:, 0]))
+    speed, turning, rotation = (found[key] for key in ("speed", "turning_bias", "rotational_diffusion"))
+    return Card(
+        name=design.name,
+        scene=scene.name,
+        mass_g=float(mass.total),
+        inertia_g_mm2=walker_motion.inertia(mass),
+        outline_mm=[[[float(x), float(y)] for x, y in contour] for contour in outline],
+        restitution=scene.crowd.restitution,
+        friction=scene.crowd.friction,
+        wall_restitution=scene.arena.wall_restitution,
+        wall_friction=scene.arena.wall_friction,
+        overdamped=overdamped.judge(speed, turning, rotation, motion.velocity, length),
+        **numbers,
+    )
+
+
+def _known(field: str, number: Quantity, runs: int) -> Quantity | None:
+    """Number of a field of a card; None where it is not known."""
+    if number.value is None:
+        return None
+    return measured(field, float(number.value), None if number.se is None else float(number.se), runs)
+
+
+def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:
+    """Write card.json, tables, page, figure and inputs for other programs into a folder."""
+    result = replace(result, folder=folder)
+    with Folder(folder) as target:
+        target.write(FILE, cards.to_json(result.card))
+        result.write(target, pictures)
+        target.write("card.html", page(result, pictures))
+        for name, text in inputs.all_of(result.card).items():
+            target.write(name, text)
+        target.finish(dict(asked))
+    return result
+
+
+def page(result: CardReport, pictures: bool) -> bytes:
+    """Return one HTML file with tables and notes, and figures if `pictures` are wanted."""
+    parts = [web_page.from_markdown(result.markdown())]
+    if pictures:
+        from walkergen.files import figures  # brings matplotlib
+
+        for draw in result.figures.values():
+            address = web_page.data_url("image/png", figures.png(draw()))
+            parts.append(Markup('<img alt="{}: figure" src="{}">').format(result.title, address))
+    return web_page.render(result.title, Markup("\n").join(parts), ("part.css", "page.css")).encode()

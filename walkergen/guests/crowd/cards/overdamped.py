@@ -1,0 +1,71 @@
+"""Whether a model without inertia is enough: what a walker's numbers say, and what others saw.
+
+While a velocity relaxes a walker turns by a share of its direction, and coasts over a share of its
+length. Where both are small, a model in which the velocity follows the heading at once has the same
+places, and walkers that meet stop as if they had no mass.
+"""
+
+import math
+
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Quantity, Verdict
+from walkergen.guests.crowd.cards.card import Overdamped
+from walkergen.guests.crowd.cards.relaxation import Relaxation
+
+LIMIT = 0.1
+"""Share of a direction or a length below which it is neglected: our choice, about the error of the
+numbers themselves."""
+
+SOURCES = (
+    "Scholz, Jahanshahi, Ldov, Loewen (Nat. Commun. 9, 5156, 2018) saw velocities of printed "
+    "vibrobots lag behind their headings, which a Langevin model with inertia explains; Caprini, "
+    "Breoni, Ldov, Scholz, Loewen (arXiv 2406.01038) saw inertia let them bounce back and hinder "
+    "their clusters"
+)
+"""What was found of printed walkers, by those who filmed them."""
+
+
+def judge(speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float) -> Overdamped:
+    """Judge by what a walker turns and coasts while its velocity relaxes."""
+    shares = shares_of(speed, turning, rotation, velocity, length_mm)
+    reason = "; ".join(map(_stated, shares))
+    verdicts = {share.within(-math.inf, LIMIT) for share in shares}
+    if Verdict.DISAGREE in verdicts:
+        return Overdamped(enough=False, reason=reason)
+    if verdicts == {Verdict.AGREE}:
+        return Overdamped(enough=True, reason=reason)
+    return Overdamped(enough=None, reason=f"{reason}: too near to tell")
+
+
+def shares_of(
+    speed: Quantity, turning: Quantity, rotation: Quantity, velocity: Relaxation, length_mm: float
+) -> tuple[Quantity, Quantity]:
+    """Share of its direction by which a walker turns, and of its length over which it coasts."""
+    time, time_se = velocity.time.number, velocity.time.se or 0.0
+    rate = rotation.number + abs(turning.number)
+    rate_se = math.hypot(rotation.se or 0.0, turning.se or 0.0)
+    pace = math.hypot(speed.number, math.sqrt(2.0) * velocity.deviation)
+    pace_se = abs(speed.number) / pace * (speed.se or 0.0) if pace else 0.0
+    turned_se = math.hypot(rate_se * time, rate * time_se)
+    coasted_se = math.hypot(pace_se * time, pace * time_se) / length_mm
+    freedom = velocity.time.freedom
+    return (
+        Quantity("turned while its velocity relaxes, rad", "", rate * time, turned_se, freedom),
+        Quantity("coasted meanwhile, in lengths of its body", "", pace * time / length_mm, coasted_se, freedom),
+    )
+
+
+def _stated(share: Quantity) -> str:
+    """Share with its error, and on which side of the limit it is."""
+    side = "above" if share.number > LIMIT else "below"
+    return f"{share.key}: {words.with_error(share.number, share.se or 0.0)}, {side} {LIMIT:g}"
+
+
+def in_words(verdict: Overdamped) -> str:
+    """Verdict as a sentence."""
+    answer = {
+        True: "is enough for this walker",
+        False: "is not enough for this walker",
+        None: "may or may not be enough for this walker",
+    }[verdict.enough]
+    return f"a model without inertia {answer}: {verdict.reason}"

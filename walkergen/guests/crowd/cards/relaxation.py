@@ -1,0 +1,346 @@
+"""Relaxation: how long the velocity of a walker, or its rate of turning, remembers a push.
+
+A walker of mass m in friction gamma follows its heading e by m dv/dt = gamma (v0 e - v) + noise,
+an active Brownian particle with inertia (Scholz, Jahanshahi, Ldov, Loewen, Nat. Commun. 9, 5156,
+2018); so does its rate of turning its mean. The part of the velocity that the heading explains, as
+a velocity follows it, is taken off each walker; the rest, its correlation and its spread, tell the
+time of relaxation m / gamma and the diffusion.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import optimize, signal
+
+from walkergen.analysis import lagged, moments, walks
+from walkergen.analysis.estimates import FEWEST_SAMPLES, quantity, refusal
+from walkergen.analysis.motion import Curve
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.turning import PIECES
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+FALLEN = math.exp(-1.0)
+"""Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles
+of one walker, times scatter by as much as their errors say."""
+
+FINE, FINEST = 4, 40
+"""Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
+
+SETTLED = 3.0
+"""Times of relaxation after which a walker's first velocity, which nobody knows, is forgotten."""
+
+SAMPLES, ROUNDS = 16, 4
+"""Samples that tracks of few walkers are cut into, at least; repetitions that find the time of
+relaxation with which headings are followed (of five walkers all agreed to 1e-4 after three)."""
+
+MOST_LAGS = 1000
+
+VELOCITY, DIFFUSION = "velocity_relaxation", "translational_diffusion"
+"""Names of what a velocity tells."""
+
+
+class Relaxation(NamedTuple):
+    """Fluctuations of a velocity or of a rate of turning about what is expected."""
+
+    time: Quantity
+    """Time in which a push is forgotten, s; refused where data are too few."""
+    resolved: bool
+    """Whether it is longer than a sample. If not, it is the one with which spread and diffusion
+    agree, and a sample is what bounds it."""
+    deviation: float
+    """Standard deviation of the fluctuations at an instant, of each axis."""
+    noise: float
+    """Standard deviation of the noise of each place, mm, or heading, rad; 0 where places are
+    exact."""
+    correlation: Curve
+    """Their correlation by lag, of each axis, in the square of their unit."""
+
+
+def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Quantity]:
+    """Relaxation of the velocity (mm/s), and translational diffusion (mm^2/s) of each axis.
+
+    Tracks have headings; `exact` says that places have no noise, as of a simulation.
+    """
+    seconds, size = 0.0, max(len(track.position) for track in tracks.tracks) // PIECES
+    relaxed, diffusion = _unknown(VELOCITY, "no walker has a heading"), refusal(DIFFUSION, "")
+    for _ in range(ROUNDS):
+        followed = [_followed(track, seconds / tracks.interval) for track in tracks.tracks]
+        skip = math.ceil(SETTLED * seconds / tracks.interval)
+        rest = [
+            _unexplained(track, unit, skip, tracks.interval)
+            for track, unit in zip(tracks.tracks, followed, strict=True)
+        ]
+        diffusion = _diffusion(tracks, followed, skip, size, seconds)
+        relaxed = fluctuations(VELOCITY, rest, tracks.interval, exact, diffusion)
+        found = relaxed.time.value
+        if found is None or abs(found - seconds) < 1e-3 * seconds:
+            break
+        seconds = found
+    piece = size * tracks.interval
+    if (relaxed.time.value or 0.0) > piece:
+        reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
+        relaxed = _unknown(VELOCITY, f"{reason}: longer runs, or film for longer")
+    if relaxed.time.value is None:
+        diffusion = refusal(DIFFUSION, relaxed.time.refused)
+    if relaxed.noise and diffusion.value is not None:
+        raised = relaxed.noise**2 / piece
+        diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
+    return relaxed, diffusion
+
+
+def along(tracks: Tracks, exact: bool, both: Relaxation, diffusion: Quantity) -> Relaxation:
+    """Relaxation of the velocity along the heading that a walker had, once that of both axes is known."""
+    rests, ahead = [], []
+    for track in tracks.tracks:
+        rest, middle, _ = _beside_its_heading(track, both.time.value or 0.0, tracks.interval)
+        rests.append(rest)
+        ahead.append((rest * np.conj(middle)).real * middle)
+    return fluctuations(VELOCITY, rests, tracks.interval, exact, diffusion, axes=1, parts=ahead)
+
+
+def turning(tracks: Tracks, exact: bool, diffusion: Quantity) -> Relaxation:
+    """Relaxation of the rate of turning (rad/s) with this diffusion of the heading, rad^2/s."""
+    rates = []
+    for track in tracks.tracks:
+        unit = np.exp(1j * _headings(track))
+        turned = np.angle(unit[1:] * np.conj(unit[:-1])) / tracks.interval
+        rates.append((turned - np.nanmean(turned)).astype(complex))
+    return fluctuations("turning_relaxation", rates, tracks.interval, exact, diffusion, axes=1)
+
+
+def leaning(tracks: Tracks, relaxed: float) -> Quantity:
+    """Velocity to the left that goes with a rate of turning to the left, mm/s by rad/s.
+
+    Of what the heading does not explain, with velocities that relax within `relaxed` s. A walker
+    that turns about a point so far behind its centre has this much; noise of headings lowers it.
+    """
+    rows = []
+    for track in tracks.tracks:
+        rest, middle, turned = _beside_its_heading(track, relaxed, tracks.interval)
+        if not len(rest) or np.isnan(turned).all():
+            continue
+        rate, left = (turned - np.nanmean(turned)) / tracks.interval, (rest * np.conj(middle)).imag
+        rows.append((np.nansum(left * rate), np.nansum(rate[~np.isnan(left)] ** 2)))
+    sums = np.array(rows, dtype=float).reshape(-1, 2)
+    if len(sums) < FEWEST_SAMPLES or not (sums[:, 1] > 0).any():
+        reason = f"{len(sums)} walkers that turn; at least {FEWEST_SAMPLES}"
+        return Quantity("leaning", "mm", None, refused=reason)
+    whole, others = sums.sum(axis=0), sums.sum(axis=0) - sums
+    se = float(statistics.jackknife_error((others[:, 0] / others[:, 1])[:, None])[0])
+    return Quantity("leaning", "mm", float(whole[0] / whole[1]), se, len(sums) - 1.0)
+
+
+def fluctuations(
+    key: str,
+    rest: Sequence[Complex],
+    interval: float,
+    exact: bool,
+    diffusion: Quantity,
+    axes: int = 2,
+    parts: Sequence[Complex] | None = None,
+) -> Relaxation:
+    """Relaxation, called `key`, of series about their means, each over `interval` s, of one axis or two.
+
+    Where a place has noise, neighbours share it: their correlation starts at the second lag. With `parts` of the
+    series, what is left of them later.
+    """
+    pieces = _samples(rest)
+    earlier = pieces if parts is None else _samples(parts)
+    length = max((len(piece) for piece in pieces), default=0)
+    longest = length // 4
+    lags = np.arange(min(longest, MOST_LAGS) + 1, dtype=np.int64)
+    first = 1 if exact else 2
+    if len(pieces) < FEWEST_SAMPLES or longest < first + 3 or diffusion.value is None:
+        few = (
+            f"{len(pieces)} independent samples of {length} intervals; at least "
+            f"{FEWEST_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
+        )
+        return _unknown(key, diffusion.refused or few)
+    sums = [lagged.crossed(part, piece, lags) for part, piece in zip(earlier, pieces, strict=True)]
+    # Each track's own mean was taken off: what that removed of every product.
+    seconds = float(np.mean([np.count_nonzero(~np.isnan(series)) for series in rest])) * interval
+    removed = 2.0 * diffusion.value / seconds
+    total, pairs = (np.sum(parts, axis=0) for parts in zip(*sums, strict=True))
+    whole, *without = [
+        (total - own).real / (axes * np.maximum(pairs - number, 1.0)) + removed for own, number in [(0.0, 0.0), *sums]
+    ]
+    errors = statistics.jackknife_error(np.array(without))
+    curve = Curve(interval * lags.astype(float), whole, errors)
+    fits = _fits([whole, *without], errors, interval, first)
+    if fits is not None and fits[0][1] > interval:
+        times = np.array([time for _, time in fits])
+        height, time = fits[0]
+        x = interval / time
+        variance = height * x**2 / (2.0 * (math.cosh(x) - 1.0))
+        at_once = variance * 2.0 * (x - 1.0 + math.exp(-x)) / x**2
+        noise = 0.0 if exact else interval * math.sqrt(max(whole[0] - at_once, 0.0) / 2.0)
+        se = float(statistics.jackknife_error(times[1:, None])[0])
+        relaxed = Quantity(key, "s", float(time), se, len(pieces) - 1.0)
+        return Relaxation(relaxed, True, math.sqrt(max(variance, 0.0)), noise, curve)
+    return _unresolved(key, whole[0], np.array(without)[:, 0], diffusion, interval, curve)
+
+
+def _unresolved(
+    key: str, square: float, squares: Array, diffusion: Quantity, interval: float, curve: Curve
+) -> Relaxation:
+    """Relaxation within a sample: the time with which spread and diffusion of an
+    Ornstein-Uhlenbeck process agree.
+    """
+    assert diffusion.value is not None
+    whole = _time_of(square, diffusion.value, interval)
+    others = [_time_of(own, diffusion.value, interval) for own in squares]
+    se = float(statistics.jackknife_error(np.array(others)[:, None])[0])
+    if diffusion.se is not None:
+        more = _time_of(square, diffusion.value + diffusion.se, interval)
+        se = math.hypot(se, more - whole)
+    deviation = math.sqrt(diffusion.value / whole) if whole else math.sqrt(max(square, 0.0))
+    relaxed = Quantity(key, "s", whole, se, len(squares) - 1.0)
+    return Relaxation(relaxed, False, deviation, 0.0, curve)
+
+
+def _time_of(square: float, diffusion: float, interval: float) -> float:
+    """Time of relaxation (s) of which means over `interval` have this mean square; 0: none has."""
+    ratio = square * interval / (2.0 * diffusion) if diffusion > 0 else 0.0
+    if not 0.0 < ratio < 1.0:
+        return 0.0
+
+    def excess(x: float) -> float:
+        return 1.0 + math.expm1(-x) / x - ratio
+
+    if excess(1e-6) > 0.0 or excess(1e9) < 0.0:
+        return 0.0
+    return interval / float(optimize.brentq(excess, 1e-6, 1e9))
+
+
+def _fits(values: Sequence[Array], errors: Array, interval: float, first: int) -> list[tuple[float, float]] | None:
+    """Height and time (s) of an exponential, of all samples and without each; None where none fits.
+
+    Fitted from the first lag to that at which the first values have fallen to FALLEN.
+    """
+    whole = values[0]
+    if not whole[first] > 3.0 * errors[first] > 0.0:
+        return None
+    low = np.flatnonzero(whole[first:] < FALLEN * whole[first])
+    end = first + (max(int(low[0]) + 1, 3) if len(low) else len(whole))
+    window = slice(first, min(end, len(whole)))
+    lag: Array = interval * np.arange(len(whole), dtype=float)[window]
+
+    def model(at: Array, height: float, rate: float) -> Array:
+        return np.asarray(height * np.exp(-rate * at))
+
+    start = float(whole[first]), 1.0 / (interval * end)
+    fits = []
+    for value in values:
+        fitted = walks.fit(model, lag, value[window], errors[window], start)
+        if fitted is None or not fitted[1] > 0.0:
+            return None
+        fits.append((float(fitted[0]), 1.0 / float(fitted[1])))
+    return fits
+
+
+def _samples(rest: Sequence[Complex]) -> list[Complex]:
+    """Independent samples: a track each, or pieces of the tracks of few walkers."""
+    long = [series for series in rest if len(series)]
+    if len(long) >= moments.ENOUGH_PARTICLES:
+        return long
+    cuts = math.ceil(SAMPLES / max(len(long), 1))
+    return [piece for series in long for piece in np.array_split(series, cuts) if len(piece)]
+
+
+def _headings(track: Track) -> Array:
+    """Headings of a track, rad; NaN where it has none."""
+    return np.full(len(track.position), np.nan) if track.heading is None else track.heading
+
+
+def _followed(track: Track, samples: float) -> Complex:
+    """Mean over each interval of a unit velocity that follows the heading within `samples` of them.
+
+    Headings turn steadily between samples, gaps included.
+    """
+    heading, count = _headings(track), len(track.position)
+    (known,) = np.nonzero(~np.isnan(heading))
+    if len(known) < 2:
+        return np.full(count - 1, np.nan, complex)
+    fine = min(max(FINE, math.ceil(FINE / samples) if samples else FINE), FINEST)
+    at = np.linspace(0.0, count - 1.0, (count - 1) * fine + 1)
+    unit = np.exp(1j * np.interp(at, known, np.unwrap(heading[known])))
+    if samples > 1.0 / FINEST:
+        kept = math.exp(-1.0 / (fine * samples))
+        half = [0.5 * (1.0 - kept)] * 2
+        start = signal.lfiltic(half, [1.0, -kept], unit[:1], unit[:1])
+        unit, _ = signal.lfilter(half, [1.0, -kept], unit, zi=start)
+    means = 0.5 * (unit[1:] + unit[:-1])
+    return np.asarray(means.reshape(count - 1, fine).mean(axis=1))
+
+
+def _unexplained(track: Track, followed: Complex, skip: int, interval: float) -> Complex:
+    """Velocity less the share of the `followed` one that fits best, mm/s."""
+    moved = np.diff(moments.planar(track))[skip:] / interval
+    unit = followed[skip:]
+    known = ~np.isnan(moved) & ~np.isnan(unit)
+    if not known.any():
+        return np.zeros(0, complex)
+    share = np.vdot(unit[known], moved[known]) / np.vdot(unit[known], unit[known]).real
+    return np.asarray(np.where(known, moved - share * unit, np.nan))
+
+
+def _beside_its_heading(track: Track, relaxed: float, interval: float) -> tuple[Complex, Complex, Array]:
+    """Of each interval the velocity that the heading does not explain, mm/s, its mean heading, and its turn, rad."""
+    skip = math.ceil(SETTLED * relaxed / interval)
+    rest = _unexplained(track, _followed(track, relaxed / interval), skip, interval)
+    heading = np.exp(1j * _headings(track))
+    turned = np.angle(heading[1:] * np.conj(heading[:-1]))[skip:]
+    return rest, (heading[skip:-1] * np.exp(0.5j * turned))[: len(rest)], turned
+
+
+def _diffusion(tracks: Tracks, followed: Sequence[Complex], skip: int, size: int, relaxed: float) -> Quantity:
+    """Diffusion (mm^2/s) of each axis, from what headings leave unexplained in pieces of tracks.
+
+    In each piece of t s that is 4 D t on average, once a share of the way along the headings is
+    fitted to all pieces of a walker; less what a time of relaxation takes off short pieces.
+    """
+    shares: list[Array] = []
+    for track, unit in zip(tracks.tracks, followed, strict=True):
+        ways, paths, seconds = _pieces(track, unit, skip, size, tracks.interval)
+        if len(ways) < 2:
+            continue
+        fitted = np.sum(np.conj(paths) * ways / seconds) / np.sum(np.abs(paths) ** 2 / seconds)
+        late = 1.0 + relaxed / seconds * np.expm1(-seconds / relaxed) if relaxed else 1.0
+        rest = np.abs(ways - fitted * paths) ** 2 / (4.0 * seconds * late)
+        shares.append(rest * len(ways) / (len(ways) - 1.0))
+    count = sum(len(own) - 1 for own in shares)
+    if count < FEWEST_SAMPLES:
+        reason = f"{count} independent pieces of tracks; at least {FEWEST_SAMPLES}: more runs, "
+        return refusal(DIFFUSION, f"{reason}or film for longer")
+    values = np.concatenate(shares)
+    se = float(values.std(ddof=1)) / math.sqrt(count)
+    return quantity(DIFFUSION, float(values.mean()), se, float(count))
+
+
+def _pieces(track: Track, followed: Complex, skip: int, size: int, interval: float) -> tuple[Complex, Complex, Array]:
+    """Ways of a track in pieces of about `size` samples, those along its heading, and times, s."""
+    place = moments.planar(track)
+    count = max((len(place) - 1 - skip) // max(size, 1), 0)
+    rows: list[tuple[complex, complex, float]] = []
+    for start, end in pairwise(np.linspace(skip, len(place) - 1, count + 1).astype(int)):
+        (seen,) = np.nonzero(~np.isnan(place[start : end + 1]))
+        if len(seen) < 2 or np.isnan(followed[start:end]).any():
+            continue
+        low, high = start + seen[0], start + seen[-1]
+        path = interval * followed[low:high].sum()
+        rows.append((place[high] - place[low], path, (high - low) * interval))
+    ways, paths, seconds = np.array(rows, dtype=complex).reshape(-1, 3).T
+    return ways, paths, seconds.real
+
+
+def _unknown(key: str, reason: str) -> Relaxation:
+    none = np.zeros(0)
+    return Relaxation(Quantity(key, "s", None, refused=reason), False, math.nan, 0.0, Curve(none, none, none))

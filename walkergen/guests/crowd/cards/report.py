@@ -1,0 +1,175 @@
+"""Report of a card: its numbers with errors, how they were found, and what is assumed."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from walkergen.core.files import words
+from walkergen.files import report
+from walkergen.files.report import Column, Report, Table
+from walkergen.guests.crowd.cards import overdamped, walls
+from walkergen.guests.crowd.cards.card import Card, runs_of
+from walkergen.guests.crowd.cards.walker_motion import Measured
+from walkergen.guests.crowd.cards.walled import Walled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NUMBERS = {
+    "speed_mm_s": ("speed along the heading", "mm/s"),
+    "sideways_mm_s": ("velocity to its left", "mm/s"),
+    "velocity_relaxation_s": ("velocity along the heading relaxes within", "s"),
+    "sideways_relaxation_s": ("velocity across it relaxes within", "s"),
+    "delay_s": ("velocity lags by", "s"),
+    "translational_diffusion_mm2_s": ("translational diffusion D_T", "mm²/s"),
+    "turning_rad_s": ("mean turning rate", "rad/s"),
+    "turning_sd_rad_s": ("its spread, print to print", "rad/s"),
+    "turning_relaxation_s": ("turning relaxes within", "s"),
+    "rotational_diffusion_rad2_s": ("rotational diffusion D_R", "rad²/s"),
+    "self_alignment_per_mm": ("self-alignment, > 0 toward a push", "1/mm"),
+    "wall_alignment": ("alignment by a wall", ""),
+    "wall_turning_rad_s": ("turning along it", "rad/s"),
+    "wall_torque_g_mm2_s2": ("torque of the wall", "g mm²/s²"),
+}
+"""Names and units that people read, by the keys of a card; those of a wall only where runs against it tell them."""
+
+CONTACTS = ("restitution", "friction", "wall_restitution", "wall_friction")
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CardReport(Report):
+    """Card of a walker, with the motion that it is from."""
+
+    card: Card
+    measured: Measured | None
+    """None for a card that was read from a file."""
+    walled: Walled | None
+    """None for a walker that did not run against walls."""
+
+
+def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
+    """Report of a card; of one that was measured also how."""
+    about = [card.scene] if card.scene else []
+    about += [
+        f"{words.number(card.mass_g)} g",
+        f"{words.number(card.inertia_g_mm2)} g mm² about the vertical axis",
+        f"{words.number(card.length_mm)} mm long",
+    ]
+    draw: dict[str, Callable[[], Figure]] = {}
+    if measured is not None:
+        draw["card"] = partial(_draw, card, measured)
+    if walled is not None:
+        draw["walls"] = partial(_draw_walls, card, walled)
+    notes = list(_notes(card, measured, walled))
+    contacts = [(key, getattr(card, key)) for key in CONTACTS]
+    assumed = report.every(("quantity", "assumed"), ("quantity",))
+    return CardReport(
+        name="card",
+        title=f"Card of {card.name}",
+        caption=", ".join(about),
+        tables=[
+            _table(card, measured),
+            Table("contacts", contacts, ("quantity", "assumed"), assumed, "Contacts, as the scene has them"),
+        ],
+        facts={"card": card.model_dump(mode="json"), "notes": notes},
+        lines=[f"{note}." for note in notes],
+        figures=draw,
+        card=card,
+        measured=measured,
+        walled=walled,
+    )
+
+
+def _table(card: Card, measured: Measured | None) -> Table:
+    """Numbers of a card; a note says why one is not known, or why less is known of it."""
+    notes = {} if measured is None else _reasons(measured)
+    rows = []
+    for key in NUMBERS:
+        number, note = getattr(card, key), notes.get(key, "")
+        if number is not None:
+            rows.append((key, number.value, number.se, runs_of(number), note))
+        elif not key.startswith("wall_"):
+            rows.append((key, None, None, None, note or "not known"))
+
+    def value(row: tuple[str, float | None, float | None, int | None, str]) -> str:
+        _, value, se, _, note = row
+        if value is None:
+            return note
+        return words.with_error(value, se or 0.0) + (f" ({note})" if note else "")
+
+    columns = (
+        Column("", lambda row: NUMBERS[row[0]][0]),
+        Column("", lambda row: NUMBERS[row[0]][1]),
+        Column("value ± standard error", value),
+        Column("runs", lambda row: "" if row[3] is None else str(row[3]), right=True),
+    )
+    return Table("card", rows, ("quantity", "value", "se", "runs", "note"), columns, "Motion of a walker alone")
+
+
+def _reasons(measured: Measured) -> dict[str, str]:
+    """Why numbers are not known, or what bounds them."""
+    found = measured.motion.estimates
+    reasons = {
+        "delay_s": measured.delay.mean.refused,
+        "turning_sd_rad_s": found["turning_scatter"].refused,
+        "sideways_mm_s": found["sideways_speed"].refused,
+        "sideways_relaxation_s": measured.sideways.refused,
+        "turning_relaxation_s": measured.turning.time.refused,
+        "self_alignment_per_mm": measured.aligning.refused,
+    }
+    for key, relaxed in (("velocity_relaxation_s", measured.velocity), ("turning_relaxation_s", measured.turning)):
+        if relaxed.time.value is not None and not relaxed.resolved:
+            reasons[key] = f"not resolved: below {words.number(measured.interval)} s"
+    return reasons
+
+
+def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iterator[str]:
+    """Whether a model without inertia is enough, how numbers were measured, and what is assumed."""
+    if card.overdamped is not None:
+        yield overdamped.in_words(card.overdamped)
+        yield overdamped.SOURCES
+    if measured is not None:
+        yield from measured.notes
+        yield from _of_motion(measured)
+    if walled is not None:
+        low, high = (round(math.degrees(angle)) for angle in walls.ASKEW)
+        yield (
+            f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
+            "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
+            f"turning and torque are those of walkers that run against it at {low} to {high} degrees"
+        )
+    yield (
+        "restitution and friction of contacts are those of the scene ([crowd], [arena]), assumed, "
+        "not measured; outlines are those of bodies, legs left out"
+    )
+
+
+def _of_motion(measured: Measured) -> Iterator[str]:
+    """Method of speeds and their errors, and what a delay was found with."""
+    yield measured.motion.method
+    yield (
+        f"velocities fluctuate by {words.number(measured.velocity.deviation)} mm/s along the heading; the relaxation "
+        "is that of their correlation, once what the heading explains is taken off"
+    )
+    if measured.delay.mean.value is not None:
+        yield f"the delay is from the delay function up to {words.number(measured.delay.until)} s"
+    leaning = measured.leaning
+    if leaning.value is not None and leaning.se is not None:
+        yield (
+            f"pushes that turn it by 1 rad/s move it by {words.with_error(leaning.value, leaning.se)} mm/s to "
+            "the same side: above 0 its velocity leads the heading by them, which the delay counts"
+        )
+
+
+def _draw(card: Card, measured: Measured) -> "Figure":
+    from walkergen.guests.crowd.cards import figures
+
+    return figures.of_card(card, measured)
+
+
+def _draw_walls(card: Card, walled: Walled) -> "Figure":
+    from walkergen.guests.crowd.cards import figures
+
+    return figures.of_walls(card, walled)

@@ -1,0 +1,215 @@
+"""Numbers of a card, from simulated runs of a walker alone or from tracks of films."""
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.analysis import alignment, doubts, motion, track_files, tracks
+from walkergen.analysis.estimates import ALIGNED
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.track_files import Units
+from walkergen.analysis.tracks import Tracks
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.files.progress import Progress
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import GRAVITY, Scene
+from walkergen.core.shapes.mesh import Array
+from walkergen.core.simulation import ensemble
+from walkergen.core.simulation.effects import swaying_plate
+from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core.walker import mass as masses
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.cards import delay, relaxation
+from walkergen.guests.crowd.cards.delay import Delay
+from walkergen.guests.crowd.cards.relaxation import Relaxation
+from walkergen.points import trajectory, walkers
+from walkergen.points.experiments import Walker
+
+PLANE = "plane-90hz"
+"""Scene of a card by default: a walker alone has to have room to turn."""
+
+SLOPE_DEG = 1.0
+"""Slope that pushes a walker aside, a sixtieth of its weight: about a fifth of what drives the paper's."""
+
+SLOPE = {"plate.slope_deg": SLOPE_DEG, "run.heading_deg": "uniform"}
+"""Keys of a scene whose walkers are pushed, whichever way they head."""
+
+RESOLVED = 0.75
+"""Part of a drive's period from which on frames are taken as they are: more of them in a period
+would show the bouncing."""
+
+
+class Measured(NamedTuple):
+    """Motion of walkers alone, sampled once in a period of the drive."""
+
+    motion: Motion
+    velocity: Relaxation
+    """Of the velocity along the heading."""
+    sideways: Quantity
+    """Time in which a push across it is forgotten, s; refused of films, in which nobody pushes."""
+    translation: Quantity
+    """Translational diffusion of each axis, mm^2/s."""
+    turning: Relaxation
+    aligning: Quantity
+    """Self-alignment, 1/mm; refused of films, in which nobody pushes."""
+    delay: Delay
+    leaning: Quantity
+    """Velocity to the left that goes with a rate of turning to the left, mm."""
+    interval: float
+    """Time between samples, s."""
+    runs: int
+    """Number of runs, or of filmed walkers."""
+    notes: tuple[str, ...]
+    """How it was measured, in words."""
+
+
+def simulated(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> Measured:
+    """Measure runs of a walker alone, each another print where the scene says so; and others of it on a slope.
+
+    Raises InputError for a scene in which it cannot turn, or whose plate sways, and where too few runs end well.
+    """
+    swaying_plate.refuse(scene, "a card is of plates that move up and down alike everywhere")
+    if scene.arena.kind != "plane":
+        raise InputError(
+            f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
+            f"‹scene=›{PLANE}, or ‹set› scene.arena.kind=plane"
+        )
+    own, ended = _runs(scene, design, mass, progress)
+    note = (
+        f"{len(own.tracks)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
+        f"({words.number(1e3 * own.interval)} ms), so that the bouncing itself is not seen: {ended}"
+    )
+    sloping, _ = _runs(scene.variant(**SLOPE), design, mass, progress)
+    groups = [[track] for track in sloping.tracks]
+    return of_tracks(own, True, (note,))._replace(
+        sideways=sideways(sloping, GRAVITY * math.sin(math.radians(SLOPE_DEG))),
+        aligning=alignment.of(groups, sloping.interval, 0.0)[ALIGNED[0]],
+    )
+
+
+def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress) -> tuple[Tracks, str]:
+    """Tracks of the centre of mass, of runs that ended well, and how all ended."""
+    experiment = Walker(scene, design, mass)
+    interval = 1.0 / experiment.shaken.frequency
+    trajectory.check(scene, interval, scene.run.runs)
+    results = walkers.simulate(experiment._replace(sample_interval=interval), progress)
+    if results.partial:
+        raise KeyboardInterrupt
+    good = [result for result in results.results if result.outcome in ENDED_WELL]
+    ended = ensemble.listed(results.summary.outcomes)
+    if not good:
+        raise InputError(f"no run ended well ({ended}): another scene, or other feet")
+    shift = centre(mass)
+    places = [moved(trajectory.sampled(result)[:, 1:4], shift) for result in good]
+    return tracks.of_places(places, interval, lane=False), ended
+
+
+def sideways(sloping: Tracks, force: float) -> Quantity:
+    """Time (s) in which a velocity across the heading forgets a push: what a push of `force` (mm/s^2) toward +x
+    makes of it, whichever way a walker heads. Fluctuations tell another time: pushes that turn it move it too.
+    """
+    rows = []
+    for track in sloping.tracks:
+        assert track.heading is not None
+        turned = np.diff(track.heading)
+        heading = track.heading[:-1] + 0.5 * turned
+        way = np.diff(track.position, axis=0) / sloping.interval
+        left, push = way[:, 1] * np.cos(heading) - way[:, 0] * np.sin(heading), -force * np.sin(heading)
+        rows.append([float(push @ left), float(push @ push), float(push.sum()), float(left.sum()), len(left)])
+    sums = np.array(rows)
+    whole = sums.sum(axis=0)
+    times = np.array([(a - c * d / n) / (b - c * c / n) for a, b, c, d, n in (whole, *(whole - sums))])
+    se = float(statistics.jackknife_error(times[1:, None])[0])
+    if not times[0] > 3.0 * se:
+        return Quantity("sideways_relaxation", "s", None, refused="headings turn too little: longer runs")
+    return Quantity("sideways_relaxation", "s", float(times[0]), se, len(rows) - 1.0)
+
+
+def filmed(path: Path, units: Units, scene: Scene) -> Measured:
+    """Measure tracks of a file; where frames are many in a period of the scene's drive, one is
+    taken of each.
+
+    Raises InputError for tracks without headings.
+    """
+    read = track_files.read(path, units)
+    if read.lane or all(track.heading is None for track in read.tracks):
+        raise InputError(
+            f"{path}: has no headings (theta or theta_rad), so that nobody knows how late a "
+            "velocity follows them; `track --heading mark` finds them"
+        )
+    stride = 1
+    if scene.drive.kind != "motor" and (period := 1.0 / scene.drive.frequency):
+        stride = max(round(period / read.interval), 1) if read.interval < RESOLVED * period else 1
+    notes = [f"{len(read.tracks)} walkers filmed", *([read.note] if read.note else [])]
+    if stride > 1:
+        notes.append(
+            f"every {stride}th frame, once in a period of the drive "
+            f"({scene.drive.frequency:g} Hz), so that the bouncing itself is not seen"
+        )
+    return of_tracks(_every(read, stride), False, tuple(notes))
+
+
+def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
+    """Measure tracks with headings; `exact` says that places have no noise."""
+    moved = motion.analyse(own)
+    both, translation = relaxation.velocity(own, exact)
+    velocity = relaxation.along(own, exact, both, translation)
+    rotation = moved.estimates["rotational_diffusion"]
+    turning = relaxation.turning(own, exact, rotation)
+    leaning = relaxation.leaning(own, both.time.value or 0.0)
+    reasons = () if exact else (*doubts.of(own), *moved.doubts)
+    return Measured(
+        moved,
+        velocity,
+        Quantity("sideways_relaxation", "s", None, refused="nobody pushes it aside"),
+        translation,
+        turning,
+        moved.estimates[ALIGNED[0]],
+        delay.measure(own),
+        leaning,
+        own.interval,
+        len(own.tracks),
+        (*notes, *reasons),
+    )
+
+
+def centre(mass: MassProperties) -> Array:
+    """Centre of mass seen from the place that a trajectory shows, forward and to the left, mm."""
+    return np.array([1.0, -1.0]) * _whole(mass)[0][[0, 2]]
+
+
+def inertia(mass: MassProperties) -> float:
+    """Moment of inertia about the vertical axis through the centre of mass, g mm^2."""
+    return float(_whole(mass)[1][1, 1])
+
+
+def _whole(mass: MassProperties) -> tuple[Array, Array]:
+    """Centre of mass from O at half depth, and inertia tensor about it."""
+    assert mass.spatial is not None
+    each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
+    return masses.joined(mass.spatial, mass.legs, each, centres)
+
+
+def moved(rows: Array, shift: Array) -> Array:
+    """Places and headings of a point that lies forward and to the left of those of `rows`."""
+    cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
+    x = rows[:, 0] + cos * shift[0] - sin * shift[1]
+    y = rows[:, 1] + sin * shift[0] + cos * shift[1]
+    return np.column_stack([x, y, rows[:, 2]])
+
+
+def _every(own: Tracks, stride: int) -> Tracks:
+    """Every so many frames of each track."""
+    thinned = tuple(
+        track._replace(
+            position=track.position[::stride], heading=None if track.heading is None else track.heading[::stride]
+        )
+        for track in own.tracks
+    )
+    return own._replace(tracks=thinned, interval=stride * own.interval)

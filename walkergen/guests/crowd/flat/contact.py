@@ -1,0 +1,127 @@
+"""Contacts of bodies in a plane: spring, dashpot and friction of touching discs.
+
+LAMMPS has no impact law that fixes the restitution of bodies of any shape: its dashpot takes more
+where the struck point is light. It is set for a typical point, at which both the mean over the
+outline and e agree; `tests/guests/crowd/test_flat_collisions.py` says how far e then strays from hit to hit.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.flat.discs import Discs, rim
+from walkergen.guests.crowd.flat.motion import Motion
+
+GIVE = 0.06
+"""Overlap of a typical head-on hit, as a share of the narrowest walker's widest disc's radius."""
+
+STEPS_IN_TOUCH = 12
+"""Steps in a contact of two typical points."""
+
+STEPS_IN_DAMPING = 4
+"""Least number of steps in which the dashpot of a contact fades a speed: several discs touch at once where faces meet.
+With two, as a restitution of 0.1 would have it, one of six dense crowds flew apart; with four none."""
+
+STEPS_IN_MEMORY = 100
+"""Least number of steps in which a velocity forgets a push."""
+
+SMALLEST, LARGEST = 0.05, 0.98
+"""Restitutions that a dashpot gives: below, it would need steps too short; above, it slips."""
+
+GRIP = 2.0
+"""Drag of a contact that sticks, over the root of stiffness and mass: stops sliding in a hit."""
+
+
+class Contact(NamedTuple):
+    """Forces of two touching discs, g/s^2 and g/s."""
+
+    stiffness: float
+    damping: float
+    """Of the approach."""
+    grip: float
+    """Of sliding, up to friction times the normal force."""
+    friction: float
+
+
+class Contacts(NamedTuple):
+    """Contacts of kinds of walkers, and the step that resolves them."""
+
+    pairs: dict[tuple[int, int], Contact]
+    """By numbers of kinds, the smaller first."""
+    walls: list[Contact]
+    """Of each kind with a wall."""
+    longest_step: float
+    """Seconds."""
+
+
+def restitution(zeta: float) -> float:
+    """Speed after over speed before, of a spring and a dashpot that never pull.
+
+    They part when the force is zero, as Schwager and Poeschel, Granular Matter 9, 465 (2007), ask.
+    zeta is the damping over its critical value 2 sqrt(k m).
+    """
+    if abs(zeta - 1.0) < 1e-6:
+        return math.exp(-2.0)
+    if zeta < 1.0:
+        return math.exp(-zeta / math.sqrt(1.0 - zeta**2) * (math.pi - 2.0 * math.asin(zeta)))
+    root = math.sqrt(zeta**2 - 1.0)
+    return math.exp(-zeta / root * math.log((zeta + root) / (zeta - root)))
+
+
+def damping_share(wanted: float) -> float:
+    """Damping over its critical value, of a restitution between SMALLEST and LARGEST."""
+    wanted = min(max(wanted, SMALLEST), LARGEST)
+    return float(brentq(lambda zeta: restitution(zeta) - wanted, 0.0, 10.0))
+
+
+def lightness(card: Card) -> float:
+    """Inverse mass at a typical point of the outline, across it, 1/g: the mean along it."""
+    edge = rim(card)
+    arms = edge.points[:, 0] * edge.inwards[:, 1] - edge.points[:, 1] * edge.inwards[:, 0]
+    return float(np.mean(1.0 / card.mass_g + arms**2 / card.inertia_g_mm2))
+
+
+def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs]) -> Contacts:
+    """Contacts of the kinds among each other and with walls."""
+    light = [lightness(card) for card in cards]
+    give = GIVE * min(float(body.radii.max()) for body in discs)
+    speed = max(2.0 * _approach(motion) for motion in motions)
+    stiffness = 1.0 / min(light) * (max(speed, 1.0) / give) ** 2
+    masses = {(i, j): 1.0 / (light[i] + light[j]) for i, j in combinations_with_replacement(range(len(cards)), 2)}
+    pairs = {
+        (i, j): _contact(
+            stiffness,
+            mass,
+            math.sqrt(cards[i].restitution * cards[j].restitution),
+            math.sqrt(cards[i].friction * cards[j].friction),
+        )
+        for (i, j), mass in masses.items()
+    }
+    walls = [
+        _contact(stiffness, 1.0 / one, card.wall_restitution, card.wall_friction)
+        for one, card in zip(light, cards, strict=True)
+    ]
+    touch = math.pi * math.sqrt(min(masses.values()) / stiffness)
+    memory = min(min(motion.relaxation, motion.sideways_relaxation, motion.turning_relaxation) for motion in motions)
+    fading = min(
+        *(mass / pairs[kinds].damping for kinds, mass in masses.items()),
+        *(1.0 / one / wall.damping for one, wall in zip(light, walls, strict=True)),
+    )
+    step = min(touch / STEPS_IN_TOUCH, fading / STEPS_IN_DAMPING, memory / STEPS_IN_MEMORY)
+    return Contacts(pairs, walls, step)
+
+
+def _approach(motion: Motion) -> float:
+    """Typical speed of a point at the radius of gyration, mm/s."""
+    speed, rate = motion.typical
+    return speed + rate * math.sqrt(motion.inertia / motion.mass)
+
+
+def _contact(stiffness: float, mass: float, wanted: float, friction: float) -> Contact:
+    root = math.sqrt(stiffness * mass)
+    return Contact(stiffness, 2.0 * damping_share(wanted) * root, GRIP * root, friction)

@@ -1,0 +1,67 @@
+"""One run of a crowd of cards in a plane: its LAMMPS input, or where everybody was.
+
+What is run is a crowd as `doors` has checked it. Here LAMMPS is a program like any other; with `files`
+it is another machine's.
+"""
+
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.files import output
+from walkergen.core.files.progress import Progress, silent
+from walkergen.guests.crowd.flat import deck, doors, dump, engine
+from walkergen.guests.crowd.flat.deck import Crowd
+
+Array = npt.NDArray[np.float64]
+
+
+class FlatRun(NamedTuple):
+    """Where N walkers were at F frames, the first at the start; nothing is discarded."""
+
+    times: Array
+    """s, shape (F,)."""
+    poses: Array
+    """x, y (mm) and heading (rad), shape (F, N, 3); neither wrapped."""
+
+
+def simulate(crowd: Crowd, ranks: int = 1, progress: Progress = silent) -> FlatRun:
+    """Run a crowd with LAMMPS and read back where its walkers were.
+
+    Equal crowds give the same, to the bit. `ranks` above 1 are processes of MPI. Progress counts frames. Its
+    files stand in a temporary folder that goes with the run. Raises InputError for LAMMPS absent, too old or
+    stopped; OutputError where the disk is full.
+    """
+    if ranks < 1:
+        raise doors.wrong("ranks", ranks, ">= 1")
+    program = engine.locate()
+    parts = deck.mechanics(crowd.cards)
+    stride = deck.steps_per_frame(crowd, parts)
+
+    def count(what: str, step: int, _: int) -> None:
+        progress(what, step // stride, crowd.frames - 1)
+
+    with tempfile.TemporaryDirectory(prefix="walkergen-crowd-") as place:
+        folder = Path(place)
+        for name, data in deck.files(crowd, parts).items():
+            output.write(folder / name, data)
+        engine.run(program, folder, deck.INPUT, ranks, count)
+        frames = dump.read(folder / deck.DUMP, len(crowd.places), crowd.frames)
+    return FlatRun(np.arange(crowd.frames) / crowd.rate_hz, frames.poses)
+
+
+def files(crowd: Crowd) -> dict[str, bytes]:
+    """LAMMPS input of the same run, by names of files, for a cluster: `lmp -in crowd.in`.
+
+    It needs no LAMMPS here. Its dump is read back by `read`.
+    """
+    return deck.files(crowd, deck.mechanics(crowd.cards))
+
+
+def read(path: Path, walkers: int, seconds: float, rate_hz: float) -> FlatRun:
+    """Dump that a cluster has made of the input of so many walkers, seconds and frames a second."""
+    count = deck.frames(seconds, rate_hz)
+    return FlatRun(np.arange(count) / rate_hz, dump.read(path, walkers, count).poses)

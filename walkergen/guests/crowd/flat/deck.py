@@ -1,0 +1,283 @@
+"""LAMMPS input of a crowd: what moves, how it meets, and when its places are written; as text.
+
+Every walker is a rigid body of discs (fix rigid/small) with the card's mass and inertia. A particle
+without size at C carries the push (fix propel/self), the noise and the drag (fix langevin), by
+which they act at C and as torque; one where a turn is wanted lies ahead of it and pushes sideways.
+Units are mm, g and s: `units lj` leaves all factors 1.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.dish import Dish
+from walkergen.guests.crowd.cards.card import Card
+from walkergen.guests.crowd.flat import contact, discs, motion
+
+Array = npt.NDArray[np.float64]
+Kinds = npt.NDArray[np.int64]
+
+INPUT, DATA, BODIES, DUMP = "crowd.in", "crowd.data", "crowd.bodies", "crowd.dump"
+"""Names of the files that LAMMPS reads, and of the one that it writes."""
+
+TOLERANCE = 0.025
+"""Bumps of a row of discs, as a share of the widest disc's radius of the narrowest walker."""
+
+FOREVER = 1e9
+"""Relaxation of the noise that only turns: of what it does to velocities nothing is left, s."""
+
+MARGIN = 20.0
+"""Room between the walls of a dish and the edge of the box, mm."""
+
+MOST_BINS = 500
+"""Most neighbour bins along a side of the box."""
+
+
+class Crowd(NamedTuple):
+    """What one run is about."""
+
+    cards: Sequence[Card]
+    kinds: Kinds
+    """Number of each walker's card, shape (N,)."""
+    dish: Dish
+    places: Array
+    """x, y (mm) and heading (rad) of each walker, shape (N, 3)."""
+    turning: Array
+    """Mean turning rate of each walker, rad/s, shape (N,)."""
+    seconds: float
+    rate_hz: float
+    seed: int
+    running: bool = False
+    """Whether they start at the speeds and rates of their cards; else at rest, as walkers in space do."""
+
+    @property
+    def frames(self) -> int:
+        """Frames that are written, the first at the start."""
+        return frames(self.seconds, self.rate_hz)
+
+
+def frames(seconds: float, rate_hz: float) -> int:
+    """Frames in a time, the first at the start."""
+    return math.floor(seconds * rate_hz + 1e-9) + 1
+
+
+class Mechanics(NamedTuple):
+    """What the cards come to in LAMMPS, by kind."""
+
+    motions: list[motion.Motion]
+    discs: list[discs.Discs]
+    contacts: contact.Contacts
+
+
+def tolerance(cards: Sequence[Card]) -> float:
+    """How finely discs follow outlines, mm."""
+    return TOLERANCE * min(discs.widest(card) for card in cards)
+
+
+def mechanics(cards: Sequence[Card]) -> Mechanics:
+    """Forces, discs and contacts of the cards."""
+    motions = [motion.of(card) for card in cards]
+    bodies = [discs.cover(card, tolerance(cards)) for card in cards]
+    return Mechanics(motions, bodies, contact.of(cards, motions, bodies))
+
+
+def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
+    """Steps between two frames."""
+    return max(1, math.ceil(1.0 / (crowd.rate_hz * parts.contacts.longest_step)))
+
+
+def files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
+    """Files by name: the input, the particles and the bodies. The same crowd gives the same."""
+    texts = {INPUT: _input(crowd, parts), DATA: _data(crowd, parts), BODIES: _bodies(crowd, parts)}
+    return {name: text.encode("ascii") for name, text in texts.items()}
+
+
+# Types of particles: 1..K at C, by kind; K + 1 the sideways push; then discs by kind
+
+
+def _input(crowd: Crowd, parts: Mechanics) -> str:
+    """The input script."""
+    count = len(crowd.cards)
+    stride = steps_per_frame(crowd, parts)
+    step = 1.0 / (crowd.rate_hz * stride)
+    widest = max(float(body.radii.max()) for body in parts.discs)
+    skin = 0.4 * widest
+    reach = max(body.reach for body in parts.discs)
+    bins = max(widest + 0.5 * skin, 2.0 * max(_half_box(crowd, parts)) / MOST_BINS)
+    lines = [
+        f"# {len(crowd.places)} walkers in {crowd.dish.words}; mm, g, s",
+        "units lj",
+        "dimension 2",
+        f"boundary {'p p p' if crowd.dish.period else 'f f p'}",
+        "atom_style hybrid sphere dipole ellipsoid",
+        "atom_modify map array sort 0 0.0",  # sorted by place, the discs of a body would lie apart in memory
+        f"comm_modify vel yes cutoff {_n(max(reach, 2.0 * widest) + 2.0 * skin)}",
+        "processors * * 1",
+        "newton on",
+        "fix member all property/atom mol ghost yes",
+        f"read_data {DATA} fix member NULL Molecules",
+        f"group core type {_span(1, count)}",
+        f"group points type {_span(1, count + 1)}",
+        *(f"set type {k + 1} mass {_n(parts.motions[k].mass)}" for k in range(count)),
+        f"neighbor {_n(skin)} bin",
+        f"neigh_modify delay 0 every 1 check yes binsize {_n(bins)}",
+        "neigh_modify exclude molecule/intra all",
+        "neigh_modify exclude group points all",
+        "pair_style granular",
+        f"pair_coeff * * {_law(next(iter(parts.contacts.pairs.values())))}",
+        *(f"pair_coeff {count + 2 + i} {count + 2 + j} {_law(one)}" for (i, j), one in parts.contacts.pairs.items()),
+        f"fix body all rigid/small molecule infile {BODIES}",
+        *_walls(crowd, parts),
+        "fix push points propel/self dipole 1.0",
+        "compute heading core property/atom quatw quatk",
+        *_noise(crowd, parts),
+        *_sideways(parts),
+        "fix plane all enforce2d",
+        f"dump track core custom {stride} {DUMP} id xu yu c_heading[1] c_heading[2]",
+        "dump_modify track sort id format float %.10g",
+        f"timestep {_n(step)}",
+        f"thermo {stride * max(1, crowd.frames // 200)}",
+        "thermo_style custom step",
+        f"run {stride * (crowd.frames - 1)}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _law(one: contact.Contact) -> str:
+    """Contact as pair granular and fix wall/gran write it."""
+    return (
+        f"hooke {_n(one.stiffness)} {_n(one.damping)} damping velocity tangential "
+        f"linear_nohistory {_n(one.grip / one.damping)} {_n(one.friction)} limit_damping"
+    )
+
+
+def _walls(crowd: Crowd, parts: Mechanics) -> list[str]:
+    """Walls of the dish, which discs of each kind meet in their way."""
+    kind, sizes, count = crowd.dish.kind, crowd.dish.sizes, len(crowd.cards)
+    lines: list[str] = []
+    if kind == "ring":
+        lines.append(f"region inner cylinder z 0 0 {_n(0.5 * sizes[1])} INF INF side out")
+    for k in range(count):
+        law = f"granular {_law(parts.contacts.walls[k])}"
+        lines.append(f"group kind{k + 1} type {count + 2 + k}")
+        if kind == "rectangle":
+            for axis, size in zip("xy", sizes, strict=True):
+                half = _n(0.5 * size)
+                lines.append(f"fix wall{axis}{k + 1} kind{k + 1} wall/gran {law} {axis}plane -{half} {half}")
+        elif kind in ("disc", "ring"):
+            radius = _n(0.5 * sizes[0])
+            lines.append(f"fix outer{k + 1} kind{k + 1} wall/gran {law} zcylinder {radius}")
+        if kind == "ring":
+            lines.append(f"fix inner{k + 1} kind{k + 1} wall/gran/region {law} region inner")
+    return lines
+
+
+def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
+    """Drag and noise of each kind: on velocities, and on turning rates."""
+    lines = []
+    for k, one in enumerate(parts.motions):
+        first, second = np.random.SeedSequence([crowd.seed, k]).generate_state(2) % 899_999_999
+        lines += [
+            f"group core{k + 1} type {k + 1}",
+            f"fix drag{k + 1} core{k + 1} langevin {_n(one.heat)} {_n(one.heat)} {_n(one.relaxation)} {first + 1}",
+            f"fix turn{k + 1} core{k + 1} langevin {_n(one.spin_heat)} {_n(one.spin_heat)} "
+            f"{_n(FOREVER)} {second + 1} angmom {_n(FOREVER / one.turning_relaxation)}",
+        ]
+    return lines
+
+
+def _sideways(parts: Mechanics) -> list[str]:
+    """What drag across the heading has more than drag along it, of each kind where they differ."""
+    lines = [
+        'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
+        'variable sine atom "2.0*c_heading[1]*c_heading[2]"',
+        'variable left atom "vy*v_cosine - vx*v_sine"',
+    ]
+    for k, one in enumerate(parts.motions):
+        more = one.mass / one.sideways_relaxation - one.mass / one.relaxation
+        if more:
+            lines += [
+                f'variable sidex{k + 1} atom "{_n(more)}*v_left*v_sine"',
+                f'variable sidey{k + 1} atom "{_n(-more)}*v_left*v_cosine"',
+                f"fix side{k + 1} core{k + 1} addforce v_sidex{k + 1} v_sidey{k + 1} 0.0",
+            ]
+    return lines if len(lines) > 3 else []
+
+
+def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
+    """Half the box along x and y, mm."""
+    room = 0.0 if crowd.dish.period else MARGIN + 2.0 * max(one.reach for one in parts.discs)
+    length, width = crowd.dish.box
+    return 0.5 * length + room, 0.5 * width + room
+
+
+def _data(crowd: Crowd, parts: Mechanics) -> str:
+    """Particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
+    count = len(crowd.cards)
+    atoms: list[str] = []
+    ellipsoids: list[str] = []
+    members: list[str] = []
+    for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
+        one, body = parts.motions[k], parts.discs[k]
+        lever = math.sqrt(one.inertia / one.mass)
+        aside = one.inertia * crowd.turning[number - 1] / one.turning_relaxation / lever
+        c, s = math.cos(angle), math.sin(angle)
+        rows = [(k + 1, 0.0, 0.0, 0.0, one.push, -aside), (count + 1, lever, 0.0, 0.0, 0.0, aside)]
+        rows += [
+            (count + 2 + k, u, v, 2.0 * radius, 0.0, 0.0)
+            for (u, v), radius in zip(body.places, body.radii, strict=True)
+        ]
+        for row, (kind, u, v, diameter, ahead, left) in enumerate(rows):
+            name = len(atoms) + 1
+            place = f"{_n(x + c * u - s * v)} {_n(y + s * u + c * v)} 0"
+            force = f"{_n(c * ahead - s * left)} {_n(s * ahead + c * left)} 0"
+            atoms.append(f"{name} {kind} {place} {_n(diameter)} 1 0 {force} {int(row == 0)}")
+            members.append(f"{name} {number}")
+        # A ball of this radius and the walker's mass has the walker's inertia
+        size = _n(2.0 * math.sqrt(2.5) * lever)
+        ellipsoids.append(
+            f"{len(atoms) - len(rows) + 1} {size} {size} {size} "
+            f"{_n(math.cos(0.5 * angle))} 0 0 {_n(math.sin(0.5 * angle))}"
+        )
+    half = _half_box(crowd, parts)
+    head = [
+        "Particles of a crowd",
+        "",
+        f"{len(atoms)} atoms",
+        f"{2 * count + 1} atom types",
+        f"{len(ellipsoids)} ellipsoids",
+        *(f"-{_n(h)} {_n(h)} {a}lo {a}hi" for h, a in zip(half, "xy", strict=True)),
+        "-0.5 0.5 zlo zhi",
+    ]
+    sections = {"Atoms": atoms, "Ellipsoids": ellipsoids, "Molecules": members}
+    tail = [line for name, rows in sections.items() for line in ("", name, "", *rows)]
+    return "\n".join([*head, *tail]) + "\n"
+
+
+def _bodies(crowd: Crowd, parts: Mechanics) -> str:
+    """Mass, centre, inertia, velocity and angular momentum of each body, as it starts."""
+    rows = [str(len(crowd.places))]
+    for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
+        one = parts.motions[k]
+        inertia = _n(one.inertia)
+        speed = crowd.cards[k].speed_mm_s.number if crowd.running else 0.0
+        vx, vy = speed * math.cos(angle), speed * math.sin(angle)
+        spin = one.inertia * crowd.turning[number - 1] if crowd.running else 0.0
+        rows.append(
+            f"{number} {_n(one.mass)} {_n(x)} {_n(y)} 0 {inertia} {inertia} {inertia} 0 0 0 "
+            f"{_n(vx)} {_n(vy)} 0 0 0 {_n(spin)} 0 0 0"
+        )
+    return "\n".join(rows) + "\n"
+
+
+def _span(first: int, last: int) -> str:
+    """Types from first to last, as LAMMPS writes them."""
+    return f"{first}" if first == last else f"{first}:{last}"
+
+
+def _n(number: float) -> str:
+    """Number as the input has it: the shortest that reads back the same to twelve digits."""
+    return f"{number:.12g}"

@@ -1,0 +1,128 @@
+"""Outline of a walker as discs of one rigid body: contacts of discs are what LAMMPS knows.
+
+Every disc lies inside the outline and touches it. Straight sides become a row of wide discs, whose
+bumps stay below a tolerance; a corner ends in ever smaller ones.
+"""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from shapely import Polygon, union_all
+from shapely.geometry.base import BaseGeometry
+
+from walkergen.core.errors import InputError
+from walkergen.guests.crowd.cards.card import Card
+
+Array = npt.NDArray[np.float64]
+
+SAMPLES = 900
+"""About as many points stand along an outline when its discs are chosen."""
+
+ARC_SEGMENTS = 16
+"""Straight pieces of a quarter of a rounded corner."""
+
+
+class Discs(NamedTuple):
+    """Discs that stand for a body, from C, mm."""
+
+    places: Array
+    """Centres, shape (D, 2)."""
+    radii: Array
+    """Shape (D,)."""
+
+    @property
+    def reach(self) -> float:
+        """Distance from C to the farthest point."""
+        return float(np.max(np.hypot(*self.places.T) + self.radii))
+
+
+class Rim(NamedTuple):
+    """Points along an outline, with the directions inwards; mm."""
+
+    points: Array
+    """Shape (S, 2)."""
+    inwards: Array
+    """Unit vectors, shape (S, 2)."""
+
+
+def region(card: Card) -> BaseGeometry:
+    """Ground that a walker covers, corners rounded. Raises InputError where it has no area."""
+    ground = union_all([Polygon(contour).buffer(0.0) for contour in card.outline_mm])
+    radius = card.corner_radius_mm
+    rounded = ground.buffer(-radius).buffer(radius, quad_segs=ARC_SEGMENTS) if radius else ground
+    if rounded.is_empty or rounded.area <= 0.0:
+        raise InputError(
+            f"card {card.name!r}: outline_mm: nothing is left of {ground.area:g} mm2 when corners "
+            f"are rounded by corner_radius_mm = {radius:g}; reduce it"
+        )
+    return rounded
+
+
+def rim(card: Card) -> Rim:
+    """Points along the outline, equally spaced on each straight piece, none at a corner."""
+    ground = region(card)
+    pieces = [ground] if isinstance(ground, Polygon) else list(ground.geoms)
+    contours = [np.asarray(piece.exterior.normalize().coords)[:, :2] for piece in pieces]
+    spacing = sum(piece.exterior.length for piece in pieces) / SAMPLES
+    points, inwards = [], []
+    for contour in contours:
+        if np.sum(contour[:-1, 0] * contour[1:, 1] - contour[1:, 0] * contour[:-1, 1]) < 0.0:
+            contour = contour[::-1]  # counter-clockwise: inwards is to the left
+        for start, end in pairwise(contour):
+            length = float(np.hypot(*(end - start)))
+            if length < 1e-9:
+                continue
+            count = max(1, round(length / spacing))
+            shares = (np.arange(count) + 0.5) / count
+            points.append(start + shares[:, None] * (end - start))
+            left = np.array([start[1] - end[1], end[0] - start[0]]) / length
+            inwards.append(np.tile(left, (count, 1)))
+    return Rim(np.concatenate(points), np.concatenate(inwards))
+
+
+def widest(card: Card) -> float:
+    """Radius of the widest disc inside the outline, mm."""
+    return float(_widest(rim(card)).max())
+
+
+def cover(card: Card, tolerance: float) -> Discs:
+    """Discs of a card's outline: no point of it is farther from them than the tolerance, mm.
+
+    Tips that need discs below half the tolerance stay out. Greedy: next comes the disc that
+    covers most of what is bare.
+    """
+    edge = rim(card)
+    radii = _widest(edge)
+    centres = edge.points + radii[:, None] * edge.inwards
+    usable = np.flatnonzero(radii >= 0.5 * tolerance)
+    if not usable.size:
+        raise InputError(
+            f"card {card.name!r}: outline_mm: nowhere wider than {tolerance:g} mm, which is how "
+            "finely it is followed; give a wider one"
+        )
+    centres, radii = centres[usable], radii[usable]
+    away = np.hypot(*(edge.points[:, None, :] - centres[None, :, :]).transpose(2, 0, 1))
+    covers = away - radii[None, :] <= tolerance
+    bare = np.ones(len(edge.points), dtype=bool)
+    chosen: list[int] = []
+    while bare.any():
+        gains = covers[bare].sum(axis=0)
+        best = int(np.argmax(gains))
+        if gains[best] == 0:
+            break
+        chosen.append(best)
+        bare &= ~covers[:, best]
+    chosen.sort()
+    return Discs(centres[chosen], radii[chosen])
+
+
+def _widest(edge: Rim) -> Array:
+    """Radius of the widest disc inside that touches the outline at each point, shape (S,)."""
+    between = edge.points[None, :, :] - edge.points[:, None, :]
+    ahead = np.einsum("ijk,ik->ij", between, edge.inwards)
+    squares = np.einsum("ijk,ijk->ij", between, between)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radii = np.where(ahead > 1e-9, 0.5 * squares / ahead, np.inf)
+    return np.asarray(radii.min(axis=1))

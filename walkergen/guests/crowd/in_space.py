@@ -1,0 +1,131 @@
+"""A crowd in space: walkers placed, their runs, and what the films of them say."""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.batch import OneRun, Stopped, Tell
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.guests.crowd import members
+from walkergen.guests.crowd import runs as jobs
+from walkergen.guests.crowd.runs import Array, Job, Kind
+from walkergen.guests.crowd.space import run as crowds
+from walkergen.guests.crowd.space.result import CrowdRun
+from walkergen.guests.crowd.space.run import CrowdPlan
+from walkergen.guests.crowd.statistics import CrowdFilm, measure
+from walkergen.points import expected
+from walkergen.readers.walkers import seen_above
+
+MOST = 2000
+"""Walkers of a crowd in space at most; a flat crowd has more."""
+
+MOMENT_S = 1e-6
+"""Length of a run that compiles."""
+
+
+def asked(scene: Scene, designs: Sequence[Design], counts: Sequence[int] | None, rate_hz: float) -> Job:
+    """Crowd of so many walkers of each design; without counts of one, as many as the scene says.
+
+    Raises InputError for too many walkers or frames, and what the designs raise.
+    """
+    kinds = []
+    for number, design in enumerate(designs):
+        mass = solids.mass_of(design)
+        outline = tuple(seen_above.outline_of(design, mass))
+        area = seen_above.area_of(outline)
+        walkers = members.number_of(scene, area) if counts is None else counts[number]
+        kinds.append(Kind(design.name, walkers, outline, design, mass))
+    total = sum(kind.walkers for kind in kinds)
+    if total > MOST:
+        raise InputError(
+            f"{total} walkers: a crowd in space has at most {MOST}; of more of them take "
+            "‹model=›flat, with a card of the walker (`walkergen crowd --card`)"
+        )
+    return jobs.checked(Job(scene, tuple(kinds), rate_hz, "space"))
+
+
+class InSpace(NamedTuple):
+    """Crowd in space: an experiment (`points.measure`), a run a crowd from places of its own."""
+
+    job: Job
+
+    def prepared(self) -> OneRun[CrowdRun]:
+        """What places and simulates the run of a number, with its kernels compiled.
+
+        Raises InputError where a crowd has no room, or contradicts the model in space.
+        """
+        job = self.job
+        placed = _placed(job)
+
+        def one(number: int, stopped: Stopped, tell: Tell) -> CrowdRun:
+            def told(seconds: float) -> None:
+                tell(seconds / job.scene.run.seconds)
+
+            return crowds.simulate(placed(number), number, job.rate_hz, stopped, told)
+
+        _compile(placed(0), job.rate_hz)
+        return one
+
+    def film(self, run: CrowdRun) -> CrowdFilm:
+        """Film of a run, seen from above."""
+        return jobs.film_of(self.job, run.times, run.poses)
+
+    def quantities(self, records: Sequence[CrowdRun]) -> list[Quantity]:
+        """Statistics of the films of runs."""
+        return list(measure([self.film(run) for run in records]).numbers.values())
+
+    def finer(self) -> None:
+        """None: what a step leaves of a crowd is not known."""
+
+
+def cost(job: Job) -> float:
+    """CPU seconds of a run of a crowd, by a moment of the first, once its walkers have landed."""
+    plan, times = _placed(job)(0), list[tuple[float, float]]()
+    _compile(plan, job.rate_hz)
+    over = expected.moment()
+
+    def told(seconds: float) -> None:
+        if seconds >= expected.SETTLING_S:
+            times.append((time.thread_time(), seconds))
+
+    run = plan.scene.run.model_copy(update={"seconds": expected.LONGEST_S, "discard_seconds": 0.0})
+    lasting = plan._replace(scene=plan.scene.model_copy(update={"run": run}))
+    crowds.simulate(lasting, 0, job.rate_hz, lambda: len(times) > 1 and over(), told)
+    if len(times) < 2:  # all have fallen
+        return 0.0
+    spent, seconds = np.subtract(times[-1], times[0])
+    return float(spent / seconds) * (job.scene.run.seconds + job.scene.run.discard_seconds)
+
+
+def _placed(job: Job) -> Callable[[int], CrowdPlan]:
+    """What places the walkers of the run of a number. Raises InputError."""
+    plan = _plan(job)
+    about_C = _about_C(job, plan)
+    return lambda number: plan._replace(places=jobs.placed(job, about_C, number))
+
+
+def _plan(job: Job) -> CrowdPlan:
+    """Plan of a crowd whose walkers have no places yet. Raises InputError."""
+    designs = [(kind.design, kind.mass) for kind in job.kinds if kind.design and kind.mass]
+    return crowds.prepare(job.scene, designs, job.numbers, np.zeros((len(job.numbers), 3)))
+
+
+def _about_C(job: Job, plan: CrowdPlan) -> list[list[Array]]:
+    """Contours of each kind from the centre of mass, by which walkers are let go."""
+    about_C = []
+    for kind, own in zip(job.kinds, plan.plans, strict=True):
+        forward, _, right = own.world.walker.centre  # from C to O
+        about_C.append([np.add(contour, (forward, -right)) for contour in kind.outline])
+    return about_C
+
+
+def _compile(plan: CrowdPlan, rate_hz: float) -> None:
+    """Compile, or load, the kernels of a plan by a moment of a run: once, for all threads."""
+    run = plan.scene.run.model_copy(update={"seconds": MOMENT_S, "discard_seconds": 0.0})
+    crowds.simulate(plan._replace(scene=plan.scene.model_copy(update={"run": run})), 0, rate_hz)

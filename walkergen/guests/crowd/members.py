@@ -1,0 +1,63 @@
+"""Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns
+from walkergen.core.scene import Scene
+
+DEFAULT = 10
+"""Walkers of a crowd unless something says how many."""
+
+MOST = 100_000
+
+RUNS, RATE_HZ = 4, 25.0
+"""Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
+
+
+def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
+    """Number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
+
+    Raises ValueError, InputError for none or too many.
+    """
+    whole = columns.whole(value, MOST) if isinstance(value, str) else value
+    if isinstance(whole, int) and not isinstance(whole, bool):
+        return check(whole, f"‹count=›{whole}")
+    pairs: list[tuple[str, Any]] = []
+    if isinstance(value, Mapping):
+        pairs = [(str(name), count) for name, count in value.items()]
+    elif isinstance(value, str) and ":" in value:
+        for part in value.split(","):
+            name, _, number = part.strip().rpartition(":")
+            pairs.append((name, columns.whole(number, MOST)))
+    for name, count in pairs:
+        if not name or isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
+            raise ValueError(f"{name[:40]!r} must be DESIGN:N, N in 1..{MOST}")
+    if not pairs:
+        raise ValueError(
+            f"must be a whole number in 1..{MOST}, or designs with their numbers, as in polar-disc:20,rotator:10"
+        )
+    counts = dict(pairs)
+    if len(counts) < len(pairs):
+        raise ValueError("names a design twice; add its numbers up")
+    check(sum(counts.values()), f"‹count=›{','.join(f'{name}:{count}' for name, count in pairs)[:60]}")
+    return counts
+
+
+def check(count: int, told: str) -> int:
+    """Return a number of walkers. Raises InputError for none or too many."""
+    if not 1 <= count <= MOST:
+        raise InputError(f"{told}: a crowd has 1 to {MOST} walkers")
+    return count
+
+
+def number_of(scene: Scene, area_mm2: float) -> int:
+    """Number of walkers of an outline of this area that a scene asks for. Raises InputError."""
+    crowd, dish = scene.crowd, scene.crowd.dish
+    if crowd.packing is None:
+        count = DEFAULT if crowd.count is None else crowd.count
+        return check(count, f"crowd.count = {count}")
+    count = round(crowd.packing * dish.area / area_mm2)
+    told = f"crowd.packing = {crowd.packing:g}: {count} walkers of {area_mm2:.4g} mm²"
+    return check(count, f"{told} in {dish.words}")

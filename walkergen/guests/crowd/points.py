@@ -1,0 +1,92 @@
+"""Points that are a crowd: all its statistics with their errors, and how it went (see `points.kinds`).
+
+A crowd takes minutes: its record holds every statistic, so that others may be shown without a run.
+"""
+
+from collections.abc import Sequence
+
+from walkergen.core.files import words
+from walkergen.core.files.progress import silent
+from walkergen.core.printing.printers import Printer
+from walkergen.core.simulation.run import ENERGY_TOLERANCE
+from walkergen.guests.crowd import in_space, make, members
+from walkergen.guests.crowd.runs import Simulated
+from walkergen.guests.crowd.statistics.measuring import TIMELESS, UNITS
+from walkergen.points.kinds import Picture
+from walkergen.points.point import Point, Record, Went, went
+
+GROUPS, SCENE, RUNS, MEETS_ERRORS = tuple(UNITS), "plane-90hz", members.RUNS, False
+KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
+
+SIZE = ("walkers", "runs", "seconds")
+"""Columns of the crowd itself, before those of its statistics."""
+
+
+def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
+    """Accept all groups: a crowd has them all."""
+
+
+def title(model: str) -> str:
+    """By what the numbers come, in words."""
+    return "crowds"
+
+
+def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
+    """Columns of records that keep these statistics, without the status."""
+    return (*SIZE, *(column for name in keep for column in columns_of(name)))
+
+
+def columns_of(name: str) -> tuple[str, str, str, str]:
+    """Columns of a statistic of `measuring.UNITS`: value, standard error, bounds of 95 %."""
+    unit = f"_{UNITS[name]}" if UNITS[name] else ""
+    return f"{name}{unit}", f"{name}_se{unit}", f"{name}_low_95{unit}", f"{name}_high_95{unit}"
+
+
+def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
+    """What pictures of a table show: each statistic."""
+    made = []
+    for name in keep:
+        value, _, low, high = columns_of(name)
+        made.append(Picture(name, value, low, high, name.replace("_", " ") + (" (mm/s)" if UNITS[name] else "")))
+    return tuple(made)
+
+
+def cost(point: Point) -> float:
+    """CPU seconds that a crowd takes, by a moment of it. Raises as `evaluate` does."""
+    return point.scene.run.runs * in_space.cost(in_space.asked(point.scene, [point.design], None, members.RATE_HZ))
+
+
+def evaluate(point: Point) -> Record:
+    """Simulate a crowd as `walkergen crowd` does, on this thread alone, and measure it.
+
+    Raises InputError where it has no room or too many walkers, and KeyboardInterrupt where runs
+    are missing.
+    """
+    job = in_space.asked(point.scene, [point.design], None, members.RATE_HZ)
+    simulated = make.simulate(job, 1, silent)
+    if len(simulated.films) < point.scene.run.runs:
+        raise KeyboardInterrupt
+    measured = simulated.statistics
+    sizes = len(job.numbers), measured.runs, point.scene.run.seconds
+    record = _went(simulated) | dict(zip(SIZE, sizes, strict=True))
+    for name, estimate in measured.numbers.items():
+        bounds = estimate.interval(0.95) or (None, None)
+        values = estimate.value, estimate.se, *bounds
+        record |= dict(zip(columns_of(name), values, strict=True))
+    return record
+
+
+def _went(simulated: Simulated) -> Record:
+    """How the runs of a crowd went."""
+    if fallen := simulated.fallen:
+        count = sum(simulated.outcomes.values())
+        which = ", ".join(f"{count} {name}" for name, count in fallen.items())
+        how = Went.WALKERS_ENDED_BADLY
+        return went(how, f"{how}: {which}, of {count} in all runs")
+    if simulated.energy_error > ENERGY_TOLERANCE:
+        share = words.number(100.0 * simulated.energy_error, 2)
+        return went(Went.UNBALANCED, f"{Went.UNBALANCED}: {share} % unaccounted for; take a smaller run.step_us")
+    for name, number in simulated.statistics.numbers.items():
+        if name not in TIMELESS and number.value is not None and number.se is None:
+            return went(Went.NOT_MET, f"error unknown: {number.refused}; take more runs")
+    return went(Went.OK)

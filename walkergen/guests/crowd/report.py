@@ -1,0 +1,202 @@
+"""Report of a crowd, and its folder: numbers with errors, what contacts took, figures, tracks of every run."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.core.files import words
+from walkergen.core.files.output import Folder, versions
+from walkergen.core.files.progress import Progress
+from walkergen.core.simulation.run import ENERGY_TOLERANCE, Outcome
+from walkergen.files import report
+from walkergen.files.report import Report, Table
+from walkergen.guests.crowd import figures as crowd_figures
+from walkergen.guests.crowd import files as tracks
+from walkergen.guests.crowd import in_plane, tables
+from walkergen.guests.crowd.runs import WELL, Job, Simulated
+from walkergen.guests.crowd.space.result import CrowdRun
+from walkergen.guests.crowd.statistics import CrowdStatistics
+
+MOST_ROWS = 2_000_000
+"""Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CrowdReport(Report):
+    """What a crowd did, each number with its error from independent runs."""
+
+    simulated: Simulated
+    """Runs and films, of which the numbers are."""
+
+    @property
+    def statistics(self) -> CrowdStatistics:
+        """Numbers, their course in time, and curves."""
+        return self.simulated.statistics
+
+
+class Contacts(NamedTuple):
+    """What the contacts of one run did; the field names are the columns of runs.csv."""
+
+    run: int
+    touches: int
+    """Times that bodies, or a body and a wall, began to touch."""
+    touches_per_walker_s: float
+    deepest_um: float
+    """Deepest give of a contact."""
+    lost_normal_nj: float
+    """Energy that contacts of bodies took along their normals."""
+    lost_friction_nj: float
+    energy_error: float
+    contact_error: float
+    """What contacts took along their normals, less what restitution says, over it."""
+    fallen: int
+    """Walkers that did not come to the end."""
+
+
+CONTACTS = (
+    report.text("run", "run"),
+    report.number("touches", "touches"),
+    report.number("a walker and second", "touches_per_walker_s", 3),
+    report.number("give (µm)", "deepest_um", 2),
+    report.number("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
+    report.number("to friction (nJ)", "lost_friction_nj", 3, wide=True),
+    report.number("energy error", "energy_error", 2),
+    report.number("off restitution", "contact_error", 2),
+    report.text("fallen", "fallen"),
+)
+
+
+def of(simulated: Simulated, folder: Path | None = None) -> CrowdReport:
+    """Report of a crowd, written into a folder if there is one."""
+    job, statistics = simulated.job, simulated.statistics
+    title = title_of(job)
+    rows = [_contacts(run, statistics.seconds) for run in simulated.runs]
+    contacts = Table("contacts", rows, Contacts._fields, CONTACTS, "Contacts of bodies and walls")
+    return CrowdReport(
+        name="report",
+        title=title,
+        caption=caption_of(job),
+        tables=[*tables.tables(statistics), *([contacts] if rows else [])],
+        facts={
+            "scene": job.scene.name,
+            "model": job.model,
+            "kinds": {kind.name: kind.walkers for kind in job.kinds},
+            "seed": job.scene.run.seed,
+            "asked_runs": job.scene.run.runs,
+            "packing": job.packing,
+            **tables.facts(statistics),
+            "contacts": [row._asdict() for row in rows],
+            "outcomes": dict(simulated.outcomes),
+        },
+        lines=[tables.line(statistics), *([in_plane.TESTED] if job.model == "flat" else [])],
+        warnings=list(_warnings(simulated)),
+        figures=crowd_figures.figures(statistics, title),
+        folder=folder,
+        simulated=simulated,
+    )
+
+
+def title_of(job: Job) -> str:
+    """Who runs where, in words."""
+    who = " and ".join(f"{kind.walkers} {kind.name}" for kind in job.kinds)
+    return f"{who} in {job.scene.crowd.dish.words}"
+
+
+def caption_of(job: Job) -> str:
+    """What was simulated, without a full stop."""
+    crowd = job.scene.crowd
+    if job.model == "flat":
+        cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in job.kinds if kind.card)
+        return f"model flat, by the cards of {cards}, packing {job.packing:.3g}"
+    return (
+        f"{job.scene.name}, model space, packing {job.packing:.3g}; bodies meet with restitution "
+        f"{crowd.restitution:g} and friction {crowd.friction:g}"
+    )
+
+
+def _contacts(run: CrowdRun, seconds: float) -> Contacts:
+    return Contacts(
+        run.number,
+        run.touches,
+        run.touches / (len(run.kinds) * seconds),
+        1e3 * run.deepest,
+        run.losses["normal"],
+        run.losses["friction"],
+        run.energy_error,
+        run.contact_error,
+        sum(outcome not in WELL for outcome in run.outcomes),
+    )
+
+
+def _warnings(simulated: Simulated) -> Iterator[str]:
+    """What makes the numbers doubtful."""
+    if fallen := simulated.fallen:
+        told = ", ".join(f"{count} {name}" for name, count in fallen.items())
+        yield f"of all walkers in all runs: {told}; they lie where they fell"
+    worst = simulated.energy_error
+    if worst > ENERGY_TOLERANCE:
+        yield (
+            f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "
+            f"is unaccounted for, more than {100.0 * ENERGY_TOLERANCE:g} %"
+        )
+
+
+def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress) -> CrowdReport:
+    """Write everything into a folder. Raises OutputError where a file there is not ours."""
+    with Folder(folder) as target:
+        report.write(target, pictures)
+        if pictures:
+            from walkergen.guests.crowd import movie  # brings matplotlib
+
+            target.write("crowd.png", movie.still(report.simulated.films[0], report.title))
+        for number, film in enumerate(report.simulated.films):
+            if film.x.size > MOST_ROWS:
+                continue
+            for suffix in tracks.writable():
+                progress("writing tracks", 99, 100)
+                name = f"tracks/run-{number}{suffix}"
+                target.write(name, tracks.packed(film, target.path / name))
+        target.finish(inputs_of(report.simulated.job))
+    return report
+
+
+def write_inputs(job: Job, folder: Path) -> Report:
+    """Write the input of LAMMPS for every run into a folder, and say what is there."""
+    inputs = in_plane.inputs(job)
+    with Folder(folder) as target:
+        for name, data in inputs.items():
+            target.write(name, data)
+        target.finish(inputs_of(job))
+    return Report(
+        name="inputs",
+        title=title_of(job),
+        tables=[],
+        lines=["in each of its folders: `lmp -in crowd.in`"],
+        folder=folder,
+        caption=caption_of(job),
+        facts={"files": sorted(inputs)},
+    )
+
+
+def inputs_of(job: Job) -> dict[str, Any]:
+    """What a manifest says of a crowd: every input resolved."""
+    designs = [kind.design for kind in job.kinds if kind.design]
+    return {
+        "model": job.model,
+        "scene": job.scene.model_dump(mode="json"),
+        "designs": [design.model_dump(mode="json") for design in designs],
+        "bodies_sha256": [design.shape.sha256 for design in designs],
+        "cards": [kind.card.model_dump(mode="json") for kind in job.kinds if kind.card],
+        "counts": [kind.walkers for kind in job.kinds],
+        "rate_hz": job.rate_hz,
+        "versions": versions(),
+    }
+
+
+def name_of(job: Job) -> str:
+    """Name of a crowd's folder, after its walkers and the dish."""
+    who = "-".join(kind.name for kind in job.kinds)
+    count = sum(kind.walkers for kind in job.kinds)
+    dish = job.scene.crowd.dish.words.replace(":", "-").replace(",", "-")
+    return f"crowd-{who}-{count}-{dish}"[:100]

@@ -1,0 +1,227 @@
+"""What `crowd` is asked for."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from walkergen import request
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Expected, Progress
+from walkergen.inputs import Inputs
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.core.scene import Scene
+    from walkergen.core.walker.design import Design
+    from walkergen.files.report import Report
+    from walkergen.guests.crowd.runs import Job
+
+MOST_FPS = 50
+"""Frames a second of a movie at most; tracks may have more."""
+
+
+def _count(value: Any) -> Any:
+    """Number of walkers, or numbers by the designs' names: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
+    from walkergen.guests.crowd import members
+
+    return value if value is None else members.parse(value)
+
+
+class CrowdRequest(request.Request):
+    """Let many walkers run in a dish and meet: order, clusters and packing with errors.
+
+    Writes a folder with a page, tables, figures and the tracks of every run. The same seed gives the same bytes on any
+    number of threads. Every run begins at other places; their scatter gives the errors. A card in place of a design
+    makes a crowd in a plane, of thousands; --card measures one: all that such a crowd has to know of a walker, from
+    simulated runs or from the tracks of a film, with inputs for pymunk, HOOMD-blue and LAMMPS.
+    """
+
+    design: Annotated[
+        Any,
+        Flag(
+            "Walker: a template, a TOML file or a card; koumakis2016 by default.",
+            "DESIGN",
+            takes="Walker | Card | None",
+            templates=("walkers",),
+            argument=True,
+        ),
+    ] = None
+    scene: Annotated[
+        Any,
+        request.file_flag(
+            "scenes",
+            f"Scene: a template or a TOML file; without, {request.PLANE}, of walkers with a motor {request.TABLE}.",
+            optional=True,
+        ),
+    ] = None
+    count: Annotated[
+        int | dict[str, int] | None,
+        BeforeValidator(_count),
+        Flag("Walkers: 30, or of designs polar-disc:20,rotator:10.", "N", takes="int | Mapping[str, int] | str | None"),
+    ] = None
+    packing: Annotated[
+        float | None, Flag("Area of all bodies over the dish's, for --count.", "SHARE", sets="scene.crowd.packing")
+    ] = None
+    arena: Annotated[
+        str | None,
+        Flag(
+            "Dish, mm: disc:120, ring:160,60, rectangle:200x100 or periodic:150.", "DISH", sets="scene.crowd.arena_mm"
+        ),
+    ] = None
+    tilt: request.Tilt = None
+    legs: request.Legs = None
+    seconds: request.Seconds = None
+    runs: Annotated[int | None, Flag("Independent runs, which give the errors: 4.", "N", sets="scene.run.runs")] = None
+    restitution: request.Restitution = None
+    friction: request.Friction = None
+    gamma: request.Gamma = None
+    frequency: request.Frequency = None
+    step: request.Step = None
+    seed: request.Seed = None
+    model: Annotated[
+        Literal["space", "flat"] | None,
+        Flag("space, of designs, or flat, of cards (.json), by LAMMPS: for thousands.", "MODEL"),
+    ] = None
+    rate_hz: Annotated[float, Field(ge=1e-3, le=1e5), Flag("Frames a second of tracks.", "HZ")] = 25.0
+    threads: Annotated[int | None, Field(ge=1, le=1024), Flag("Runs at once: every core.", "N")] = None
+    write_only: Annotated[bool, Flag("Write the input of LAMMPS of a flat crowd, no more.")] = False
+    card: Annotated[bool, Flag("Measure the walker alone, and write its card.")] = False
+    tracks: Annotated[
+        Path | None, request.File, Flag("Film's tracks of the walker, for --card.", "TRACKS.csv", takes="Name | None")
+    ] = None
+    fps: request.Fps = None
+    mm_per_px: request.MmPerPx = None
+    unit: request.Unit = None
+    y_down: request.YDown = False
+    set: request.Settings = {}
+    movie: Annotated[
+        Path | None,
+        request.Target,
+        Flag("Film of the first run: .mp4, .gif, or .png, its end.", "FILE", takes="Name | None"),
+    ] = None
+    pictures: request.Pictures = True
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Simulate the crowd, write the input of another program for it, or measure a walker's card."""
+        if self.card:
+            crowds = "count", "packing", "model", "rate_hz", "threads", "write_only", "movie"
+            self.refuse("is of a crowd, not of ‹card›", *crowds)
+            return self._card(progress)
+        self.refuse("is for ‹card›", "tracks", "fps", "mm_per_px", "unit", "y_down")
+        return self._crowd(progress)
+
+    def _crowd(self, progress: Progress) -> "Report":
+        """Simulate the crowd, or write its input for LAMMPS."""
+        from walkergen.guests.crowd import in_space, make, report
+        from walkergen.guests.crowd import members as crowd_members
+        from walkergen.guests.crowd import movie as crowd_movie
+        from walkergen.points import expected
+
+        if self.movie is not None:
+            crowd_movie.check(self.movie)
+        counts = list(self.count.values()) if isinstance(self.count, dict) else None
+        if counts is not None and self.design is not None:
+            raise InputError(f"‹count=›{self.count}: names the designs: leave ‹design› out", "count")
+        total = sum(counts) if counts else self.count
+        given = self.inputs({} if total is None else {"scene.crowd.count": ("count", total)})
+        sources = list(self.count) if isinstance(self.count, dict) else [self.design or request.PAPER]
+        designs = [] if self._is_flat(sources) else self._designs(given, sources)
+        ground = request.ground(self.scene, designs, request.PLANE)
+        scene = given.scene(ground, {"scene.run.runs": crowd_members.RUNS})
+        if designs:
+            job = in_space.asked(scene, designs, counts, self.rate_hz)
+        else:
+            job = self._flat(given, scene, sources, counts)
+        folder = self.folder(Path("out") / report.name_of(job))
+        if self.write_only:
+            return report.write_inputs(job, folder or Path("out") / report.name_of(job))
+        if job.model == "space":
+            runs = scene.run.runs
+            self._expect(lambda: Expected(expected.by_clock(in_space.cost(job), runs, self.threads)))
+        simulated = make.simulate(job, self.threads, progress)
+        result = report.of(simulated, folder)
+        if folder is not None:
+            result = report.write(result, folder, self.pictures, progress)
+        if self.movie is not None:
+            fps = min(max(round(self.rate_hz), 1), MOST_FPS)
+            crowd_movie.write(self.movie, simulated.films[0], result.title, "heading", fps, progress)
+            result = replace(result, files=[self.movie])
+        done, wished = len(simulated.films), scene.run.runs
+        if done < wished:
+            warnings = [f"interrupted after {done} of {wished} runs", *result.warnings]
+            result = replace(result, warnings=warnings, code=130)
+        return result
+
+    def _is_flat(self, sources: list[Any]) -> bool:
+        """Whether a crowd moves in a plane, by cards. Raises InputError for what is not of one kind."""
+        cards = [_is_card(source) for source in sources]
+        if all(cards) and self.model != "space":
+            return True
+        if any(cards):
+            name = sources[cards.index(True)]
+            raise InputError(f"{name}: is a card, which model flat alone knows: give designs, or cards for all")
+        if self.model == "flat" or self.write_only:
+            flag = "‹model=›flat" if self.model == "flat" else "‹write_only›"
+            raise InputError(
+                f"{flag}: needs the card of {sources[0]}: `walkergen crowd {sources[0]} --card` writes one, "
+                "card.json; give its path in place of the design",
+                "model",
+            )
+        return False
+
+    def _designs(self, given: Inputs, sources: list[Any]) -> "list[Design]":
+        """Designs of a crowd; a tilt and a kind of legs are for one design alone."""
+        if len(sources) > 1:
+            self.refuse(f"is for one design, seen {len(sources)}", "tilt", "legs")
+            return [given.design(source) for source in sources]
+        return [given.one(sources[0], self.tilt, self.legs)]
+
+    def _flat(self, given: Inputs, scene: "Scene", sources: list[Any], counts: list[int] | None) -> "Job":
+        """Crowd of cards. Raises InputError for what their measurement has settled."""
+        from walkergen.guests.crowd import in_plane
+        from walkergen.guests.crowd.cards import card
+
+        why = "a card was measured with its own: make another card (‹card›)"
+        self.refuse(why, "tilt", "legs")
+        settled = [key for key in given.values if not key.startswith(("scene.crowd.", "scene.run."))]
+        given.refuse([*settled, "scene.run.step_us"], f"{why}, or leave it out")
+        known = [card.read(Path(source)) if isinstance(source, (str, Path)) else source for source in sources]
+        return in_plane.asked(scene, known, counts, self.rate_hz)
+
+    def _card(self, progress: Progress) -> "Report":
+        """Measure a walker alone, by runs or by a film, or read the card that somebody edited, and write it."""
+        from walkergen.core.files import output
+        from walkergen.guests.crowd.cards import make
+
+        source = self.design or request.PAPER
+        given = self.inputs()
+        if _is_card(source):
+            self.refuse(
+                "a card is read as it is", *(set(type(self).model_fields) - {"design", "card", "pictures", "out"})
+            )
+            result, path = make.of_file(Path(source)), Path(source)
+            folder = output.results(path, self.out, "card")
+            return make.write(result, {"card": path.name}, folder, self.pictures)
+        walker = given.one(source, self.tilt, self.legs)
+        scene = given.scene(request.ground(self.scene, [walker], request.PLANE))
+        asked: dict[str, Any] = {"design": walker.model_dump(mode="json"), "scene": scene.model_dump(mode="json")}
+        if self.tracks is None:
+            self.refuse("is for ‹tracks› of a film", "fps", "mm_per_px", "unit", "y_down")
+            result = make.of_design(scene, walker, self.arena is not None, progress)
+            return make.write(result, asked, self.out or make.folder_of(walker), self.pictures)
+        self.refuse("a film tells nothing of walls", "arena")
+        self.refuse("tracks of a film are as long as they are", "seconds", "runs", "seed")
+        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit)
+        folder = output.results(self.tracks, self.out, "card")
+        result = make.of_film(self.tracks, units, scene, walker)
+        return make.write(result, {"file": self.tracks.name, **units._asdict(), **asked}, folder, self.pictures)
+
+
+def _is_card(source: Any) -> bool:
+    """Whether a walker is known by a card: a file .json, or what it holds."""
+    from walkergen.guests.crowd.cards.card import Card
+
+    return isinstance(source, Card) or (isinstance(source, (str, Path)) and str(source).lower().endswith(".json"))

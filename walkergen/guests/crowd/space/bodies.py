@@ -1,0 +1,195 @@
+"""What kernels read of a crowd: its walkers, the shapes of their bodies, the ground, the law."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.dish import Dish
+from walkergen.core.simulation.record import Tally
+from walkergen.core.simulation.space.state import Array, Work, work_for
+from walkergen.core.simulation.world import State, World
+from walkergen.guests.crowd.space.shape import Shape, common_heights
+
+DISC, RING, RECTANGLE, PERIODIC, ENDLESS = range(5)
+"""Kinds of ground, by numbers."""
+
+NUMBERS = {"disc": DISC, "ring": RING, "rectangle": RECTANGLE, "periodic": PERIODIC}
+
+X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, LIFTED = range(8)
+"""Columns of `Crowd.planar`: what a body shows from above. Place of C with the legs' give (mm),
+cosine and sine of the heading, displacement by a millimetre of height as it leans, largest speed
+of a point (mm/s); and the vertical velocity of the plate, and walls, at that time (mm/s)."""
+
+TOUCHES, DEEPEST, WORK, STORED, LOST, RUBBED, LATE, PRESSED, ALONG, UP = range(10)
+"""Rows of `Crowd.book`: touches begun; deepest give (mm); of the contacts between bodies and walls
+work done on walkers along the normal, energy stored now, loss along the normal by restitution, loss
+to friction (g mm^2/s^2); touches that were first seen deeper than a tick explains;
+impulses along the normal, of friction in the plane and up or down (g mm/s)."""
+
+
+class Mover(NamedTuple):
+    """One walker of a crowd, as its own model moves it."""
+
+    world: World
+    state: State
+    work: Work
+    tally: Tally
+
+
+class Free(NamedTuple):
+    """What pushes change, and what they need to know: arrays over walkers, the same memory as the
+    movers' own. Those of n coordinates of legs have room for the most that a walker has.
+    """
+
+    state: Array
+    """States, shape (N, s)."""
+    sums: Array
+    """`Tally.sums`, shape (N, 14)."""
+    R: Array
+    """Body axes -> world, shape (N, 3, 3)."""
+    now: Array
+    """Velocities of C and turning rates, body axes, shape (N, 6)."""
+    coordinates: npt.NDArray[np.int64]
+    """Coordinates of the legs, shape (N,)."""
+    inverse_mass: Array
+    """Shape (N,)."""
+    inverse_inertia: Array
+    """Shape (N, 3, 3)."""
+    shift: Array
+    lock: Array
+    """As of `space.state.Walker`, shape (N, 3, n)."""
+    hinge_mobility: Array
+    """Shape (N, n, n)."""
+
+
+class Bodies(NamedTuple):
+    """Shapes of all kinds, one after the other."""
+
+    kind: npt.NDArray[np.int64]
+    """Kind of each walker, shape (N,)."""
+    first: npt.NDArray[np.int64]
+    """First corner of each kind, shape (kinds + 1,)."""
+    first_edge: npt.NDArray[np.int64]
+    corners: Array
+    """Shape (v, 2), from C: forward, to the right, mm."""
+    edges: npt.NDArray[np.int64]
+    """Shape (e, 2), numbers of corners."""
+    radius: Array
+    reach: Array
+    """Of each kind, shape (kinds,), mm."""
+    heights: Array
+    """Heights over C of kind i at which it meets kind j, shape (kinds, kinds, 2)."""
+    ends: Array
+    """Heights of bottom and top over C, shape (kinds, 2)."""
+    box: Array
+    """Middle and half sizes of the core's box, shape (kinds, 4)."""
+
+
+class Ground(NamedTuple):
+    """Dish of a crowd; lengths in mm."""
+
+    kind: int
+    outer: float
+    """Radius of a disc or ring; half the length of a rectangle; half the side of a square."""
+    inner: float
+    """Inner radius of a ring; half the width of a rectangle."""
+    period: float
+
+
+class Law(NamedTuple):
+    """How bodies meet bodies (first) and walls (second)."""
+
+    spring: float
+    """Stiffness of either end of an upright edge over the mass that it moves, 1/s^2."""
+    kept: tuple[float, float]
+    """Share of the normal work that a contact gives back: restitution squared."""
+    friction: tuple[float, float]
+    margin: float
+    """What a landing may add to a body's speed before its gaps are looked at again, mm/s."""
+    tick: float
+    """Longest time step of contacts, s."""
+
+
+class Crowd(NamedTuple):
+    """A crowd in motion."""
+
+    movers: Any
+    """Typed list of `Mover`, length N."""
+    free: Free
+    bodies: Bodies
+    ground: Ground
+    law: Law
+    planar: Array
+    """What bodies show from above, shape (N, 8)."""
+    status: npt.NDArray[np.int64]
+    """Status of `world` of each walker, shape (N,); one that is not OK lies where it fell."""
+    touching: npt.NDArray[np.uint8]
+    """1 where i and j > i touch, and on the diagonal i and a wall, shape (N, N)."""
+    book: Array
+    """Shape (10,)."""
+    tick: Array
+    """Time step of contacts now, shape (1,), s."""
+
+
+def bodies_of(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
+    """Bodies of walkers of these kinds."""
+    first = np.cumsum([0, *(len(shape.corners) for shape in shapes)])
+    edges = [shape.edges + start for shape, start in zip(shapes, first, strict=False)]
+    return Bodies(
+        np.array(kinds, np.int64),
+        first,
+        np.cumsum([0, *(len(part) for part in edges)]),
+        np.vstack([shape.corners for shape in shapes]),
+        np.vstack(edges),
+        np.array([shape.radius for shape in shapes]),
+        np.array([shape.reach for shape in shapes]),
+        common_heights(shapes),
+        np.array([(shape.bottom, shape.top) for shape in shapes]),
+        np.array([_box(shape.corners) for shape in shapes]),
+    )
+
+
+def _box(corners: Array) -> Array:
+    """Middle and half sizes of the box of corners, shape (4,)."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return np.concatenate([0.5 * (low + high), 0.5 * (high - low)])
+
+
+def ground_of(dish: Dish | None) -> Ground:
+    """Ground of a dish; None: an endless plane."""
+    if dish is None:
+        return Ground(ENDLESS, 0.0, 0.0, 0.0)
+    inner = dish.sizes[1] if len(dish.sizes) > 1 else 0.0
+    return Ground(NUMBERS[dish.kind], 0.5 * dish.sizes[0], 0.5 * inner, dish.period)
+
+
+def movers_of(worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]) -> tuple[list[Mover], Free]:
+    """Movers of walkers, and the arrays over all of them that they share."""
+    count = len(worlds)
+    most = max(len(world.walker.stiffness) for world in worlds)
+    free = Free(
+        np.zeros((count, max(map(len, states)))),
+        np.zeros((count, 14)),
+        np.zeros((count, 3, 3)),
+        np.zeros((count, 6)),
+        np.zeros(count, np.int64),
+        np.zeros(count),
+        np.zeros((count, 3, 3)),
+        np.zeros((count, 3, most)),
+        np.zeros((count, 3, most)),
+        np.zeros((count, most, most)),
+    )
+    movers = []
+    for i, (world, state, tally) in enumerate(zip(worlds, states, tallies, strict=True)):
+        walker, n = world.walker, len(world.walker.stiffness)
+        free.state[i, : len(state)], free.sums[i] = state, tally.sums
+        free.coordinates[i], free.inverse_mass[i] = n, walker.inverse_mass[0]
+        free.inverse_inertia[i] = walker.inverse_inertia
+        free.shift[i, :, :n], free.lock[i, :, :n] = walker.shift, walker.lock
+        free.hinge_mobility[i, :n, :n] = walker.hinge_mobility
+        work = work_for(walker, state)._replace(R=free.R[i], now=free.now[i])
+        own = free.state[i, : len(state)]
+        movers.append(Mover(world, own, work, tally._replace(sums=free.sums[i])))
+    return movers, free

@@ -1,0 +1,143 @@
+"""Gaps between bodies seen from above, and between bodies and walls."""
+
+import math
+
+from walkergen.core.numerics.kernels import lean
+from walkergen.guests.crowd.space.bodies import COS, ENDLESS, LEAN_X, LEAN_Z, PERIODIC, RECTANGLE, RING, SIN, X, Z
+
+FAR = 1e9
+"""Gap of bodies that never meet, mm."""
+
+
+@lean
+def image(ground, d):
+    """Shortest difference of two coordinates (mm) whose difference is d."""
+    if ground.period > 0.0:
+        return d - ground.period * math.floor(d / ground.period + 0.5)
+    return d
+
+
+@lean
+def closest(bodies, kind, x, z):
+    """Point of a kind's core closest to (x, z), all in its own frame: distance, point, whether it
+    is a corner, and the number of that corner, or of the closer end of the edge.
+    """
+    least, c_x, c_z, is_corner, end = FAR * FAR, 0.0, 0.0, False, 0
+    for e in range(bodies.first_edge[kind], bodies.first_edge[kind + 1]):
+        a, b = bodies.edges[e, 0], bodies.edges[e, 1]
+        a_x, a_z = bodies.corners[a, 0], bodies.corners[a, 1]
+        d_x, d_z = bodies.corners[b, 0] - a_x, bodies.corners[b, 1] - a_z
+        size = d_x * d_x + d_z * d_z
+        t = 0.0
+        if size > 0.0:
+            t = min(max(((x - a_x) * d_x + (z - a_z) * d_z) / size, 0.0), 1.0)
+        p_x, p_z = a_x + t * d_x, a_z + t * d_z
+        distance = (x - p_x) ** 2 + (z - p_z) ** 2
+        if distance < least:
+            least, c_x, c_z, is_corner = distance, p_x, p_z, t == 0.0 or t == 1.0
+            end = a if t < 0.5 else b
+    return math.sqrt(least), c_x, c_z, is_corner, end
+
+
+@lean
+def from_box(bodies, kind, x, z):
+    """Distance of (x, z) from the box of a kind's core, all in its own frame."""
+    box = bodies.box
+    d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
+    d_z = max(abs(z - box[kind, 1]) - box[kind, 3], 0.0)
+    return math.sqrt(d_x * d_x + d_z * d_z)
+
+
+@lean
+def outward(planar, i, height, b_x, b_z):
+    """Place in the plane of a point of body i, given in its own frame at a height over C."""
+    c, s = planar[i, COS], planar[i, SIN]
+    x = planar[i, X] + height * planar[i, LEAN_X] + c * b_x - s * b_z
+    return x, planar[i, Z] + height * planar[i, LEAN_Z] + s * b_x + c * b_z
+
+
+@lean
+def inward(planar, i, height, x, z):
+    """Point (x, z) of the plane in the frame of body i at a height over its C."""
+    c, s = planar[i, COS], planar[i, SIN]
+    d_x = x - planar[i, X] - height * planar[i, LEAN_X]
+    d_z = z - planar[i, Z] - height * planar[i, LEAN_Z]
+    return c * d_x + s * d_z, c * d_z - s * d_x
+
+
+@lean
+def apart(bodies, ground, planar, i, j):
+    """Lower bound of the gap of bodies i and j by their reach, mm."""
+    d_x = image(ground, planar[i, X] - planar[j, X])
+    d_z = image(ground, planar[i, Z] - planar[j, Z])
+    reach = bodies.reach[bodies.kind[i]] + bodies.reach[bodies.kind[j]]
+    return math.sqrt(d_x * d_x + d_z * d_z) - reach - 2.0 * leaning(bodies, planar, i, j)
+
+
+@lean
+def leaning(bodies, planar, i, j):
+    """How far the ends of two bodies' edges are displaced as they lean, at most, mm."""
+    largest = 0.0
+    for body in (i, j):
+        kind = bodies.kind[body]
+        height = max(abs(bodies.ends[kind, 0]), abs(bodies.ends[kind, 1]))
+        lean = abs(planar[body, LEAN_X]) + abs(planar[body, LEAN_Z])
+        largest = max(largest, height * lean)
+    return largest
+
+
+@lean
+def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
+    """Least gap of the corners of body i from body j, mm, or `least`, which is smaller.
+
+    Beyond `cutoff` a lower bound of it.
+    """
+    own, other = bodies.kind[i], bodies.kind[j]
+    height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
+    both = bodies.radius[own] + bodies.radius[other]
+    for v in range(bodies.first[own], bodies.first[own + 1]):
+        x, z = outward(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
+        x = planar[j, X] + image(ground, x - planar[j, X])
+        z = planar[j, Z] + image(ground, z - planar[j, Z])
+        b_x, b_z = inward(planar, j, height_j, x, z)
+        gap = from_box(bodies, other, b_x, b_z) - both
+        if gap < least:
+            if gap < cutoff:
+                distance, _, _, _, _ = closest(bodies, other, b_x, b_z)
+                gap = distance - both
+            least = min(least, gap)
+    return least
+
+
+@lean
+def gap_of(bodies, ground, planar, i, j, cutoff):
+    """Gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
+    least = FAR
+    if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
+        return least
+    for layer in range(2):
+        least = one_sided(bodies, ground, planar, i, j, layer, least, cutoff)
+        least = one_sided(bodies, ground, planar, j, i, layer, least, cutoff)
+    return least
+
+
+@lean
+def wall_gap(bodies, ground, planar, i):
+    """Gap of body i from the walls, mm."""
+    if ground.kind == PERIODIC or ground.kind == ENDLESS:
+        return FAR
+    kind, least = bodies.kind[i], FAR
+    for layer in range(2):
+        height = bodies.ends[kind, layer]
+        for v in range(bodies.first[kind], bodies.first[kind + 1]):
+            x, z = outward(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
+            if ground.kind == RECTANGLE:
+                gap = min(ground.outer - abs(x), ground.inner - abs(z))
+            else:
+                gap = ground.outer - math.sqrt(x * x + z * z)
+            least = min(least, gap - bodies.radius[kind])
+        if ground.kind == RING:
+            b_x, b_z = inward(planar, i, height, 0.0, 0.0)
+            distance, _, _, _, _ = closest(bodies, kind, b_x, b_z)
+            least = min(least, distance - bodies.radius[kind] - ground.inner)
+    return least

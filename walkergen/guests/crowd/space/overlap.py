@@ -1,0 +1,305 @@
+"""Overlaps of outlines in a dish, exactly, and walkers that are added or moved without any.
+
+An outline is the edges of its contours about the middle of the circle around it; each walker may be
+smaller than it by a scale of its own. Two outlines overlap when edges cross, or when one lies in
+the other. Random numbers come from outside, so that kernels are functions of their arguments.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.kernels import kernel, lean
+from walkergen.core.simulation.drive import TWO_PI
+
+Array = npt.NDArray[np.float64]
+Numbers = npt.NDArray[np.int64]
+
+DISC, RING, RECTANGLE, PERIODIC = range(4)
+
+NONE = -1
+"""End of a list of the walkers in a cell; number of no walker."""
+
+
+class Outlines(NamedTuple):
+    """Outlines of all kinds of walkers, one kind after the other; lengths in mm."""
+
+    kind: Numbers
+    """Kind of each walker, shape (N,)."""
+    first: Numbers
+    """First edge of each kind, shape (kinds + 1,)."""
+    edges: Array
+    """Both ends of each edge, from the middle: x, y, x, y, shape (e, 4)."""
+    first_start: Numbers
+    """First of `starts` of each kind, shape (kinds + 1,)."""
+    starts: Array
+    """A point of each contour, shape (c, 2)."""
+    outer: Array
+    """Radius of the circle around each kind, shape (kinds,)."""
+    inner: Array
+    """Radius of a circle about the middle that lies within, shape (kinds,)."""
+
+
+class Bounds(NamedTuple):
+    """Ground between walls, mm."""
+
+    kind: int
+    outer: float
+    """Radius of a disc or ring, half the length of a rectangle, half the side of a square."""
+    inner: float
+    """Inner radius of a ring, half the width of a rectangle."""
+    period: float
+    """Side of a periodic square; 0 between walls."""
+
+
+class Cells(NamedTuple):
+    """Walkers by the squares of a grid in which their middles lie."""
+
+    side: float
+    across: int
+    """Squares along either axis."""
+    head: Numbers
+    """First walker of each square, shape (across^2,)."""
+    following: Numbers
+    """Next walker of the same square, shape (N,)."""
+
+
+def cells_of(outlines: Outlines, bounds: Bounds) -> Cells:
+    """Empty grid whose squares are as wide as two walkers at least."""
+    half = max(bounds.outer, bounds.inner)
+    across = max(int(2.0 * half / (2.0 * float(outlines.outer.max()))), 1)
+    across = min(across, 2000)
+    head = np.full(across * across, NONE, np.int64)
+    return Cells(2.0 * half / across, across, head, np.full(len(outlines.kind), NONE, np.int64))
+
+
+@lean
+def _square(cells, bounds, x, y):
+    """Column and row of the square of a place."""
+    half = max(bounds.outer, bounds.inner)
+    last = cells.across - 1
+    column = min(max(int((x + half) / cells.side), 0), last)
+    return column, min(max(int((y + half) / cells.side), 0), last)
+
+
+@lean
+def _enter(cells, bounds, i, x, y):
+    """Enter walker i into the square of its place."""
+    column, row = _square(cells, bounds, x, y)
+    at = row * cells.across + column
+    cells.following[i] = cells.head[at]
+    cells.head[at] = i
+
+
+@lean
+def _leave(cells, bounds, i, x, y):
+    """Take walker i out of the square of its place."""
+    column, row = _square(cells, bounds, x, y)
+    at = row * cells.across + column
+    if cells.head[at] == i:
+        cells.head[at] = cells.following[i]
+        return
+    other = cells.head[at]
+    while cells.following[other] != i:
+        other = cells.following[other]
+    cells.following[other] = cells.following[i]
+
+
+@lean
+def _within(outlines, kind, x, y):
+    """Whether a point lies inside a kind's outline."""
+    odd = False
+    for e in range(outlines.first[kind], outlines.first[kind + 1]):
+        a_x, a_y = outlines.edges[e, 0], outlines.edges[e, 1]
+        b_x, b_y = outlines.edges[e, 2], outlines.edges[e, 3]
+        if (a_y > y) != (b_y > y) and x < (b_x - a_x) * (y - a_y) / (b_y - a_y) + a_x:
+            odd = not odd
+    return odd
+
+
+@lean
+def _cuts(edge, p_x, p_y, q_x, q_y):
+    """Whether an edge and the segment from p to q have a point in common."""
+    a_x, a_y, b_x, b_y = edge[0], edge[1], edge[2], edge[3]
+    if max(a_x, b_x) < min(p_x, q_x) or max(p_x, q_x) < min(a_x, b_x):
+        return False
+    if max(a_y, b_y) < min(p_y, q_y) or max(p_y, q_y) < min(a_y, b_y):
+        return False
+    u_x, u_y, v_x, v_y = b_x - a_x, b_y - a_y, q_x - p_x, q_y - p_y
+    left = u_x * (p_y - a_y) - u_y * (p_x - a_x)
+    right = u_x * (q_y - a_y) - u_y * (q_x - a_x)
+    if left * right > 0.0:
+        return False
+    left = v_x * (a_y - p_y) - v_y * (a_x - p_x)
+    right = v_x * (b_y - p_y) - v_y * (b_x - p_x)
+    return left * right <= 0.0
+
+
+@lean
+def _overlap(outlines, own, other, d_x, d_y, turn, ratio):
+    """Whether two outlines overlap: kind `other`, `ratio` times as large, its middle at (d_x, d_y)
+    and its heading `turn` in the frame of kind `own`.
+    """
+    c, s, reach = ratio * math.cos(turn), ratio * math.sin(turn), outlines.outer[own]
+    for e in range(outlines.first[other], outlines.first[other + 1]):
+        edge = outlines.edges[e]
+        p_x, p_y = d_x + c * edge[0] - s * edge[1], d_y + s * edge[0] + c * edge[1]
+        q_x, q_y = d_x + c * edge[2] - s * edge[3], d_y + s * edge[2] + c * edge[3]
+        if max(p_x, q_x) < -reach or min(p_x, q_x) > reach or max(p_y, q_y) < -reach or min(p_y, q_y) > reach:
+            continue
+        for f in range(outlines.first[own], outlines.first[own + 1]):
+            if _cuts(outlines.edges[f], p_x, p_y, q_x, q_y):
+                return True
+    for k in range(outlines.first_start[other], outlines.first_start[other + 1]):
+        b_x, b_y = outlines.starts[k, 0], outlines.starts[k, 1]
+        if _within(outlines, own, d_x + c * b_x - s * b_y, d_y + s * b_x + c * b_y):
+            return True
+    square = ratio * ratio
+    for k in range(outlines.first_start[own], outlines.first_start[own + 1]):
+        b_x, b_y = outlines.starts[k, 0] - d_x, outlines.starts[k, 1] - d_y
+        if _within(outlines, other, (c * b_x + s * b_y) / square, (c * b_y - s * b_x) / square):
+            return True
+    return False
+
+
+@lean
+def _meet(outlines, bounds, places, scales, i, j, x, y, heading, scale):
+    """Whether walker i, at this pose and scale, overlaps walker j or an image of it."""
+    own, other = outlines.kind[i], outlines.kind[j]
+    far = scale * outlines.outer[own] + scales[j] * outlines.outer[other]
+    near = scale * outlines.inner[own] + scales[j] * outlines.inner[other]
+    images = 1 if bounds.period > 0.0 else 0
+    for across in range(-images, images + 1):
+        for up in range(-images, images + 1):
+            d_x = places[j, 0] - x + across * bounds.period
+            d_y = places[j, 1] - y + up * bounds.period
+            square = d_x * d_x + d_y * d_y
+            if square >= far * far or (i == j and across == 0 and up == 0):
+                continue
+            if square < near * near:
+                return True
+            c, s = math.cos(heading) / scale, math.sin(heading) / scale
+            b_x, b_y = c * d_x + s * d_y, c * d_y - s * d_x
+            turn = places[j, 2] - heading
+            if _overlap(outlines, own, other, b_x, b_y, turn, scales[j] / scale):
+                return True
+    return False
+
+
+@lean
+def _walled(outlines, bounds, kind, x, y, heading, scale):
+    """Whether an outline reaches into a wall."""
+    if bounds.kind == PERIODIC:
+        return False
+    c, s = scale * math.cos(heading), scale * math.sin(heading)
+    for e in range(outlines.first[kind], outlines.first[kind + 1]):
+        a_x, a_y = outlines.edges[e, 0], outlines.edges[e, 1]
+        p_x, p_y = x + c * a_x - s * a_y, y + s * a_x + c * a_y
+        if bounds.kind == RECTANGLE:
+            if abs(p_x) > bounds.outer or abs(p_y) > bounds.inner:
+                return True
+        elif p_x * p_x + p_y * p_y > bounds.outer * bounds.outer:
+            return True
+        if bounds.kind == RING:
+            a_x, a_y = outlines.edges[e, 2], outlines.edges[e, 3]
+            v_x, v_y = x + c * a_x - s * a_y - p_x, y + s * a_x + c * a_y - p_y
+            t = -(p_x * v_x + p_y * v_y) / (v_x * v_x + v_y * v_y)
+            t = min(max(t, 0.0), 1.0)
+            p_x, p_y = p_x + t * v_x, p_y + t * v_y
+            if p_x * p_x + p_y * p_y < bounds.inner * bounds.inner:
+                return True
+    if bounds.kind == RING:
+        square = scale * scale
+        return _within(outlines, kind, -(c * x + s * y) / square, (s * x - c * y) / square)
+    return False
+
+
+@lean
+def free(outlines, bounds, cells, places, scales, i, x, y, heading, scale):
+    """Whether walker i at this pose and scale touches neither walls nor walkers of the cells."""
+    if _walled(outlines, bounds, outlines.kind[i], x, y, heading, scale):
+        return False
+    column, row = _square(cells, bounds, x, y)
+    around = 1 if cells.across > 2 else 0
+    first, last = (-1, 1) if around else (0, cells.across - 1)
+    for over in range(first, last + 1):
+        for up in range(first, last + 1):
+            at_x, at_y = (column + over, row + up) if around else (over, up)
+            if bounds.period > 0.0:
+                at_x, at_y = at_x % cells.across, at_y % cells.across
+            elif at_x < 0 or at_y < 0 or at_x >= cells.across or at_y >= cells.across:
+                continue
+            j = cells.head[at_y * cells.across + at_x]
+            while j != NONE:
+                if j != i and _meet(outlines, bounds, places, scales, i, j, x, y, heading, scale):
+                    return False
+                j = cells.following[j]
+    if bounds.period > 0.0:
+        places[i, 0], places[i, 1], places[i, 2] = x, y, heading
+        scales[i] = scale
+        return not _meet(outlines, bounds, places, scales, i, i, x, y, heading, scale)
+    return True
+
+
+@kernel
+def add(outlines, bounds, cells, places, scales, order, done, randoms):
+    """Add walkers in an order, from the `done`-th on, each where a random place first is free.
+
+    `randoms`: shape (tries, 3), 0 to 1. Returns how many are added when these are used up.
+    """
+    half_x = bounds.outer
+    half_y = bounds.inner if bounds.kind == RECTANGLE else bounds.outer
+    for t in range(len(randoms)):
+        if done == len(order):
+            break
+        i = order[done]
+        x, y = half_x * (2.0 * randoms[t, 0] - 1.0), half_y * (2.0 * randoms[t, 1] - 1.0)
+        heading = TWO_PI * randoms[t, 2]
+        if free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
+            places[i, 0], places[i, 1], places[i, 2] = x, y, heading
+            _enter(cells, bounds, i, x, y)
+            done += 1
+    return done
+
+
+@kernel
+def sweep(outlines, bounds, cells, places, scales, randoms, steps, growth, most):
+    """Move every walker once at random and let it grow, to a scale of `most` at the utmost.
+
+    `randoms`: shape (N, 4), 0 to 1; `steps`: largest shift (mm) and turn (rad); `growth`: largest
+    of a walker, over its size. Returns how many moves left no overlap, and were made.
+    """
+    moved = 0
+    half = 0.5 * bounds.period
+    for i in range(len(places)):
+        x, y, heading, scale = places[i, 0], places[i, 1], places[i, 2], scales[i]
+        new_x = x + steps[0] * (2.0 * randoms[i, 0] - 1.0)
+        new_y = y + steps[0] * (2.0 * randoms[i, 1] - 1.0)
+        turned = heading + steps[1] * (2.0 * randoms[i, 2] - 1.0)
+        if bounds.period > 0.0:
+            new_x -= bounds.period * math.floor((new_x + half) / bounds.period)
+            new_y -= bounds.period * math.floor((new_y + half) / bounds.period)
+        _leave(cells, bounds, i, x, y)
+        if free(outlines, bounds, cells, places, scales, i, new_x, new_y, turned, scale):
+            x, y, heading = new_x, new_y, turned
+            moved += 1
+        larger = min(most, scale * (1.0 + growth * randoms[i, 3]))
+        if larger > scale and free(outlines, bounds, cells, places, scales, i, x, y, heading, larger):
+            scale = larger
+        places[i, 0], places[i, 1], places[i, 2] = x, y, heading
+        scales[i] = scale
+        _enter(cells, bounds, i, x, y)
+    return moved
+
+
+@kernel
+def overlapping(outlines, bounds, cells, places, scales):
+    """First walker that overlaps a wall or another one; NONE without any. Fills empty cells."""
+    for i in range(len(places)):
+        x, y, heading = places[i, 0], places[i, 1], places[i, 2]
+        if not free(outlines, bounds, cells, places, scales, i, x, y, heading, scales[i]):
+            return i
+        _enter(cells, bounds, i, x, y)
+    return NONE

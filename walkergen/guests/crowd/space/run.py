@@ -1,0 +1,274 @@
+"""One run of a crowd: walkers let go at their places, the discarded start, then the record.
+
+Runs and walkers draw from their own random streams (seed, run, walker), the first as if it were
+alone: results are the same bits on any number of threads. All walkers are on one plate.
+"""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics import kernels
+from walkergen.core.scene import Arena, Scene
+from walkergen.core.simulation import plan as plans
+from walkergen.core.simulation import record
+from walkergen.core.simulation.effects import swaying_plate
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import ENDS, MOST_BLOCKS, PERIODS_PER_BLOCK, Outcome, drop
+from walkergen.core.simulation.space.model import energy, turn_to
+from walkergen.core.simulation.space.pose import place
+from walkergen.core.simulation.space.state import C_X, C_Z, COLUMNS, PHASE, Array, work_for
+from walkergen.core.simulation.world import OK, State, World
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.guests.crowd.space import bodies, steps
+from walkergen.guests.crowd.space.result import CrowdRun, Impulses
+from walkergen.guests.crowd.space.shape import Shape, shape_of
+
+TOUCH_S = 1e-3 * 0.6
+"""Time (s) for which a corner and a face that keep nothing touch (docs/physics.md section 9)."""
+
+TICKS = 13.0
+"""Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
+says, half of that with twice as many."""
+
+
+Walkers = list[tuple[World, State]]
+"""World and state of each walker."""
+
+
+class CrowdPlan(NamedTuple):
+    """Crowd to be run."""
+
+    scene: Scene
+    plans: tuple[Plan, ...]
+    """Of each kind of walker."""
+    shapes: tuple[Shape, ...]
+    names: tuple[str, ...]
+    kinds: tuple[int, ...]
+    """Kind of each walker, length N."""
+    places: Array
+    """Places x, y (mm) of the centres of mass C and headings (rad), shape (N, 3)."""
+    law: bodies.Law
+    ground: bodies.Ground
+
+
+def on_plane(scene: Scene) -> Scene:
+    """Scene of a walker in a crowd: free to turn, on ground that the dish bounds, under the scene's lid.
+
+    Raises InputError for headings at the start, which are drawn with the places, and for plates that sway.
+    """
+    if scene.run.heading_deg != (0.0,):
+        raise InputError("run.heading_deg: headings of a crowd are drawn with its places; leave the key out")
+    swaying_plate.refuse(scene, "a crowd's plate moves up and down alike everywhere")
+    kept = scene.arena.model_dump(include={"lid_mm", "wall_friction", "wall_restitution"})
+    return scene.model_copy(update={"arena": Arena(kind="plane", **kept)})
+
+
+def prepare(
+    scene: Scene,
+    designs: Sequence[tuple[Design, MassProperties]],
+    kinds: Sequence[int],
+    places: Array,
+    endless: bool = False,
+) -> CrowdPlan:
+    """Plan of a crowd: walker i is `designs[kinds[i]]`, let go with its O at `places[i]`: x, y (mm)
+    and heading (rad).
+
+    `endless`: on a plane without the scene's dish. Raises InputError where a scene or a design
+    contradicts the model in space.
+    """
+    flat = on_plane(scene)
+    every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
+    shapes = tuple(
+        shape_of(design, mass, plan.world.walker) for (design, mass), plan in zip(designs, every, strict=True)
+    )
+    return CrowdPlan(
+        flat,
+        every,
+        shapes,
+        tuple(design.name for design, _ in designs),
+        tuple(kinds),
+        _of_centres(places, [every[kind] for kind in kinds]),
+        _law(flat, every),
+        bodies.ground_of(None if endless else scene.crowd.dish),
+    )
+
+
+def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
+    """Places of the centres of mass of walkers whose O are at `places`."""
+    centres = np.asarray(places, float).copy()
+    for row, plan in zip(centres, of_walkers, strict=True):
+        forward, left = -plan.world.walker.centre[0], plan.world.walker.centre[2]
+        c, s = math.cos(row[2]), math.sin(row[2])
+        row[:2] += c * forward - s * left, s * forward + c * left
+    return centres
+
+
+def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
+    """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
+    step = min(plan.world.options.step for plan in every)
+    tick = step * 2.0 ** math.floor(math.log2(TOUCH_S / TICKS / step))
+    return bodies.Law(
+        0.5 * (math.pi / TOUCH_S) ** 2,  # eq. 9.1, half of it at either end of an edge
+        (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
+        (scene.crowd.friction, scene.arena.wall_friction),
+        scene.drive.peak_speed,
+        tick,
+    )
+
+
+def simulate(
+    plan: CrowdPlan,
+    number: int,
+    rate_hz: float,
+    stopped: Callable[[], bool] = lambda: False,
+    progress: Callable[[float], None] = lambda seconds: None,
+) -> CrowdRun:
+    """Simulate one run, with `rate_hz` frames a second; `progress` is told the seconds done.
+
+    A run that is `stopped` keeps the frames that it has.
+    """
+    started, run = time.thread_time(), plan.scene.run
+    walkers = let_go(plan, number)
+    crowd, walkers = gathered(plan, walkers)
+    blocks = 1 if len(walkers) == 1 else _blocks(plan, run.discard_seconds)
+    advance(crowd, run.discard_seconds, blocks, stopped)
+    tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
+    crowd, walkers = recorded(plan, walkers, crowd, tallies)
+    energies, held = _energies(walkers), float(steps.stored(crowd))
+    done = advance(crowd, run.seconds, _blocks(plan, run.seconds), stopped, progress)
+    gained = _energies(walkers) - energies
+    balanced = [
+        record.energy_error(sums, change, before)
+        for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
+    ]
+    frames = min(int(tally.samples.cursor[0]) for tally in tallies)
+    rows = np.array([tally.samples.rows[:frames] for tally in tallies])
+    book = crowd.book
+    return CrowdRun(
+        number,
+        _outcomes(crowd, done < run.seconds),
+        tuple(plan.names[kind] for kind in plan.kinds),
+        rows[0, :, 0],
+        rows[:, :, 1:].transpose(1, 0, 2),
+        int(book[bodies.TOUCHES]),
+        float(book[bodies.DEEPEST]),
+        max(balanced),
+        _unbalanced(book, float(steps.stored(crowd)) - held),
+        {"normal": -float(book[bodies.WORK]), "friction": float(book[bodies.RUBBED])},
+        Impulses(*(float(book[row]) for row in (bodies.PRESSED, bodies.ALONG, bodies.UP))),
+        time.thread_time() - started,
+    )
+
+
+def let_go(plan: CrowdPlan, number: int) -> Walkers:
+    """World and state of each walker, at rest over its place; the first draws plate and phase."""
+    walkers: Walkers = []
+    seed, phase = plan.scene.run.seed, None
+    for i, (kind, place_of) in enumerate(zip(plan.kinds, plan.places, strict=True)):
+        rng = np.random.default_rng([seed, number] if i == 0 else [seed, number, i])
+        own, state = drop(plan.plans[kind], rng, phase)
+        world = own.world
+        if walkers:
+            plate = walkers[0][0].acting
+            acting = world.acting._replace(noise=plate.noise, roughness=plate.roughness)
+            world = world._replace(acting=acting)
+        phase = float(state[PHASE])
+        _put(world, state, *place_of)
+        walkers.append((world, state))
+    return walkers
+
+
+def _put(world: World, state: State, x: float, y: float, heading: float) -> None:
+    """Put a walker with its centre of mass at (x, y), mm, on the plate, turned to a heading."""
+    turn_to(state, heading)
+    state[C_X], state[C_Z] = x, -y
+    place(world, state, work_for(world.walker, state))
+
+
+def gathered(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
+    """Crowd of walkers in these states, which nothing records; and they, with their states in it."""
+    return _crowd(plan, walkers, [record.new() for _ in walkers])
+
+
+def recorded(
+    plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
+) -> tuple[bodies.Crowd, Walkers]:
+    """The same crowd and walkers with these records, which begin now."""
+    crowd, walkers = _crowd(plan, walkers, tallies)
+    crowd.planar[:], crowd.status[:] = before.planar, before.status
+    crowd.touching[:] = before.touching
+    return crowd, walkers
+
+
+def _crowd(plan: CrowdPlan, walkers: Walkers, tallies: Sequence[record.Tally]) -> tuple[bodies.Crowd, Walkers]:
+    count, (worlds, states) = len(walkers), zip(*walkers, strict=True)
+    movers, free = bodies.movers_of(worlds, states, tallies)
+    crowd = bodies.Crowd(
+        kernels.listed(movers),
+        free,
+        bodies.bodies_of(plan.kinds, plan.shapes),
+        plan.ground,
+        plan.law,
+        np.zeros((count, 8)),
+        np.full(count, OK),
+        np.zeros((count, count), np.uint8),
+        np.zeros(10),
+        np.zeros(1),
+    )
+    return crowd, [(mover.world, mover.state) for mover in movers]
+
+
+def _blocks(plan: CrowdPlan, seconds: float) -> int:
+    """Blocks of a single walker's record, whose bits depend on them."""
+    period = plan.plans[0].world.drive.period
+    return min(max(round(seconds / (PERIODS_PER_BLOCK * period)), 1), MOST_BLOCKS)
+
+
+def advance(
+    crowd: bodies.Crowd,
+    seconds: float,
+    blocks: int,
+    stopped: Callable[[], bool],
+    progress: Callable[[float], None] = lambda seconds: None,
+) -> float:
+    """Advance by `seconds` in so many blocks; returns the seconds done."""
+    if seconds <= 0.0:
+        return 0.0
+    block, done = seconds / blocks, 0.0
+    pairs = np.zeros((8 * len(crowd.status), 2), np.int64)
+    code = kernels.entry(steps.advance, crowd, pairs, block)
+    for number in range(blocks):
+        if stopped() or not np.any(crowd.status == OK):
+            return done
+        left = block
+        while left > 0.0:
+            left -= code(crowd, pairs, left)
+            if left > 0.0:
+                pairs = np.zeros((2 * len(pairs), 2), np.int64)
+        done = (number + 1) / blocks * seconds
+        progress(done)
+    return done
+
+
+def _energies(walkers: Walkers) -> Array:
+    """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
+    return np.array([energy(*walker) for walker in walkers])
+
+
+def _unbalanced(book: Array, held: float) -> float:
+    """Energy of contacts along their normals that nothing accounts for, over the energy taken."""
+    lost = book[bodies.LOST]
+    taken = max(abs(book[bodies.WORK]), lost, abs(held))
+    return float(abs(book[bodies.WORK] + held + lost) / taken) if taken else 0.0
+
+
+def _outcomes(crowd: bodies.Crowd, unfinished: bool) -> tuple[str, ...]:
+    """How it ended for each walker."""
+    well = Outcome.STOPPED if unfinished else Outcome.OK
+    return tuple((well if status == OK else ENDS[int(status)]).value for status in crowd.status)

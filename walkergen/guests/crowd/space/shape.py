@@ -1,0 +1,108 @@
+"""Bodies of a crowd seen from above, as its contacts see them: rounded polygons at two heights.
+
+A body is upright: its outline over its height. It is kept as a core, the outline moved inward by
+the radius of its corners, so that bodies a radius or less into each other still have a distance,
+and with it a normal (F. Alonso-Marroquin, EPL 83, 14001, 2008). Concave outlines need no parts.
+Where two bodies meet, their outlines are compared at the bottom and at the top of the heights that
+both have, each moved as the body pitches and rolls: upright edges touch by either end.
+Limit: bodies tilt by a few hundredths of a radian; the outline itself is not foreshortened.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from shapely.geometry import MultiPolygon, Polygon
+
+from walkergen.core.errors import InputError
+from walkergen.core.simulation.space.state import Array
+from walkergen.core.simulation.space.state import Walker as InSpace
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.readers.walkers.seen_above import outline_of
+
+CORNER_MM = 0.2
+"""Radius of a printed corner: half of a common nozzle's line."""
+
+ROUND_MM = 0.01
+"""Largest distance of an outline from a circle that counts as one."""
+
+
+class Shape(NamedTuple):
+    """Body of one design, from C: corners (x forward, z to the right), mm."""
+
+    corners: Array
+    """Corners of the core, shape (v, 2)."""
+    edges: npt.NDArray[np.int64]
+    """Numbers of both ends of each edge of the core, shape (e, 2); of a disc one of no length."""
+    radius: float
+    """Radius by which the core is rounded."""
+    reach: float
+    """Largest distance of the outline from C."""
+    area: float
+    """Area of the outline, mm^2."""
+    bottom: float
+    top: float
+    """Heights of the body over C."""
+    standing: float
+    """Height of C over the plate when it stands level."""
+
+
+def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
+    """Shape of a design's body. Raises InputError for one too thin to have corners."""
+    contours = [contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)]
+    corners, edges, radius = _core(design, contours)
+    reach = float(np.hypot(*corners.T).max()) + radius
+    feet = walker.root[:, 1] + walker.reach[:, 1]
+    return Shape(
+        corners,
+        edges,
+        radius,
+        reach,
+        sum(Polygon(contour).area for contour in contours),
+        float(walker.corners[:, 1].min()),
+        float(walker.corners[:, 1].max()),
+        -float(feet.min()),
+    )
+
+
+def _core(design: Design, contours: list[Array]) -> tuple[Array, npt.NDArray[np.int64], float]:
+    """Corners and edges of the core of an outline, and the radius around it."""
+    middle = contours[0].mean(axis=0)
+    far = np.hypot(*(contours[0] - middle).T)
+    if len(contours) == 1 and len(far) > 12 and float(np.ptp(far)) < ROUND_MM:
+        return middle[None, :], np.zeros((1, 2), np.int64), float(far.mean())
+    radius = CORNER_MM
+    while True:
+        inner = [Polygon(contour).buffer(-radius, join_style="mitre") for contour in contours]
+        if all(not part.is_empty and not isinstance(part, MultiPolygon) for part in inner):
+            break
+        radius *= 0.5
+        if radius < 1e-3:
+            raise InputError(
+                f"{design.name}: an outline thinner than {2e3 * radius:.2g} micrometres has no "
+                "corners that could meet others; thicken it"
+            )
+    rings = [np.asarray(part.exterior.coords)[:-1] for part in inner]
+    edges, first = [], 0
+    for ring in rings:
+        at = first + np.arange(len(ring))
+        edges.append(np.column_stack([at, np.roll(at, -1)]))
+        first += len(ring)
+    return np.vstack(rings), np.vstack(edges), radius
+
+
+def common_heights(shapes: tuple[Shape, ...]) -> Array:
+    """Heights over C of kind i at which it meets kind j, shape (kinds, kinds, 2).
+
+    Not a number where standing bodies pass over each other.
+    """
+    heights = np.full((len(shapes), len(shapes), 2), math.nan)
+    for i, own in enumerate(shapes):
+        for j, other in enumerate(shapes):
+            low = max(own.standing + own.bottom, other.standing + other.bottom)
+            high = min(own.standing + own.top, other.standing + other.top)
+            if low < high:
+                heights[i, j] = low - own.standing, high - own.standing
+    return heights

@@ -1,0 +1,273 @@
+"""A crowd in time: every walker moves as it does alone, for as long as it cannot touch another.
+
+Time passes in ticks, of which contacts take one each, and in rounds of 2^LEVELS ticks. A walker
+moves on by 2^n ticks at once, n as large as its gaps allow at the speeds that it and its neighbours
+have: far from all others a whole stretch. As these spans nest, whoever is near is always at the
+same time. What a walker does depends on no order of work but that of the pairs that touch.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.numerics.kernels import borrowed, kernel, lean, uncounted
+from walkergen.core.simulation.space.pose import place, plate_velocity
+from walkergen.core.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X, Array
+from walkergen.core.simulation.space.steps import advance_in
+from walkergen.core.simulation.world import OK
+from walkergen.guests.crowd.space.bodies import (
+    COS,
+    DEEPEST,
+    LATE,
+    LEAN_X,
+    LEAN_Z,
+    LIFTED,
+    PERIODIC,
+    SIN,
+    SPEED,
+    STORED,
+    TOUCHES,
+    X,
+    Z,
+)
+from walkergen.guests.crowd.space.contacts import meet, meet_wall
+from walkergen.guests.crowd.space.gaps import FAR, apart, gap_of, wall_gap
+
+LEVELS = 8
+"""A round is 2^LEVELS ticks, about ten milliseconds."""
+
+
+class Plans(NamedTuple):
+    """When what has to be looked at again, in ticks of a round, for p pairs and N walkers."""
+
+    safe: Array
+    """Until then a pair cannot touch, shape (p,)."""
+    seen: Array
+    """Gap (mm) of a pair when it was last looked at, and that time, shape (p, 2)."""
+    safe_wall: Array
+    seen_wall: Array
+    """The same of walkers and walls, shapes (N,), (N, 2)."""
+    until: Array
+    """Time to which a walker has moved, shape (N,)."""
+    allowed: Array
+    """Largest n of the 2^n ticks that it may move now, shape (N,)."""
+
+
+NEAR = 64.0
+"""Ticks at their speed within which the gap of two bodies is worth more than a lower bound."""
+
+
+RECENT = 8.0
+"""Ticks after which the rate at which a gap closed says nothing of how it closes now."""
+
+
+FORESEEN, IN_A_TICK = 2.0, 0.25
+"""Ticks for which a gap's rate says how it goes on, and the part of a landing's change of velocity
+that falls into them."""
+
+
+@uncounted
+def _move(crowd, i, t):
+    """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
+    mover = borrowed(crowd.movers, i)
+    if t == 0.0:
+        place(mover.world, mover.state, mover.work)
+    elif crowd.status[i] == OK:
+        crowd.status[i] = advance_in(mover.world, mover.state, mover.work, t, mover.tally)
+    _show(crowd, i, mover)
+
+
+@lean
+def _show(crowd, i, mover):
+    """Note what walker i shows from above, and a bound of how fast its outline moves."""
+    state, work, walker, planar = mover.state, mover.work, mover.world.walker, crowd.planar
+    R, now, n = work.R, work.now, len(walker.stiffness)
+    o_x, o_y, o_z = 0.0, 0.0, 0.0
+    for j in range(n):
+        o_x -= walker.shift[0, j] * state[LEGS + j]
+        o_y -= walker.shift[1, j] * state[LEGS + j]
+        o_z -= walker.shift[2, j] * state[LEGS + j]
+    planar[i, X] = state[C_X] + R[0, 0] * o_x + R[0, 1] * o_y + R[0, 2] * o_z
+    planar[i, Z] = state[C_Z] + R[2, 0] * o_x + R[2, 1] * o_y + R[2, 2] * o_z
+    planar[i, COS], planar[i, SIN] = math.cos(state[HEADING]), -math.sin(state[HEADING])
+    planar[i, LEAN_X], planar[i, LEAN_Z] = R[0, 1], R[2, 1]
+    planar[i, LIFTED] = plate_velocity(mover.world, state)
+    if crowd.status[i] != OK:
+        planar[i, SPEED] = 0.0
+        return
+    kind = crowd.bodies.kind[i]
+    turning = R[1, 0] * now[3] + R[1, 1] * now[4] + R[1, 2] * now[5]
+    whole = now[3] * now[3] + now[4] * now[4] + now[5] * now[5]
+    tilting = math.sqrt(max(whole - turning * turning, 0.0))
+    height = max(abs(crowd.bodies.ends[kind, 0]), abs(crowd.bodies.ends[kind, 1]))
+    speed = math.sqrt(state[V_X] * state[V_X] + state[V_X + 2] * state[V_X + 2])
+    speed += abs(turning) * crowd.bodies.reach[kind] + tilting * height
+    planar[i, SPEED] = speed + crowd.law.margin
+
+
+@lean
+def _level_of(ticks, most):
+    """Largest n with 2^n <= ticks, at most `most`."""
+    level = 0
+    while level < most and 2.0 ** (level + 1) <= ticks:
+        level += 1
+    return level
+
+
+@lean
+def _note(crowd, row, column, count, late):
+    """Book whether a pair touches, and whether it was found deeper than a tick explains."""
+    touches = 1 if count > 0 else 0
+    if touches == 1 and crowd.touching[row, column] == 0:
+        crowd.book[TOUCHES] += 1.0
+        if late:
+            crowd.book[LATE] += 1.0
+    crowd.touching[row, column] = touches
+
+
+@lean
+def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
+    """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
+
+    It closes at most as the `fastest` points of both sides can (mm/s). One that was `past` a few
+    `ticks` ago closes as it has, or faster by half and by a part of what a landing adds, the
+    `margin` (mm/s): for FORESEEN ticks.
+    """
+    tick = crowd.tick[0]
+    sure = gap / (tick * fastest)
+    if sure >= FORESEEN or ticks > RECENT:
+        return sure
+    rate = (past - gap) / (ticks * tick)
+    likely = gap / (tick * (max(1.5 * rate, 0.0) + IN_A_TICK * margin))
+    return max(sure, min(likely, FORESEEN))
+
+
+@lean
+def _pair(crowd, i, j, seen, now):
+    """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
+
+    `seen`: their gap when it was last looked at, and that time in ticks, shape (2,).
+    """
+    if crowd.status[i] != OK and crowd.status[j] != OK:
+        return FAR
+    fastest = crowd.planar[i, SPEED] + crowd.planar[j, SPEED]
+    cutoff = NEAR * fastest * crowd.tick[0]
+    gap = gap_of(crowd.bodies, crowd.ground, crowd.planar, i, j, cutoff)
+    ticks = _ticks_apart(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
+    seen[0], seen[1] = gap, now
+    count = meet(crowd, i, j, True) if gap < 0.0 else 0
+    _note(crowd, i, j, count, -gap > fastest * crowd.tick[0])
+    return max(ticks, 1.0)
+
+
+@lean
+def _wall(crowd, i, seen, now):
+    """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
+    if crowd.status[i] != OK:
+        return FAR
+    gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
+    fastest = crowd.planar[i, SPEED]
+    ticks = _ticks_apart(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
+    seen[0], seen[1] = gap, now
+    count = meet_wall(crowd, i, True) if gap < 0.0 else 0
+    _note(crowd, i, i, count, -gap > fastest * crowd.tick[0])
+    return max(ticks, 1.0)
+
+
+@uncounted
+def _neighbours(crowd, span, pairs):
+    """List pairs that may touch within `span` seconds; returns how many."""
+    count, n = 0, len(crowd.status)
+    for i in range(n):
+        for j in range(i + 1, n):
+            closing = 2.0 * (crowd.planar[i, SPEED] + crowd.planar[j, SPEED])
+            if apart(crowd.bodies, crowd.ground, crowd.planar, i, j) < closing * span:
+                if count == len(pairs):
+                    return -1
+                pairs[count, 0], pairs[count, 1] = i, j
+                count += 1
+    return count
+
+
+@uncounted
+def _round(crowd, pairs, count, plans, levels):
+    """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
+    n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
+    safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
+    until, allowed = plans.until, plans.allowed
+    safe[:count], safe_wall[:], until[:] = 0.0, 0.0, 0
+    seen[:count, 1] = seen_wall[:, 1] = -FAR
+    for now in range(ticks):
+        most = levels
+        if now > 0:
+            most = 0
+            while (now >> most) & 1 == 0:
+                most += 1
+        for i in range(n):
+            if until[i] != now:
+                continue
+            if safe_wall[i] <= now + 1.0:
+                safe_wall[i] = now + _wall(crowd, i, seen_wall[i], now)
+            allowed[i] = _level_of(safe_wall[i] - now, most)
+        for p in range(count):
+            i, j = pairs[p, 0], pairs[p, 1]
+            if until[i] != now or until[j] != now:
+                continue
+            if safe[p] <= now + 1.0:
+                safe[p] = now + _pair(crowd, i, j, seen[p], now)
+            free = _level_of(safe[p] - now, most)
+            allowed[i], allowed[j] = min(allowed[i], free), min(allowed[j], free)
+        for i in range(n):
+            if until[i] == now:
+                until[i] = now + (1 << allowed[i])
+                _move(crowd, i, tick * 2.0 ** allowed[i])
+
+
+@kernel
+def advance(crowd, pairs, duration):
+    """Advance a crowd by `duration` seconds; returns what has passed: less where `pairs`, shape
+    (p, 2), has too little room for all that may touch.
+    """
+    n, passed, law = len(crowd.status), 0.0, crowd.law
+    if n == 1 and crowd.ground.kind >= PERIODIC:
+        _move(crowd, 0, duration)
+        return duration
+    plans = Plans(
+        np.empty(len(pairs)),
+        np.empty((len(pairs), 2)),
+        np.empty(n),
+        np.empty((n, 2)),
+        np.empty(n, np.int64),
+        np.empty(n, np.int64),
+    )
+    full = law.tick * 2.0**LEVELS
+    for i in range(n):
+        _move(crowd, i, 0.0)
+    while passed < duration:
+        left, levels, tick = duration - passed, LEVELS, law.tick
+        if left < full:
+            while levels > 0 and 2.0 ** (levels - 1) * law.tick >= left:
+                levels -= 1
+            tick = left / 2.0**levels
+        crowd.tick[0] = tick
+        count = _neighbours(crowd, tick * 2.0**levels, pairs)
+        if count < 0:
+            return passed
+        _round(crowd, pairs, count, plans, levels)
+        passed = passed + full if left > full else duration
+    return passed
+
+
+@kernel
+def stored(crowd):
+    """Energy that contacts between bodies and with walls hold now, g mm^2/s^2."""
+    deepest = crowd.book[DEEPEST]
+    crowd.book[STORED] = 0.0
+    for i in range(len(crowd.status)):
+        meet_wall(crowd, i, False)
+        for j in range(i + 1, len(crowd.status)):
+            if apart(crowd.bodies, crowd.ground, crowd.planar, i, j) < 0.0:
+                meet(crowd, i, j, False)
+    crowd.book[DEEPEST] = deepest
+    return crowd.book[STORED]

@@ -1,0 +1,85 @@
+"""Square boxes side by side about the middle of a dish, and what is in them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from walkergen.core.dish import Dish
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+FEWEST = 3
+"""Least number of boxes along the shorter side: of two none lies inside a disc."""
+
+HALF = 0.5
+"""Share of a box inside the dish, at least, for it to count as a place."""
+
+ROUND = 128
+"""Corners of a quarter of a circle whose area is that of a wall, to 3e-5."""
+
+
+class Grid(NamedTuple):
+    """Boxes of one size."""
+
+    side: float
+    """Side of a box, mm."""
+    used: Mask
+    """True for boxes that count, shape (along x, along y)."""
+    areas: Array
+    """Areas inside the dish of the boxes that count, shape (boxes,), mm^2."""
+
+
+def whole(dish: Dish, parts: int) -> Grid:
+    """Boxes wholly inside a dish, of `parts` along the shorter side of the rectangle around it."""
+    side = min(dish.box) / parts
+    across = [int(length / side * (1.0 + 1e-12)) for length in dish.box]
+    used = np.ones(across, dtype=bool)
+    if dish.kind in ("disc", "ring"):
+        corner = [0.5 * side + side * np.abs(np.arange(n) - 0.5 * (n - 1)) for n in across]
+        used = np.hypot(*np.meshgrid(*corner, indexing="ij")) <= 0.5 * dish.sizes[0]
+    if dish.kind == "ring":
+        near = [np.maximum(edge - side, 0.0) for edge in corner]
+        used &= np.hypot(*np.meshgrid(*near, indexing="ij")) >= 0.5 * dish.sizes[1]
+    return Grid(side, used, np.full(used.sum(), side**2))
+
+
+def cut(dish: Dish, parts: int) -> Grid:
+    """Boxes that cover a dish, cut by its walls, less those of which more than half is outside."""
+    side = min(dish.box) / parts
+    across = [math.ceil(length / side * (1.0 - 1e-12)) for length in dish.box]
+    low = [side * (np.arange(n) - 0.5 * n) for n in across]
+    x, y = np.meshgrid(*low, indexing="ij")
+    areas = shapely.area(shapely.intersection(shapely.box(x, y, x + side, y + side), _ground(dish)))
+    used = areas >= HALF * side**2
+    return Grid(side, used, areas[used])
+
+
+def sums(x: Array, y: Array, grid: Grid, weights: Array | None = None) -> Array:
+    """Sum of the `weights` (N,) of the walkers in each box that counts, (F, boxes); of 1 without.
+
+    Places have shape (F, N); those that are NaN are in no box.
+    """
+    frames, count = x.shape
+    across = grid.used.shape
+    columns, rows = (np.floor(places / grid.side + 0.5 * number) for places, number in zip((x, y), across, strict=True))
+    within = (columns >= 0) & (columns < across[0]) & (rows >= 0) & (rows < across[1])
+    cells = across[0] * across[1]
+    frame = np.broadcast_to(np.arange(frames)[:, None], x.shape)[within]
+    at = (frame * across[0] + columns[within].astype(np.int64)) * across[1]
+    at += rows[within].astype(np.int64)
+    values = None if weights is None else np.broadcast_to(weights, (frames, count))[within]
+    total = np.bincount(at, values, minlength=frames * cells).reshape(frames, cells)
+    return np.asarray(total[:, grid.used.ravel()], dtype=float)
+
+
+def _ground(dish: Dish) -> shapely.Geometry:
+    """Dish as a polygon, whose round walls have many corners."""
+    if dish.kind in ("rectangle", "periodic"):
+        half_x, half_y = (0.5 * side for side in dish.box)
+        return shapely.box(-half_x, -half_y, half_x, half_y)
+    outer, *inner = (shapely.Point(0, 0).buffer(0.5 * size, ROUND) for size in dish.sizes)
+    return outer.difference(inner[0]) if inner else outer

@@ -1,0 +1,107 @@
+"""Clusters: walkers that touch each other, or touch others of the same cluster.
+
+Two touch where their outlines are nearer than `TOUCHING` times the mean outer radius; where only
+outer radii are known, where their places are nearer than the sum of these.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import shapely
+
+from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics.film import CrowdFilm
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+
+TOUCHING = 0.05
+"""Gap up to which outlines touch, over the mean outer radius: films do not show less."""
+
+
+class Clusters(NamedTuple):
+    """Clusters of one run at each time, shape (F,) each."""
+
+    number: Array
+    """Number of clusters, walkers alone included."""
+    largest: Array
+    """Share of the walkers in the largest."""
+    size: Array
+    """Mean number of walkers in the cluster of a walker."""
+    alone: Array
+    """Share of the walkers that touch none."""
+    touching: Array
+    """Mean number of others that a walker touches."""
+    shares: Array
+    """Share of the walkers in clusters of 1, 2 to 3, 4 to 7, ... over all times."""
+
+
+def measure(film: CrowdFilm) -> Clusters:
+    """Clusters of one run, whose outlines or outer radii are known."""
+    rows, octaves = [], np.zeros(int(np.log2(film.x.shape[1])) + 1)
+    for frame in range(len(film.times)):
+        seen = np.flatnonzero(np.isfinite(film.x[frame]) & np.isfinite(film.y[frame]))
+        if not len(seen):
+            rows.append((math.nan,) * 5)
+            continue
+        links = contacts(film, frame, seen)
+        sizes = sizes_of(links, len(seen))
+        own = np.repeat(sizes, sizes)  # of each walker's cluster
+        octaves += np.bincount(np.log2(own).astype(int), minlength=len(octaves)) / len(own)
+        rows.append(
+            (float(len(sizes)), sizes.max() / len(own), own.mean(), (own == 1).mean(), 2.0 * len(links) / len(own))
+        )
+    number, largest, size, alone, touching = np.array(rows, dtype=float).T
+    return Clusters(number, largest, size, alone, touching, octaves / octaves.sum())
+
+
+def contacts(film: CrowdFilm, frame: int, seen: Whole) -> Whole:
+    """Pairs of touching walkers among those `seen`, by their order in it, shape (pairs, 2)."""
+    x, y, radii = film.x[frame][seen], film.y[frame][seen], film.radii[seen]
+    gap = TOUCHING * float(radii.mean()) if film.outlines else 0.0
+    reach = 2.0 * float(radii.max()) + gap
+    reach = min(reach, 0.5 * film.dish.period or reach)  # of images the nearest alone
+    pairs, steps = ground.pairs_within(x, y, reach, film.dish)
+    close = np.hypot(*steps.T) <= radii[pairs].sum(axis=1) + gap
+    pairs, steps = pairs[close], steps[close]
+    if not film.outlines or not len(pairs):
+        return np.asarray(pairs)
+    kinds, theta = [film.kinds[walker] for walker in seen], film.theta[frame][seen]
+    first = _turned(film, kinds, theta, pairs[:, 0], 0.0 * steps)
+    second = _turned(film, kinds, theta, pairs[:, 1], steps)
+    touch: Whole = pairs[shapely.dwithin(first, second, gap)]
+    return touch
+
+
+def sizes_of(links: Whole, walkers: int) -> Whole:
+    """Numbers of walkers in each cluster that `links` (pairs, 2) join, walkers alone included."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(links)), links.T), shape=(walkers, walkers))
+    _, labels = connected_components(graph, directed=False)
+    return np.bincount(labels).astype(np.int64)
+
+
+def _turned(
+    film: CrowdFilm, kinds: Sequence[str], theta: Array, walkers: Whole, places: Array
+) -> npt.NDArray[np.object_]:
+    """Outlines of `walkers`, each turned by its heading and moved to its place (pairs, 2)."""
+    shapes = {kind: _shape(contours) for kind, contours in film.outlines.items()}
+    outlines = np.array([shapes[kinds[walker]] for walker in walkers], dtype=object)
+    corners = shapely.get_num_coordinates(outlines)
+    angle = np.repeat(np.nan_to_num(theta[walkers]), corners)
+    c, s, moved = np.cos(angle), np.sin(angle), np.repeat(places, corners, axis=0)
+
+    def turn(points: Array) -> Array:
+        x, y = points.T
+        return np.column_stack([c * x - s * y, s * x + c * y]) + moved
+
+    return np.asarray(shapely.transform(outlines, turn), dtype=object)
+
+
+def _shape(contours: Sequence[Array]) -> object:
+    return shapely.union_all([shapely.Polygon(contour) for contour in contours])

@@ -1,0 +1,122 @@
+"""Film of a crowd: where every walker was at every time, simulated or filmed, seen from above."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.tracks import Tracks
+from walkergen.core.dish import Dish
+from walkergen.readers.drawings import outlines as polygons
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+
+Outlines = Mapping[str, Sequence[Array]]
+"""Outer contours by the name of a kind, seen from above: heading along +x, the place that is
+followed at the origin, shape (corners, 2) each, mm."""
+
+NO_OUTLINES: Outlines = MappingProxyType({})
+
+
+class CrowdFilm(NamedTuple):
+    """One run of N walkers in F frames at a fixed rate, the transient already left out."""
+
+    times: Array
+    """Times of the frames, shape (F,), s."""
+    x: Array
+    """Places from the middle of the dish, shape (F, N), mm, not wrapped in a periodic square; NaN
+    where a walker was not seen."""
+    y: Array
+    theta: Array
+    """Headings from x toward y, shape (F, N), rad, not wrapped; NaN where not known."""
+    areas: Array
+    """Areas of the outlines, shape (N,), mm^2; NaN where no outline is known."""
+    radii: Array
+    """Distances of the outermost corners from the places, shape (N,), mm; NaN likewise."""
+    kinds: tuple[str, ...]
+    """Names of the walkers' designs, length N."""
+    dish: Dish
+    outlines: Outlines = NO_OUTLINES
+    """Contours of each of `kinds`; none where only tracks are known."""
+
+    @property
+    def interval(self) -> float:
+        """Time between frames, s."""
+        return float((self.times[-1] - self.times[0]) / (len(self.times) - 1))
+
+    @property
+    def walkers(self) -> float:
+        """Mean number of walkers seen at a time: tracks that break number a walker anew."""
+        return float(np.isfinite(self.x).sum(axis=1).mean())
+
+    @property
+    def sized(self) -> bool:
+        """True where the outlines are known."""
+        return not bool(np.isnan(self.radii).any())
+
+    @property
+    def headed(self) -> bool:
+        """True where headings are known."""
+        return not bool(np.isnan(self.theta).all())
+
+    def at(self, frames: Whole) -> "CrowdFilm":
+        """Film of these frames alone."""
+        kept = {key: getattr(self, key)[frames] for key in ("times", "x", "y", "theta")}
+        return self._replace(**kept)
+
+
+def of_places(times: Array, places: Array, kinds: Sequence[str], outlines: Outlines, dish: Dish) -> CrowdFilm:
+    """Film of `places` of shape (F, N, 3 or more): x, y (mm) and heading (rad) come first.
+
+    Each of `kinds` (N) has its contours in `outlines`, or there are no outlines at all.
+    """
+    x, y, theta = (np.ascontiguousarray(places[..., axis]) for axis in range(3))
+    size = {kind: _size(contours) for kind, contours in outlines.items()}
+    sizes = np.array([size.get(kind, (np.nan, np.nan)) for kind in kinds]).reshape(-1, 2)
+    return CrowdFilm(times, x, y, theta, sizes[:, 0], sizes[:, 1], tuple(kinds), dish, outlines)
+
+
+def of_tracks(tracks: Tracks, dish: Dish, contours: Sequence[Array] = ()) -> CrowdFilm:
+    """Film of tracks on a plane, of walkers of one outline if there are `contours`.
+
+    Headings are made continuous; where a track has a gap it may miss a full turn.
+    """
+    frames = max(track.start + len(track.position) for track in tracks.tracks)
+    places = np.full((frames, len(tracks.tracks), 3), np.nan)
+    for number, track in enumerate(tracks.tracks):
+        span = slice(track.start, track.start + len(track.position))
+        places[span, number, :2] = track.position
+        if track.heading is not None:
+            places[span, number, 2] = _continuous(track.heading)
+    outlines = {"walker": contours} if contours else NO_OUTLINES
+    times = tracks.interval * np.arange(frames, dtype=float)
+    return of_places(times, places, ["walker"] * len(tracks.tracks), outlines, dish)
+
+
+def _size(contours: Sequence[Array]) -> tuple[float, float]:
+    """Area (mm^2) and outer radius (mm) of outlines."""
+    area = sum(abs(float(polygons.area(contour))) for contour in contours)
+    return area, max(float(np.hypot(*contour.T).max()) for contour in contours)
+
+
+def _continuous(heading: Array) -> Array:
+    seen = np.isfinite(heading)
+    heading = heading.copy()
+    heading[seen] = np.unwrap(heading[seen])
+    return heading
+
+
+def mean_over_walkers(values: npt.NDArray[Any], chosen: Mask | None = None) -> npt.NDArray[Any]:
+    """Mean of values (F, N) over the walkers whose value is known, of those that are `chosen`, at each time.
+
+    NaN where there are none.
+    """
+    known = ~np.isnan(values)
+    if chosen is not None:
+        known &= chosen
+    count = known.sum(axis=1)
+    return np.where(count > 0, np.where(known, values, 0).sum(axis=1) / np.maximum(count, 1), np.nan)

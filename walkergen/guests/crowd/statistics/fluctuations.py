@@ -1,0 +1,78 @@
+"""Number fluctuations: how the number of walkers in a box varies with time, by its mean.
+
+Walkers that ignore each other have a standard deviation that grows as mean^(1/2) (Poisson); a
+lattice varies at its boxes' edges only, mean^(1/4); flocks and phases by powers up to 1.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.crowd.statistics import boxes, ground
+from walkergen.guests.crowd.statistics.film import CrowdFilm
+
+Array = npt.NDArray[np.float64]
+
+SIZES = 12
+"""Sizes of boxes, at most."""
+
+LEAST_MEAN = 1.0
+"""Mean number of walkers in the smallest boxes, at least: below it any law looks like Poisson's."""
+
+
+class Fluctuations(NamedTuple):
+    """Fluctuations by the size of the boxes."""
+
+    sides: Array
+    """Sides of the boxes, shape (sizes,), mm."""
+    means: Array
+    """Mean number of walkers in a box over all runs, shape (sizes,)."""
+    variances: Array
+    """Variance of that number with time, in each run, shape (runs, sizes)."""
+    exponents: Array
+    """Growth of the standard deviation with the mean, d ln sd / d ln mean, of each run (runs,)."""
+
+
+def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
+    """Variance in boxes about their own means, which are over all times and all runs.
+
+    So a density that differs from place to place for good, as at a wall, is no fluctuation. As the
+    dish holds a fixed number of walkers a box of the share p of its area varies by 1 - p less than
+    it would in a large one: this is divided out. Too small by up to 1 / runs, and with one run by
+    more, where the runs are not long beside the time in which the density changes.
+    """
+    film = films[0]
+    parts = _parts(film)
+    sides, means, variances = [], [], []
+    for number in parts:
+        grid = boxes.whole(film.dish, number)
+        counts = [boxes.sums(*ground.wrapped(each.x, each.y, each.dish), grid) for each in films]
+        own = np.concatenate(counts).mean(axis=0)
+        fixed = 1.0 - grid.side**2 / film.dish.area
+        sides.append(grid.side)
+        means.append(own.mean())
+        variances.append([((count - own) ** 2).mean() / fixed for count in counts])
+    by_run = np.array(variances).reshape(len(parts), len(films)).T
+    return Fluctuations(
+        np.array(sides), np.array(means), by_run, np.array([_exponent(np.array(means), row) for row in by_run])
+    )
+
+
+def _parts(film: CrowdFilm) -> list[int]:
+    """Numbers of boxes along the dish, from few large ones to those that hold a walker or so."""
+    count = film.walkers
+    smallest = math.sqrt(LEAST_MEAN * film.dish.area / max(count, 1.0))
+    most = int(min(film.dish.box) / smallest)
+    parts = np.unique(np.rint(np.geomspace(boxes.FEWEST, max(most, boxes.FEWEST), SIZES)))
+    return [int(n) for n in parts if boxes.whole(film.dish, int(n)).used.any()]
+
+
+def _exponent(means: Array, variances: Array) -> float:
+    """Slope of ln sd over ln mean; NaN for fewer than 3 sizes or where nothing varies."""
+    use = (means > 0) & (variances > 0)
+    if use.sum() < 3:
+        return math.nan
+    return float(np.polyfit(np.log(means[use]), 0.5 * np.log(variances[use]), 1)[0])

@@ -1,0 +1,113 @@
+"""Geometry of a dish for statistics: walls, what of a circle lies inside, neighbours across edges.
+
+Lengths in mm; places are from the middle of the dish.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from walkergen.core.dish import Dish
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+
+
+def wrapped(x: Array, y: Array, dish: Dish) -> tuple[Array, Array]:
+    """Places inside a periodic square, from -side/2 to side/2; as they are in other dishes."""
+    if not dish.period:
+        return x, y
+    half = 0.5 * dish.period
+    return (x + half) % dish.period - half, (y + half) % dish.period - half
+
+
+def wall_distance(x: Array, y: Array, dish: Dish) -> Array:
+    """Distance of places from the nearest wall, below 0 beyond it; infinite without walls."""
+    if dish.kind == "periodic":
+        return np.full(np.shape(x), math.inf)
+    if dish.kind == "rectangle":
+        length, width = dish.sizes
+        return np.asarray(np.minimum(0.5 * length - np.abs(x), 0.5 * width - np.abs(y)))
+    radius = np.hypot(x, y)
+    out = 0.5 * dish.sizes[0] - radius
+    return np.asarray(out if dish.kind == "disc" else np.minimum(out, radius - 0.5 * dish.sizes[1]))
+
+
+def wall_tangent(x: Array, y: Array, dish: Dish) -> Array:
+    """Direction of the nearest wall, rad; either sense along it is meant."""
+    if dish.kind == "rectangle":
+        length, width = dish.sizes
+        nearer_end = 0.5 * length - np.abs(x) < 0.5 * width - np.abs(y)
+        return np.where(nearer_end, 0.5 * math.pi, 0.0)
+    return np.asarray(np.arctan2(y, x) + 0.5 * math.pi)
+
+
+def deepest(dish: Dish) -> float:
+    """Largest distance from a wall that there is."""
+    if dish.kind == "ring":
+        return 0.25 * (dish.sizes[0] - dish.sizes[1])
+    return 0.5 * min(dish.box)
+
+
+def area_beyond(depth: Array, dish: Dish) -> Array:
+    """Area (mm^2) of the dish that lies further from all walls than `depth`."""
+    depth = np.clip(depth, 0.0, deepest(dish))
+    if dish.kind == "rectangle":
+        length, width = dish.sizes
+        return np.asarray((length - 2.0 * depth) * (width - 2.0 * depth))
+    area = math.pi * (0.5 * dish.sizes[0] - depth) ** 2
+    return area if dish.kind == "disc" else area - math.pi * (0.5 * dish.sizes[1] + depth) ** 2
+
+
+def share_inside(x: Array, y: Array, radius: Array, dish: Dish) -> Array:
+    """Share of a circle of `radius` about a place inside the dish that lies inside as well.
+
+    Exact in closed form. In a periodic square all of it does, up to half the side.
+    """
+    if dish.kind == "periodic":
+        return np.ones(np.broadcast_shapes(np.shape(x), np.shape(radius)))
+    if dish.kind == "rectangle":
+        return _share_in_rectangle(x, y, radius, *dish.sizes)
+    middle = np.hypot(x, y)
+    share = _share_in_disc(middle, radius, 0.5 * dish.sizes[0])
+    if dish.kind == "ring":
+        share = share - _share_in_disc(middle, radius, 0.5 * dish.sizes[1])
+    return np.clip(share, 0.0, 1.0)
+
+
+def _share_in_disc(middle: Array, radius: Array, size: float) -> Array:
+    """Share of circles of `radius`, `middle` from the centre of a disc, inside it (cosine law)."""
+    cosine = (size**2 - middle**2 - radius**2) / np.maximum(2.0 * middle * radius, 1e-150)
+    return np.asarray(1.0 - np.arccos(np.clip(cosine, -1.0, 1.0)) / math.pi)
+
+
+def _share_in_rectangle(x: Array, y: Array, radius: Array, length: float, width: float) -> Array:
+    """Share that no side cuts off; what two sides cut off together is counted once."""
+    gaps = 0.5 * length - x, 0.5 * width - y, 0.5 * length + x, 0.5 * width + y
+    cut = [np.arccos(np.clip(gap / radius, 0.0, 1.0)) for gap in gaps]
+    outside = 2.0 * sum(cut)
+    for one, other in zip(cut, [*cut[1:], cut[0]], strict=True):
+        outside = outside - np.maximum(one + other - 0.5 * math.pi, 0.0)
+    return np.clip(1.0 - outside / (2.0 * math.pi), 0.0, 1.0)
+
+
+def pairs_within(x: Array, y: Array, reach: float, dish: Dish) -> tuple[Whole, Array]:
+    """Pairs of places nearer than `reach`: numbers, shape (pairs, 2), and vectors (pairs, 2), mm.
+
+    Each pair once; the vector leads from the first to the nearest image of the second. All places
+    are finite; in a periodic square `reach` is at most half the side.
+    """
+    period = dish.period
+    places = np.column_stack(wrapped(x, y, dish))
+    if period:
+        places = np.where(places >= 0.5 * period, places - period, places) + 0.5 * period
+        places = np.clip(places, 0.0, np.nextafter(period, 0.0))
+    tree = cKDTree(places, boxsize=period or None)
+    pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
+    steps = places[pairs[:, 1]] - places[pairs[:, 0]]
+    if period:
+        steps -= period * np.rint(steps / period)
+    return pairs, steps

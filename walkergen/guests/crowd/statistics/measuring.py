@@ -1,0 +1,320 @@
+"""Statistics of a crowd from independent runs: numbers, their course in time, and curves.
+
+Every error is from the scatter of the runs. Of one run alone the numbers that vary in time have an
+error if the run is long beside the time in which they change; curves then have none.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.motion import Curve
+from walkergen.core.dish import Dish
+from walkergen.core.errors import InputError
+from walkergen.core.numerics import statistics
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.guests.crowd.statistics import clusters, fluctuations, order, packing, pairs, spreading, walls
+from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
+
+Array = npt.NDArray[np.float64]
+
+UNITS = {
+    "packing": "",
+    "packing_scatter": "",
+    "polar_order": "",
+    "nematic_order": "",
+    "local_polar_order": "",
+    "local_nematic_order": "",
+    "circulation": "",
+    "milling": "",
+    "speed": "mm_s",
+    "speed_along_heading": "mm_s",
+    "spread_exponent": "",
+    "fluctuation_exponent": "",
+    "clusters": "",
+    "largest_cluster": "",
+    "cluster_size": "",
+    "alone": "",
+    "touching": "",
+    "wall_density": "",
+    "wall_speed": "mm_s",
+    "wall_alignment": "",
+}
+"""Names of the numbers and their units as keys write them ("" is a pure number). `milling` is the
+mean modulus of `circulation`, which may go either way; `wall_density` is over the mean."""
+
+TIMELESS = ("spread_exponent", "fluctuation_exponent")
+"""Numbers of a whole run, without a course in time."""
+
+MOST_FRAMES = 200
+"""Frames, evenly spaced, at most, for what is found pair by pair."""
+
+FEWEST_FRAMES = 4
+"""Least number of frames of a run."""
+
+SAME = 1e-12
+"""Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
+
+NO_OUTLINE = "no outlines known"
+NO_HEADING = "no headings known"
+NO_WALL = "a periodic dish has no wall"
+NO_PAIRS = "too few walkers"
+ONE_RUN = "no error of one run so short"
+ONE_NUMBER = "no error of one run"
+
+
+class CrowdStatistics(NamedTuple):
+    """What a crowd did, over all runs."""
+
+    numbers: dict[str, Quantity]
+    """Numbers by their keys, those of `UNITS`."""
+    by_chance: dict[str, float]
+    """What the same numbers would be for walkers placed and turned at random."""
+    by_run: dict[str, Array]
+    """Numbers of each run, shape (runs,)."""
+    series: dict[str, Curve]
+    """Course in time (s) of numbers, mean over the runs; errors NaN with one run."""
+    curves: dict[str, Curve]
+    """g, polar_correlation, nematic_correlation by distance (mm); msd (mm^2) by lag (s);
+    fluctuations (variance) by mean number; local_packing (density) by packing; cluster_shares by
+    size; wall_density, wall_speed (mm/s), wall_alignment by distance from the wall (mm)."""
+    runs: int
+    walkers: int
+    frames: int
+    """Frames of a run."""
+    seconds: float
+    """Length of a run, s."""
+    dish: Dish
+    notes: tuple[str, ...]
+    """How numbers were found, a sentence without its full stop each."""
+
+
+class _Run(NamedTuple):
+    series: dict[str, tuple[Array, Array]]
+    """Times (s) and values of each number that has a course in time."""
+    curves: dict[str, tuple[Array, Array]]
+    """Places and values of each curve."""
+    whole: dict[str, float]
+    """Numbers of the whole run."""
+
+
+def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
+    """Statistics of one crowd from its independent runs, of the same walkers in the same dish.
+
+    Raises InputError where there is no run, or where runs differ or are too short.
+    """
+    _check(films)
+    shortest = min(len(film.times) for film in films)
+    films = [film.at(np.arange(shortest)) for film in films]
+    varying = fluctuations.measure(films)
+    runs = [_of(film) for film in films]
+    for run, exponent, variances in zip(runs, varying.exponents, varying.variances, strict=True):
+        run.whole["fluctuation_exponent"] = float(exponent)
+        run.curves["fluctuations"] = varying.means, variances
+    by_run = {name: _each(runs, name) for name in UNITS}
+    film = films[0]
+    return CrowdStatistics(
+        {name: _quantity(name, by_run[name], runs, film) for name in UNITS},
+        _by_chance(film),
+        by_run,
+        {name: _joined([run.series[name] for run in runs]) for name in runs[0].series},
+        {name: _joined([run.curves[name] for run in runs]) for name in runs[0].curves},
+        len(films),
+        round(film.walkers),
+        shortest,
+        float(film.times[-1] - film.times[0]),
+        film.dish,
+        _notes(films),
+    )
+
+
+def _check(films: Sequence[CrowdFilm]) -> None:
+    if not films:
+        raise InputError("no run of a crowd: nothing to measure")
+    first = films[0]
+    for film in films:
+        if film.dish != first.dish or set(film.kinds) != set(first.kinds):
+            raise InputError(f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart")
+        if len(film.times) < FEWEST_FRAMES:
+            raise InputError(f"a run of a crowd has {len(film.times)} frames: needs {FEWEST_FRAMES} at least")
+
+
+def _words(film: CrowdFilm) -> str:
+    """What ran where, in words."""
+    return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
+
+
+def _of(film: CrowdFilm) -> _Run:
+    """All statistics of one run but the fluctuations, which are about the mean of all runs."""
+    few = film.at(np.arange(0, len(film.times), -(-len(film.times) // MOST_FRAMES)))
+    run = _Run({}, {}, {})
+    _add_motion(run, film)
+    _add_pairs(run, few)
+    if film.headed:
+        circulation = order.circulation(film)
+        run.series["polar_order"] = film.times, order.polar(film)
+        run.series["nematic_order"] = film.times, order.nematic(film)
+        if not film.dish.period:
+            run.series["circulation"] = film.times, circulation
+            run.series["milling"] = film.times, np.abs(circulation)
+    if film.sized:
+        _add_sized(run, film, few)
+    if not film.dish.period:
+        _add_walls(run, film)
+    return run
+
+
+def _add_motion(run: _Run, film: CrowdFilm) -> None:
+    between = 0.5 * (film.times[1:] + film.times[:-1])
+    speed, ahead = spreading.speeds(film)
+    run.series["speed"] = between, mean_over_walkers(speed)
+    if film.headed:
+        run.series["speed_along_heading"] = between, mean_over_walkers(ahead)
+    run.curves["msd"] = spreading.squared(film)
+    run.whole["spread_exponent"] = spreading.growth(*run.curves["msd"])
+
+
+def _add_pairs(run: _Run, few: CrowdFilm) -> None:
+    found = pairs.measure(few, pairs.edges_of(few))
+    run.curves["g"] = found.at, found.g
+    if few.headed:
+        run.curves["polar_correlation"] = found.at, found.polar
+        run.curves["nematic_correlation"] = found.at, found.nematic
+        run.series["local_polar_order"] = few.times, found.near_polar
+        run.series["local_nematic_order"] = few.times, found.near_nematic
+
+
+def _add_sized(run: _Run, film: CrowdFilm, few: CrowdFilm) -> None:
+    local = packing.local(film)
+    run.series["packing"] = film.times, packing.packing(film)
+    run.series["packing_scatter"] = film.times, packing.scatter(local)
+    if local.shape[1] > 1:
+        run.curves["local_packing"] = packing.density_of(local)
+    joined = clusters.measure(few)
+    run.curves["cluster_shares"] = (np.exp2(np.arange(len(joined.shares), dtype=float)), joined.shares)
+    for name, values in (
+        ("clusters", joined.number),
+        ("largest_cluster", joined.largest),
+        ("cluster_size", joined.size),
+        ("alone", joined.alone),
+        ("touching", joined.touching),
+    ):
+        run.series[name] = few.times, values
+
+
+def _add_walls(run: _Run, film: CrowdFilm) -> None:
+    at_walls = walls.measure(film)
+    between = 0.5 * (film.times[1:] + film.times[:-1])
+    run.series["wall_density"] = film.times, at_walls.near_density
+    run.series["wall_speed"] = between, at_walls.near_speed
+    run.curves["wall_density"] = at_walls.at, at_walls.density
+    run.curves["wall_speed"] = at_walls.at, at_walls.speed
+    if film.headed:
+        run.series["wall_alignment"] = film.times, at_walls.near_alignment
+        run.curves["wall_alignment"] = at_walls.at, at_walls.alignment
+
+
+def _each(runs: Sequence[_Run], name: str) -> Array:
+    """Number of each run: the mean of its course in time, or that of the whole; NaN without."""
+    return np.array(
+        [_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
+    )
+
+
+def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
+    """Number from its values of each run, or why it or its error is not known."""
+    unit = UNITS[name]
+    if np.isnan(values).any():
+        return Quantity(name, unit, None, refused=_refusal(name, film))
+    first = float(values[0])
+    if len(values) > 1:
+        if np.ptp(values) <= SAME * abs(first):
+            return Quantity(name, unit, first, 0.0)
+        return Quantity(name, unit, *statistics.mean_of(values)[:2], freedom=len(values) - 1.0)
+    if name in TIMELESS:
+        return Quantity(name, unit, first, refused=ONE_NUMBER)
+    return Quantity(name, unit, first, *_error_of_one_run(*runs[0].series[name]))
+
+
+def _error_of_one_run(times: Array, course: Array) -> tuple[float | None, float, str]:
+    """Error of a mean over a run, by the time over which its course is correlated; its freedom; why there is none."""
+    known = np.isfinite(course)
+    if np.ptp(course[known]) == 0.0:
+        return 0.0, math.inf, ""
+    interval = float(times[1] - times[0])
+    if known.all() and (time := statistics.correlation_time([course], interval)) is not None:
+        se = statistics.error_of_mean([course], interval, time)
+        if se is not None:
+            return se, len(course) * interval / (2.0 * time) - 1.0, ""
+    return None, math.inf, ONE_RUN
+
+
+def _refusal(name: str, film: CrowdFilm) -> str:
+    """Reason why a number is not known."""
+    walled = name.startswith("wall_") or name in ("circulation", "milling")
+    if walled and film.dish.period:
+        return NO_WALL
+    outlined = ("packing", "packing_scatter", "clusters", "largest_cluster", "cluster_size", "alone", "touching")
+    if name in outlined and not film.sized:
+        return NO_OUTLINE
+    return NO_PAIRS if film.headed or name in outlined else NO_HEADING
+
+
+def _joined(curves: Sequence[tuple[Array, Array]]) -> Curve:
+    """Mean of the runs' curves with its error, at the places of the first.
+
+    NaN where a run has no value; errors are NaN with one run.
+    """
+    values = np.stack([values for _, values in curves])
+    error = np.full(values.shape[1], math.nan)
+    if len(values) > 1:
+        error = values.std(axis=0, ddof=1) / math.sqrt(len(values))
+    return Curve(curves[0][0], values.mean(axis=0), error)
+
+
+def _by_chance(film: CrowdFilm) -> dict[str, float]:
+    """Numbers of walkers at random places and headings, where they are known."""
+    walkers = max(film.walkers, 1.0)
+    return {
+        "polar_order": order.by_chance(walkers),
+        "nematic_order": order.by_chance(walkers),
+        "local_polar_order": 0.0,
+        "local_nematic_order": 0.0,
+        "circulation": 0.0,
+        "milling": order.circulation_by_chance(walkers),
+        "fluctuation_exponent": 0.5,
+        "wall_density": 1.0,
+        "wall_alignment": 0.0,
+    }
+
+
+def _notes(films: Sequence[CrowdFilm]) -> tuple[str, ...]:
+    film = films[0]
+    errors = (
+        f"errors are from the scatter of {len(films)} independent runs"
+        if len(films) > 1
+        else "one run: errors are from the time over which numbers are correlated in it, where it is "
+        "long beside that; changes rarer than the run is long escape"
+    )
+    lines = [errors]
+    if film.sized:
+        how = (
+            f"outlines are nearer than {clusters.TOUCHING * float(film.radii.mean()):.3g} mm"
+            if film.outlines
+            else "centres are nearer than the sum of the outer radii"
+        )
+        lines.append(f"walkers touch, and are of one cluster, where their {how}")
+    near = pairs.NEAR * pairs.scale(film)
+    lines.append(f"local orders are means over pairs nearer than {near:.3g} mm")
+    if not film.dish.period:
+        lines.append(f"at the wall means within {walls.near(film):.3g} mm of it")
+    return tuple(lines)
+
+
+def _mean(values: Array) -> float:
+    """Mean of the values that are known; NaN without any."""
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else math.nan

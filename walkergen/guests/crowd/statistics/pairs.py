@@ -1,0 +1,95 @@
+"""Pairs of walkers by their distance: pair correlation g(r), and how alike their headings are.
+
+g is 1 at every distance for walkers that ignore each other, in every dish: what of each ring about
+a walker lies outside the dish counts for nothing (exact areas; no walker is left out at walls). It
+is over the density of the whole dish: where walkers gather at walls, or bodies keep their centres
+off these, g stays above 1 at distances as large as the dish.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.crowd.statistics import ground
+from walkergen.guests.crowd.statistics.film import CrowdFilm
+
+Array = npt.NDArray[np.float64]
+
+BINS = 60
+"""Bins of the distance."""
+
+FAR, NEAR = 6.0, 1.25
+"""Longest distance of curves, and distance of neighbours, in mean outer diameters (without outlines
+in sides of the square that a walker has on average)."""
+
+NODES = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
+"""Places in a bin at which the share of a circle inside the dish is taken (Gauss, two nodes)."""
+
+
+class Pairs(NamedTuple):
+    """Curves over all frames of one run, at the middles of the bins of distance; shape (BINS,)."""
+
+    at: Array
+    """Distances, mm."""
+    g: Array
+    """Pairs over those of as many walkers spread evenly over the dish."""
+    polar: Array
+    """Mean cos(theta_i - theta_j): 1 for one way, 0 at random; NaN where there are no pairs."""
+    nematic: Array
+    """Mean cos 2(theta_i - theta_j)."""
+    near_polar: Array
+    """The same over neighbours at each time, shape (F,): local order, 0 at random for any N."""
+    near_nematic: Array
+
+
+def scale(film: CrowdFilm) -> float:
+    """Mean outer diameter, mm; without outlines the side of the square a walker has on average."""
+    if film.sized:
+        return 2.0 * float(film.radii.mean())
+    return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
+
+
+def edges_of(film: CrowdFilm) -> Array:
+    """Edges of the bins of distance, mm, up to half the dish's shorter side at most."""
+    far = min(FAR * scale(film), 0.5 * min(film.dish.box))
+    return np.linspace(0.0, far, BINS + 1)
+
+
+def measure(film: CrowdFilm, edges: Array) -> Pairs:
+    """Pair correlation and alignments of one run, in bins of distance between `edges` (mm)."""
+    bins = len(edges) - 1
+    counts, chance = np.zeros(bins), np.zeros(bins)
+    headed, sums = np.zeros(bins), np.zeros((2, bins))
+    near = min(NEAR * scale(film), edges[-1])
+    local = np.full((2, len(film.times)), np.nan)
+    for frame in range(len(film.times)):
+        seen = np.isfinite(film.x[frame]) & np.isfinite(film.y[frame])
+        x, y, theta = (part[frame][seen] for part in (film.x, film.y, film.theta))
+        pairs, steps = ground.pairs_within(x, y, float(edges[-1]), film.dish)
+        distance = np.hypot(*steps.T)
+        counts += np.histogram(distance, edges)[0]
+        chance += _by_chance(x, y, edges, film)
+        turn = theta[pairs[:, 1]] - theta[pairs[:, 0]]
+        known = np.isfinite(turn)
+        alike = np.cos(turn[known]), np.cos(2.0 * turn[known])
+        distance = distance[known]
+        headed += np.histogram(distance, edges)[0]
+        close = distance < near
+        for row, values in enumerate(alike):
+            sums[row] += np.histogram(distance, edges, weights=values)[0]
+            if close.any():
+                local[row, frame] = values[close].mean()
+    polar, nematic = np.where(headed > 0, sums / np.maximum(headed, 1.0), np.nan)
+    g = np.where(chance > 0, counts / np.where(chance > 0, chance, 1.0), np.nan)
+    return Pairs(0.5 * (edges[1:] + edges[:-1]), g, polar, nematic, local[0], local[1])
+
+
+def _by_chance(x: Array, y: Array, edges: Array, film: CrowdFilm) -> Array:
+    """Pairs in each bin if all other walkers of a frame were anywhere in the dish."""
+    low, width = edges[:-1, None], np.diff(edges)[:, None]
+    radius = low + width * NODES
+    middle_x, middle_y = ground.wrapped(x, y, film.dish)
+    share = ground.share_inside(middle_x[:, None, None], middle_y[:, None, None], radius[None], film.dish)
+    rings = (2.0 * np.pi * radius * width * share.sum(axis=0)).mean(axis=1)
+    return np.asarray(0.5 * (len(x) - 1) / film.dish.area * rings)

@@ -1,0 +1,70 @@
+"""Walkers at walls: how dense they are, how fast, and whether they lie along them, by distance."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.crowd.statistics import ground, pairs, spreading
+from walkergen.guests.crowd.statistics.film import CrowdFilm, mean_over_walkers
+
+Array = npt.NDArray[np.float64]
+
+BINS = 20
+"""Bins of the distance from the wall, over its whole range."""
+
+
+class Walls(NamedTuple):
+    """One run by the distance of walkers' places from the nearest wall."""
+
+    at: Array
+    """Middles of the bins of distance, shape (BINS,), mm."""
+    density: Array
+    """Number a unit of area over the mean of the whole dish."""
+    speed: Array
+    """Mean speed, mm/s; NaN where no walker came."""
+    alignment: Array
+    """Mean cos 2(heading - wall): 1 along the wall, -1 across, 0 at random."""
+    near_density: Array
+    """Density within `near` of the wall over the mean, at each time, shape (F,)."""
+    near_speed: Array
+    """Mean speed there, shape (F - 1,), mm/s."""
+    near_alignment: Array
+    """Mean alignment there, shape (F,)."""
+
+
+def near(film: CrowdFilm) -> float:
+    """Distance that counts as at the wall, mm: a mean outer diameter, as `pairs.scale` has it."""
+    return min(pairs.scale(film), 0.5 * ground.deepest(film.dish))
+
+
+def measure(film: CrowdFilm) -> Walls:
+    """Density, speed and alignment of one run in a dish with walls."""
+    dish, at_wall = film.dish, near(film)
+    edges = np.linspace(0.0, ground.deepest(dish), BINS + 1)
+    distance = np.maximum(ground.wall_distance(film.x, film.y, dish), 0.0)
+    seen = np.isfinite(distance)
+    share = np.histogram(distance[seen], edges)[0] / max(seen.sum(), 1)
+    area = -np.diff(ground.area_beyond(edges, dish)) / dish.area
+    along = np.cos(2.0 * (film.theta - ground.wall_tangent(film.x, film.y, dish)))
+    speed, _ = spreading.speeds(film)
+    between = 0.5 * (distance[1:] + distance[:-1])
+    at_wall_area = 1.0 - float(ground.area_beyond(np.array(at_wall), dish)) / dish.area
+    near_share = (distance < at_wall).sum(axis=1) / np.maximum(seen.sum(axis=1), 1)
+    return Walls(
+        0.5 * (edges[1:] + edges[:-1]),
+        share / area,
+        _binned(between, speed, edges),
+        _binned(distance, along, edges),
+        near_share / at_wall_area,
+        mean_over_walkers(speed, between < at_wall),
+        mean_over_walkers(along, distance < at_wall),
+    )
+
+
+def _binned(distance: Array, values: Array, edges: Array) -> Array:
+    """Mean of values that are known in each bin of the distance; NaN where there are none."""
+    known = np.isfinite(values) & np.isfinite(distance)
+    counts = np.histogram(distance[known], edges)[0]
+    sums = np.histogram(distance[known], edges, weights=values[known])[0]
+    return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)

@@ -1,0 +1,118 @@
+"""Tables of what a crowd did, the same for films and for simulations."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from walkergen.core.files import words
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.files import quantities
+from walkergen.files.report import Column, Table
+from walkergen.guests.crowd.statistics.measuring import NO_WALL, CrowdStatistics
+
+NUMBER = ("quantity", "value", "se", "low_95", "high_95", "by_chance", "refused")
+"""Columns of crowd.csv: a quantity, its bounds, and its value of as many walkers placed and turned at random."""
+
+CURVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "crowd_pairs": (
+        "distance_mm",
+        {"g": "g", "polar_correlation": "polar_correlation", "nematic_correlation": "nematic_correlation"},
+    ),
+    "crowd_msd": ("lag_s", {"msd": "msd_mm2"}),
+    "crowd_fluctuations": ("mean_walkers", {"fluctuations": "variance"}),
+    "crowd_local_packing": ("local_packing", {"local_packing": "density"}),
+    "crowd_clusters": ("walkers_from", {"cluster_shares": "share"}),
+    "crowd_walls": (
+        "wall_distance_mm",
+        {"wall_density": "density", "wall_speed": "speed_mm_s", "wall_alignment": "alignment"},
+    ),
+}
+"""Tables of curves: the key of their places, and the keys of the curves in them by their names."""
+
+
+def tables(statistics: CrowdStatistics) -> list[Table]:
+    """Numbers with their errors, which people read; their course in time, each run, and curves."""
+    numbers, series, by_run = statistics.numbers, statistics.series, statistics.by_run
+    rows = [_row(statistics, number) for number in numbers.values()]
+    shown = [row for row, number in zip(rows, numbers.values(), strict=True) if number.refused != NO_WALL]
+    title = f"Crowd of {_walkers(statistics)}"
+    course = [(numbers[name].column, *_known(point)) for name in series for point in zip(*series[name], strict=True)]
+    runs = [(run, *_known(row)) for run, row in enumerate(zip(*by_run.values(), strict=True))]
+    return [
+        Table("crowd", rows, NUMBER, _columns(statistics), title, statistics.notes, shown),
+        Table("crowd_series", course, ("quantity", "t_s", "value", "se")),
+        Table("crowd_runs", runs, ("run", *(numbers[name].column for name in by_run))),
+        *_curves(statistics),
+    ]
+
+
+def facts(statistics: CrowdStatistics) -> dict[str, Any]:
+    """Numbers for JSON."""
+    rows = [_row(statistics, number) for number in statistics.numbers.values()]
+    return {
+        "dish": statistics.dish.words,
+        "walkers": statistics.walkers,
+        "runs": statistics.runs,
+        "frames": statistics.frames,
+        "seconds": statistics.seconds,
+        "numbers": {name: dict(zip(NUMBER[1:], row, strict=True)) for name, *row in rows},
+        "notes": list(statistics.notes),
+    }
+
+
+def line(statistics: CrowdStatistics) -> str:
+    """What was measured, in a sentence."""
+    runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
+    return (
+        f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of {_walkers(statistics)}."
+    )
+
+
+def _walkers(statistics: CrowdStatistics) -> str:
+    """How many run where."""
+    return f"{statistics.walkers} walker{'s' * (statistics.walkers != 1)} in {statistics.dish.words}"
+
+
+def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
+    """Row of crowd.csv."""
+    bounds = number.interval() or (None, None)
+    chance = statistics.by_chance.get(number.key)
+    return number.column, number.value, number.se, *bounds, chance, number.refused
+
+
+def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
+    """What people read of a row: by the quantity of its first cell."""
+    numbers = {number.column: number for number in statistics.numbers.values()}
+
+    def chance(row: Sequence[Any]) -> str:
+        number = numbers[row[0]]
+        value = statistics.by_chance.get(number.key)
+        return "" if value is None or number.value is None else words.number(value)
+
+    return (*quantities.columns(lambda row: numbers[row[0]]), Column("at random", chance, right=True))
+
+
+def _curves(statistics: CrowdStatistics) -> Iterator[Table]:
+    """Tables of the curves that the crowd has, for CSV and Python alone."""
+    for name, (at, keys) in CURVES.items():
+        curves = {key: statistics.curves[curve] for curve, key in keys.items() if curve in statistics.curves}
+        if not curves:
+            continue
+        columns = [next(iter(curves.values())).at, *(part for curve in curves.values() for part in curve[1:])]
+        header = [at, *(key for curve in curves for key in (curve, _error_key(curve)))]
+        yield Table(name, [tuple(_known(row)) for row in zip(*columns, strict=True)], header)
+
+
+def _error_key(key: str) -> str:
+    """Key of a curve's standard error: the unit stays last."""
+    for unit in ("_mm_s", "_mm2"):
+        if key.endswith(unit):
+            return f"{key.removesuffix(unit)}_se{unit}"
+    return f"{key}_se"
+
+
+def _known(values: Sequence[np.float64]) -> list[float | None]:
+    """Numbers of a row; None where one is not known."""
+    return [None if math.isnan(value) else float(value) for value in values]

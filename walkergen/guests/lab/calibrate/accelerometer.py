@@ -1,0 +1,111 @@
+"""Recordings of an accelerometer on the plate, as apps of phones export them: times and three axes.
+
+Columns are told by their names: phyphox ("Time (s)", "Acceleration x (m/s^2)", "Linear Acceleration x (m/s^2)"),
+Physics Toolbox (time, ax or gFx), Sensor Logger (seconds_elapsed, x), and any others that name the same. Columns of a
+gyroscope beside them (phyphox "Gyroscope x (rad/s)", Physics Toolbox wx) are read too.
+"""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, plain
+from walkergen.core.scene import GRAVITY
+
+Array = npt.NDArray[np.float64]
+
+TIME = re.compile(r"(time|t|seconds[ _]?elapsed|elapsed)[ _]*(\(?(s|ms|us|ns)\)?)?", re.IGNORECASE)
+AXIS = re.compile(
+    r"(?P<linear>linear[ _]*)?(acceleration|accelerometer|accel|acc|a|gf)?[ _]*(?P<axis>[xyz])[ _]*"
+    r"(\(?(?P<unit>m/s\^?2|m/s²|m s-2|g|mm/s\^?2)\)?)?",
+    re.IGNORECASE,
+)
+RATE = re.compile(
+    r"(gyroscope|gyro|rotation[ _]*rate|w|omega)[ _]*(?P<axis>[xyz])[ _]*(\(?(?P<unit>rad/s|deg/s|°/s)\)?)?",
+    re.IGNORECASE,
+)
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+FEWEST, SLOWEST_S = 400, 0.1
+"""Fewest samples of a recording, and longest time between two, s: longer ones are no seconds."""
+
+
+class Recording(NamedTuple):
+    """What an accelerometer felt."""
+
+    times: Array
+    """Times, s, shape (n,), from 0."""
+    felt: Array
+    """Accelerations along the phone's x, y and z, mm/s^2, shape (n, 3): with gravity upward, or without."""
+    linear: bool
+    """True where the app has taken gravity off."""
+    turned: Array | None = None
+    """Rates of turning about the phone's x, y and z, rad/s, shape (n, 3); None: not recorded."""
+
+    @property
+    def rate(self) -> float:
+        """Samples per second."""
+        return 1.0 / float(np.median(np.diff(self.times)))
+
+
+def read(path: Path) -> Recording:
+    """Recording in a CSV file. Raises InputError for one without times or axes, or of too few samples."""
+    names = columns.header(path)
+    time, unit = _time(names, path)
+    axes, linear, scale = _axes(names, path)
+    rates, radians = _rates(names)
+    found = columns.read(path, [time, *axes, *rates])
+    times = SECONDS[unit] * found.values[time]
+    felt = scale * np.column_stack([found.values[axis] for axis in axes])
+    order = np.argsort(times, kind="stable")
+    order = order[np.append(True, np.diff(times[order]) > 0.0)]  # a sample that is told twice counts once
+    turned = radians * np.column_stack([found.values[name] for name in rates])[order] if rates else None
+    recording = Recording(times[order] - times[order[0]], felt[order], linear, turned)
+    if len(order) < FEWEST:
+        raise InputError(f"{path}: {len(order)} samples: must be at least {FEWEST}; record for half a minute")
+    if 1.0 / recording.rate > SLOWEST_S:
+        raise InputError(
+            f"{path}: {time} steps by {1.0 / recording.rate:.3g}: must be seconds, or name its unit, as in 'time (ms)'"
+        )
+    return recording
+
+
+def _time(names: list[str], path: Path) -> tuple[str, str]:
+    """Name of the column of times, and its unit: of several that of elapsed seconds."""
+    found = {name: match for name in names if (match := TIME.fullmatch(name.strip()))}
+    if not found:
+        raise InputError(f"{path}: no column of times, as 'Time (s)'; columns seen: {_listed(names)}")
+    name = next((name for name in found if "elapsed" in name.lower()), next(iter(found)))
+    return name, (found[name][3] or "s").lower()
+
+
+def _axes(names: list[str], path: Path) -> tuple[list[str], bool, float]:
+    """Names of the three axes, whether gravity is taken off, and mm/s^2 of their unit; of both that with it."""
+    found = [(name, match) for name in names if (match := AXIS.fullmatch(name.strip()))]
+    for linear in (False, True):
+        own = {match["axis"].lower(): (name, match) for name, match in found if bool(match["linear"]) is linear}
+        if len(own) == 3:
+            chosen = [own[axis] for axis in "xyz"]
+            unit = (chosen[0][1]["unit"] or ("g" if "gf" in chosen[0][0].lower() else "m/s^2")).lower()
+            scale = GRAVITY if unit == "g" else 1.0 if unit.startswith("mm") else 1e3
+            return [name for name, _ in chosen], linear, scale
+    raise InputError(
+        f"{path}: no three axes of accelerations, as 'Acceleration x (m/s^2)'; columns seen: {_listed(names)}"
+    )
+
+
+def _rates(names: list[str]) -> tuple[list[str], float]:
+    """Names of the three axes of a gyroscope, none where they are not all there, and rad/s of their unit."""
+    found = {match["axis"].lower(): (name, match["unit"]) for name in names if (match := RATE.fullmatch(name.strip()))}
+    if len(found) < 3:
+        return [], 1.0
+    unit = (found["x"][1] or "rad/s").lower()
+    return [found[axis][0] for axis in "xyz"], 1.0 if unit == "rad/s" else np.pi / 180.0
+
+
+def _listed(names: list[str]) -> str:
+    return plain.line(", ".join(names))[:200]

@@ -1,0 +1,139 @@
+"""Contact, density and damping from readings: each a closed form with its error."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import GRAVITY
+from walkergen.guests.lab.beams import damping_ratio
+from walkergen.guests.lab.calibrate import filmed, form, parts
+from walkergen.guests.lab.calibrate.estimate import Estimate, Single, mean
+from walkergen.guests.lab.calibrate.form import Reading, Readings
+from walkergen.guests.lab.calibrate.modulus import AT_SD_MM
+from walkergen.guests.lab.inverse import Measured
+
+Array = npt.NDArray[np.float64]
+
+CARRIERS = ("block", "walker")
+"""Parts that slide."""
+
+LIGHTEST, HEAVIEST = 0.05, 25.0
+"""Densities (g/cm^3) between foam and gold."""
+
+OF_DENSITY = ("mass_g", "length_mm", "width_mm", "height_mm")
+"""Readings of the block that a density needs."""
+
+
+class Rebound(NamedTuple):
+    """Rebound of a dropped walker."""
+
+    measured: Measured
+    """Mean, with the error of clock and ruler."""
+    height: float
+    """Height of the drop, mm; the mean, where there were several."""
+    spread: float
+    """Standard deviation from drop to drop beyond that of the clock; 0 where none is seen."""
+
+    @property
+    def estimate(self) -> Estimate:
+        """Rebound with the error of the mean: of clock, ruler and what differs from drop to drop."""
+        value, sd = self.measured.number.pair
+        sd = math.hypot(sd, self.spread / math.sqrt(self.measured.tries))
+        return Estimate("rebound of the walker", Quantity("rebound", "", value, sd), self.measured.tries)
+
+
+def density(readings: Readings) -> Estimate | None:
+    """Density of the block, g/cm^3; None where its mass or a size is missing."""
+    own = readings.get("block", {})
+    if any(name not in own for name in OF_DENSITY):
+        return None
+    needed = [own[name][0] for name in OF_DENSITY]
+    (mass, *sizes), errors = zip(*(reading.number.pair for reading in needed), strict=True)
+    volume = parts.block_volume(*sizes)
+    value = 1e3 * mass / volume if volume > 0.0 else math.inf
+    if not LIGHTEST <= value <= HEAVIEST:
+        raise InputError(
+            f"block: mass and sizes tell a density of {value:.3g} g/cm3: must lie in "
+            f"{LIGHTEST:g}..{HEAVIEST:g}: are these grams and millimetres?"
+        )
+    sd = value * math.hypot(*(error / each for error, each in zip(errors, (mass, *sizes), strict=True)))
+    number = Quantity("density", "g_cm3", value, sd)
+    return Estimate("density", number, sum(reading.tries for reading in needed), sets=("material.density_g_cm3",))
+
+
+def friction(readings: Readings) -> Estimate | None:
+    """Friction, tan of the angle at which block and walker slide, or by films of slides.
+
+    None without any.
+    """
+    singles = []
+    for part in CARRIERS:
+        for reading in readings.get(part, {}).get("slides_deg", ()):
+            degrees, error = reading.number.pair
+            tangent = math.tan(math.radians(degrees))
+            number = Quantity("friction", "", tangent, (1.0 + tangent**2) * math.radians(error))
+            singles.append(Single(part, number, reading.tries))
+        for reading in readings.get(part, {}).get(form.FILMED, ()):
+            assert reading.tracks is not None
+            number = filmed.friction(reading.tracks, *reading.number.pair)
+            singles.append(Single(f"{part}'s film", number, reading.tries))
+    return mean("friction", singles, ("scene.contact.friction", "scene.contact.friction_sd"))
+
+
+def damping(readings: Readings) -> Estimate | None:
+    """Damping ratio from the swings after which half of the way is left; None without any.
+
+    Air and clamp take their part, and a strip's plastic is that of a leg.
+    """
+    singles = []
+    for part in sorted(readings):
+        for reading in readings[part].get("swings_to_half", ()):
+            swings, error = reading.number.pair
+            ratio = damping_ratio(math.log(2.0) / swings)
+            singles.append(Single(part, Quantity("damping_ratio", "", ratio, ratio * error / swings), reading.tries))
+    return mean("damping ratio", singles, ("scene.legs.damping_ratio", "scene.legs.damping_ratio_sd"))
+
+
+def rebound(readings: Readings) -> Rebound | None:
+    """Rebound of the walker, from the time to its second landing and the height; None without any.
+
+    After a fall by h it flies for t = 2 sqrt(2 h_2 / g), and sqrt(h_2 / h) is t sqrt(g / (8 h)).
+    Raises InputError for one above 1.
+    """
+    flights = readings.get("walker", {}).get("flight_s", ())
+    if not flights:
+        return None
+    seconds, _ = np.array([flight.number.pair for flight in flights]).T
+    heights = np.array([flight.at_mm for flight in flights])
+    ratios = seconds * np.sqrt(GRAVITY / (8.0 * heights))
+    for time, height, ratio in zip(seconds, heights, ratios, strict=True):
+        if ratio > 1.0:
+            raise InputError(
+                f"walker: flight_s = {time:.3g} after a drop of {height:g} mm: it "
+                f"would come up {ratio**2:.2f} times as high: are these seconds, not of a film in "
+                "slow motion, and millimetres?"
+            )
+    stated = np.array([flight.stated for flight in flights])
+    errors = ratios * np.hypot(stated / seconds, 0.5 * AT_SD_MM / heights)
+    tries = np.array([flight.tries for flight in flights])
+    shares = tries / tries.sum()
+    number = Quantity("rebound", "", float(shares @ ratios), float(np.hypot.reduce(shares * errors)))
+    return Rebound(Measured(number, int(tries.sum())), float(shares @ heights), _spread(flights, seconds, ratios))
+
+
+def _spread(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
+    """Standard deviation from drop to drop, from whatever height, beyond that of the clock."""
+    tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
+    within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
+    clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2
+    freedoms = int(tries.sum()) - 1
+    if not freedoms:
+        return 0.0
+    middle = tries @ ratios / tries.sum()
+    squares = (within * per_second**2 + tries * (ratios - middle) ** 2).sum()
+    return math.sqrt(max(squares / freedoms - tries @ clock / tries.sum(), 0.0))

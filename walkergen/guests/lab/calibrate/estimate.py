@@ -1,0 +1,82 @@
+"""Estimate: a number that readings tell, how well they agree on it, and the keys that it sets."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.numerics.quantity import Quantity
+
+DISAGREES = 0.05
+"""Probability of so large a chi2 below which readings disagree."""
+
+DIGITS = 6
+"""Significant digits of a value in a file: what lies beyond is rounding."""
+
+WORDS = {"gpa": "GPa", "g_cm3": "g/cm3", "percent": "%"}
+"""Units as people write them, by those of keys."""
+
+
+class Estimate(NamedTuple):
+    """Number with its error, that of the mean of readings, larger where these disagree."""
+
+    name: str
+    number: Quantity
+    readings: int = 0
+    chi2: float = 0.0
+    """Sum of squares of the readings about what they agree on, over their errors."""
+    dof: int = 0
+    sets: tuple[str, ...] = ()
+    """Key of design or scene (these begin with scene.) that it sets, and that of its error."""
+    parts: tuple[str, ...] = ()
+    """What was read, as a mean counts it."""
+
+    @property
+    def probability(self) -> float | None:
+        """Probability of so large a chi2 by chance; None without degrees of freedom."""
+        from scipy import special
+
+        return float(special.chdtrc(self.dof, self.chi2)) if self.dof > 0 else None
+
+    @property
+    def agrees(self) -> bool:
+        """False where the readings disagree beyond their errors."""
+        return self.probability is None or self.probability >= DISAGREES
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Keys that it sets, with their values."""
+        return {key: float(f"{value:.{DIGITS}g}") for key, value in zip(self.sets, self.number.pair, strict=False)}
+
+    @property
+    def row(self) -> tuple[str, float, float, str, int, float, int, str]:
+        """Row of calibration.csv."""
+        unit = WORDS.get(self.number.unit, self.number.unit)
+        key = self.sets[0] if self.sets else ""
+        return (self.name, *self.number.pair, unit, self.readings, self.chi2, self.dof, key)
+
+
+class Single(NamedTuple):
+    """Number by the readings of one part alone."""
+
+    part: str
+    number: Quantity
+    tries: int
+
+
+def mean(name: str, singles: Sequence[Single], sets: tuple[str, ...]) -> Estimate | None:
+    """Mean of single numbers, weighted by their errors; None without any.
+
+    Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).
+    """
+    if not singles:
+        return None
+    values, errors = np.array([single.number.pair for single in singles]).T
+    weights = errors**-2
+    value = float(weights @ values / weights.sum())
+    chi2, dof = float((((values - value) / errors) ** 2).sum()), len(singles) - 1
+    se = float(weights.sum() ** -0.5) * math.sqrt(max(1.0, chi2 / max(dof, 1)))
+    number = singles[0].number._replace(value=value, se=se)
+    parts = tuple(single.part for single in singles)
+    return Estimate(name, number, sum(single.tries for single in singles), chi2, dof, sets, parts)

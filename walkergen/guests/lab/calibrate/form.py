@@ -1,0 +1,258 @@
+"""Form of measurements: measurements.csv, a row a reading, empty when made and read when filled.
+
+Columns: part; measured, the quantity with its unit; reading; error, the standard deviation of that
+reading, in its unit; unloaded_mm, weight_g and at_mm, which some quantities need beside. Rows of
+one part and quantity are tries, and may be as many as one likes. A column tracks may name the
+tracks.csv of a slide's film, beside the form, which filmed_deg needs.
+"""
+
+import math
+import os
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import columns, output, reading, words
+from walkergen.core.files.tables import csv_text
+from walkergen.core.numerics.quantity import Quantity
+
+FILE = "measurements.csv"
+BESIDE = ("unloaded_mm", "weight_g", "at_mm")
+HEADER = ("part", "measured", "reading", "error", *BESIDE)
+TRACKS = "tracks"
+"""Column that a form may have: a file of tracks, by its name beside the form."""
+MOST_BYTES, MOST_ROWS = 1_000_000, 2000
+NAMED = 20
+"""Most mistakes that are told; the others are counted."""
+
+
+class Kind(NamedTuple):
+    """Kind of reading: what may stand in its row."""
+
+    error: float
+    """Error of a reading with ordinary means, which the empty form proposes."""
+    most: float
+    """Largest value, which tells a wrong unit."""
+    rows: int
+    """Rows of the empty form."""
+    beside: tuple[str, ...] = ()
+    """Columns that it needs beside its reading."""
+    may: tuple[str, ...] = ()
+    """Columns that it may have."""
+    least: float = 0.0
+    """Value that it must exceed."""
+    slip: str = ""
+    """Question to somebody whose value is outside."""
+
+
+SLIDES = Kind(1.0, 80.0, 6, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14")
+"""Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
+
+FILMED = "filmed_deg"
+"""Angle of an incline on which a part was filmed as it slid; needs the film's tracks."""
+
+AIR = "air_percent"
+"""Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
+with what the printer's lines leave; it counts in the mass that rings."""
+
+SLIDING = {"slides_deg": SLIDES, FILMED: SLIDES._replace(rows=0)}
+STRIP = {
+    "thickness_mm": Kind(0.02, 20.0, 3),
+    "width_mm": Kind(0.05, 100.0, 2),
+    "free_length_mm": Kind(0.5, 1000.0, 1),
+    "deflection_mm": Kind(0.5, 1000.0, 6, ("unloaded_mm", "weight_g", "at_mm")),
+    "swings_20_s": Kind(0.01, 1000.0, 3, (), ("weight_g",)),
+    "ring_hz": Kind(0.2, 1e5, 1, (), ("weight_g",)),
+    "swings_to_half": Kind(1.0, 1e4, 2, least=0.5),
+    AIR: Kind(2.0, 60.0, 1, least=-1.0),
+}
+BLOCK = {
+    "mass_g": Kind(0.01, 1e4, 2),
+    **{name: Kind(0.05, 1000.0, 2) for name in ("length_mm", "width_mm", "height_mm")},
+    **SLIDING,
+}
+WALKER = {**SLIDING, "flight_s": Kind(0.002, 2.0, 6, ("at_mm",))}
+
+LEAST = 1e-6
+"""Least error of a reading, in whatever unit."""
+
+
+class Reading(NamedTuple):
+    """Mean of readings of one kind under one condition."""
+
+    number: Quantity
+    """Mean; its standard error is the larger of that of the scatter and of the one stated."""
+    stated: float
+    """Standard error by the stated errors of the tries."""
+    tries: int
+    scatter: float | None
+    """Standard deviation of the tries; None of one."""
+    weight_g: float = 0.0
+    at_mm: float = 0.0
+    tracks: Path | None = None
+    """Tracks of the film, where there is one."""
+
+
+class _Condition(NamedTuple):
+    """What tries of one kind have in common."""
+
+    part: str
+    name: str
+    weight_g: float
+    at_mm: float
+    tracks: str
+
+
+Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
+"""Readings by part and kind: one, or one for each condition."""
+
+
+def kinds(part: str) -> Mapping[str, Kind] | None:
+    """Kinds of readings of a part by its name: strip_1, block, walker; None of other names."""
+    stem, _, number = part.partition("_")
+    if stem == "strip" and columns.whole(number, 99) is not None:
+        return STRIP
+    return {"block": BLOCK, "walker": WALKER}.get(part)
+
+
+def template(air: Mapping[str, float]) -> str:
+    """Text of an empty form for strips, block and walker, with proposed errors.
+
+    `air` has the strips by name, with the share of air in percent, which stands there already.
+    """
+    lines: list[tuple[object, ...]] = []
+    for part in (*air, "block", "walker"):
+        for name, kind in (kinds(part) or {}).items():
+            reading = f"{air[part]:.1f}" if name == AIR else ""
+            lines += [(part, name, reading, kind.error, "", "", "")] * kind.rows
+    return csv_text(HEADER, lines)
+
+
+def filled(path: Path) -> bool:
+    """True for anything that is not byte for byte a `template`: work to keep."""
+    if not os.path.lexists(path):
+        return False
+    try:
+        air = {row["part"]: float(row["reading"]) for _, row in _rows(path) if row["measured"] == AIR}
+        return reading.content(path, MOST_BYTES) != template(air).encode()
+    except (InputError, ValueError):
+        return True  # whatever it is, somebody wrote it
+
+
+def write_template(path: Path, air: Mapping[str, float]) -> bool:
+    """Write the empty form unless somebody filled it in; returns whether. Raises OutputError."""
+    if filled(path):
+        return False
+    output.write(path, template(air).encode())
+    return True
+
+
+def read(path: Path) -> Readings:
+    """Read a filled form; rows without a reading are left out.
+
+    Tries under one condition are averaged: the error of their mean is the larger of the stated
+    error and their scatter, over the root of their number. Raises InputError, a line for every
+    mistake.
+    """
+    rows = _rows(path)
+    if len(rows) > MOST_ROWS:
+        raise InputError(f"{path}: {len(rows)} rows; at most {MOST_ROWS}")
+    tries: dict[_Condition, list[tuple[float, float]]] = defaultdict(list)
+    problems = []
+    for line, row in rows:
+        try:
+            if triple := _row(row):
+                key, value, error = triple
+                tries[key].append((value, error))
+        except InputError as problem:
+            problems.append(f"{path}:{line}: {problem}")
+    if problems:
+        more = len(problems) - NAMED
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join(problems[:NAMED] + tail))
+    if not any(condition.name != AIR for condition in tries):
+        raise InputError(f"{path}: no readings; fill in the column reading of some row")
+    readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
+    for condition, pairs in tries.items():
+        film = path.parent / condition.tracks if condition.tracks else None
+        readings[condition.part][condition.name].append(_mean(condition, pairs, film))
+    return {part: dict(own) for part, own in readings.items()}
+
+
+def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+    """Rows by their lines, cells by column. Raises InputError for other columns."""
+    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    missing = [name for name in HEADER if name not in table.names]
+    unknown = [name for name in table.names if name not in (*HEADER, TRACKS)]
+    if missing or unknown:
+        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
+        raise InputError(
+            f"{path}:1: {what}; columns are {', '.join(HEADER)}: start from the form that "
+            "walkergen calibrate plate writes"
+        )
+    return table.rows
+
+
+def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
+    """Condition, value and error of a row; None without a reading. Raises InputError."""
+    part, name = row["part"].strip(), row["measured"].strip()
+    measurable = kinds(part)
+    if measurable is None:
+        raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
+    if name not in measurable:
+        raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}")
+    if not row["reading"].strip():
+        return None
+    kind = measurable[name]
+    beside = {column: _beside(row[column].strip(), column, name, kind) for column in BESIDE}
+    film = row.get(TRACKS, "").strip()
+    if film and name != FILMED:
+        raise InputError(f"{name} has no column {TRACKS}: leave it blank")
+    if name == FILMED and not film:
+        raise InputError(f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film")
+    value, what = _number("reading", row["reading"], 1e5, zero=True), "reading"
+    differs = "unloaded_mm" in kind.beside
+    if differs:
+        value, what = abs(value - beside["unloaded_mm"]), "reading less unloaded_mm"  # a ruler stands either way up
+    if not kind.least < value <= kind.most:
+        raise InputError(f"{name}: {what} = {value:g}: must be > {kind.least:g} and <= {kind.most:g}{kind.slip}")
+    for column in kind.beside:
+        if column != "unloaded_mm" and beside[column] <= 0.0:
+            raise InputError(f"{column} = {beside[column]:g}: must be > 0")
+    if not row["error"].strip():
+        raise InputError(f"{name}: no error; write how well you read it, as {kind.error:g}")
+    error = _number("error", row["error"], 1e5)
+    error *= math.sqrt(2.0) if differs else 1.0  # of a deflection: a difference of two readings
+    return _Condition(part, name, beside["weight_g"], beside["at_mm"], film), value, error
+
+
+def _beside(cell: str, column: str, name: str, kind: Kind) -> float:
+    """Number that stands beside a reading; 0 where it has none. Raises InputError."""
+    if cell and column not in kind.beside + kind.may:
+        raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
+    if not cell and column in kind.beside:
+        raise InputError(f"{name} needs {column} as well")
+    return _number(column, cell, 1e5, zero=True) if cell else 0.0
+
+
+def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
+    value = words.value(cell)
+    least = 0.0 if zero else LEAST
+    if value is None or not least <= value <= most:
+        raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}")
+    return value
+
+
+def _mean(condition: _Condition, pairs: Sequence[tuple[float, float]], film: Path | None) -> Reading:
+    """Mean of tries (value, error), weighted by their stated errors where these differ."""
+    values, errors = np.array(pairs).T
+    weights = errors**-2 / (errors**-2).sum()
+    stated = float((errors**-2).sum() ** -0.5)
+    scatter = float(values.std(ddof=1)) if len(values) > 1 else None
+    error = stated if scatter is None else max(stated, scatter / math.sqrt(len(values)))
+    number = Quantity(condition.name, "", float(weights @ values), error)
+    return Reading(number, stated, len(values), scatter, condition.weight_g, condition.at_mm, film)

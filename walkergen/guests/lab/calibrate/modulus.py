@@ -1,0 +1,243 @@
+"""Young's modulus from strips that sink under weights and ring, with all that is not known exactly.
+
+One least-squares fit: the modulus is free; sizes, density and the softness of the roots may move
+within their own errors, so that what strips share counts once and what differs averages out. The
+sum of squares at its end, chi2, says whether the strips agree.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import GRAVITY
+from walkergen.guests.lab import beams
+from walkergen.guests.lab.beams import Strip
+from walkergen.guests.lab.calibrate.estimate import Estimate
+from walkergen.guests.lab.calibrate.specimens import BENDS, RINGS, SIZES, Rough, Specimen, only
+
+Array = npt.NDArray[np.float64]
+
+PA, GRAM = 1e9, 1e-3
+"""Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
+
+OFFSET = "offset"
+"""Name of a length that is added to all thicknesses, which a fit may leave free; as RINGS, by which
+the ring has a modulus of its own."""
+
+WEIGHT_SD, AT_SD_MM = 0.01, 0.5
+"""Errors assumed of weights, relative, and of the places where they hang."""
+
+DENSITY_SD = 0.03
+"""Relative error of a density that was not measured."""
+
+OTHERS = 4
+"""Numbers that all strips share beside the modulus: density, root, clamp, air."""
+
+SOFTEST, STIFFEST = 1e-3, 30.0
+"""Moduli (GPa) of plastics, from soft elastomers to those filled with short fibres (Ashby,
+Materials Selection in Mechanical Design, chart of modulus and density)."""
+
+LEFT_OPEN = 1e-7
+"""Least singular value of the slopes, over the largest, below which readings leave numbers open."""
+
+ROUNDS = 2
+"""Number of fits, one after the other: errors that grow with a deflection are those of the fit
+before."""
+
+
+class Point(NamedTuple):
+    """Modulus by one strip and one method alone."""
+
+    strip: str
+    method: str
+    thickness: Quantity
+    """mm."""
+    modulus: Quantity
+    """GPa."""
+    readings: int
+
+
+class Bent(NamedTuple):
+    """What strips tell."""
+
+    fit: Estimate
+    """Young's modulus that they agree on."""
+    points: Sequence[Point]
+    by: str
+    """Method that counts, BENDS or RINGS of `specimens`, or both."""
+    ring_over_bend: Quantity | None
+    offset: Quantity | None
+
+    @property
+    def estimates(self) -> list[Estimate]:
+        """The modulus, and numbers that are 0 if all is as assumed."""
+        named = (("ring over weights", self.ring_over_bend), ("offset of thicknesses", self.offset))
+        return [self.fit, *(Estimate(name, number) for name, number in named if number is not None)]
+
+
+def fit(strips: Sequence[Specimen], density: Quantity) -> Estimate:
+    """Modulus of strips, of which at least one has readings.
+
+    Its error is larger by the root of chi2 over dof where strips disagree. Raises InputError for a
+    modulus that no plastic has.
+    """
+    solved = _solve(strips, density, ())
+    if not SOFTEST <= solved.modulus <= STIFFEST:
+        raise InputError(
+            f"{', '.join(strip.name for strip in strips)}: the readings tell a modulus of "
+            f"{solved.modulus:.3g} GPa: plastics have {SOFTEST:g}..{STIFFEST:g}: are these mm, g, "
+            "s and Hz, and is a film's slow motion undone?"
+        )
+    number = Quantity("youngs_modulus", "gpa", solved.modulus, solved.modulus * float(solved.errors[0]))
+    sets = ("material.youngs_modulus_gpa", "material.youngs_modulus_sd_gpa")
+    readings = sum(strip.tries for strip in strips)
+    agreed = Estimate("Young's modulus", number, readings, solved.chi2, solved.dof, sets)
+    if agreed.agrees:
+        return agreed
+    return agreed._replace(number=number._replace(se=number.pair[1] * math.sqrt(max(agreed.chi2 / agreed.dof, 1.0))))
+
+
+def points(strips: Sequence[Specimen], density: Quantity) -> list[Point]:
+    """Modulus by each strip and each method alone, with the error of all that it rests on."""
+    by_method = []
+    for strip in strips:
+        for method in (BENDS, RINGS):
+            for own in only([strip], method):
+                alone = fit([own], density)
+                by_method.append(Point(strip.name, method, own.sizes["thickness_mm"], alone.number, alone.readings))
+    return by_method
+
+
+def ring_over_bend(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+    """Excess, in percent, of the modulus by the ring over that by weights.
+
+    Plastic that creeps while a weight hangs makes it positive. None without both, and where the
+    readings leave it open.
+    """
+    if not (only(strips, BENDS) and only(strips, RINGS)):
+        return None
+    solved = _solve(strips, density, (RINGS,))
+    excess, error = solved.extras[0], float(solved.errors[1])
+    sd = math.exp(excess) * error
+    return Quantity("ring_over_weights", "percent", 100.0 * math.expm1(excess), 100.0 * sd) if sd <= 1.0 else None
+
+
+def offset(strips: Sequence[Specimen], density: Quantity) -> Quantity | None:
+    """Length (mm) that, added to all thicknesses, makes strips agree best.
+
+    A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
+    and weights may tell different moduli. None of a single strip, and where strips leave it open.
+    """
+    if len(strips) < 2:
+        return None
+    both = bool(only(strips, BENDS)) and bool(only(strips, RINGS))
+    solved = _solve(strips, density, (OFFSET, RINGS) if both else (OFFSET,))
+    thinnest = min(strip.sizes["thickness_mm"].pair[0] for strip in strips)
+    sd = float(solved.errors[1])
+    return Quantity("offset", "mm", solved.extras[0], sd) if sd <= thinnest else None
+
+
+class _Solved(NamedTuple):
+    """Minimum of the sum of squares."""
+
+    modulus: float
+    """GPa."""
+    extras: Sequence[float]
+    """Values of what else is free."""
+    errors: Array
+    """Standard errors of the modulus' logarithm and of what else is free."""
+    chi2: float
+    dof: int
+
+
+def _solve(strips: Sequence[Specimen], density: Quantity, extras: Sequence[str]) -> _Solved:
+    """Fit the modulus, and `extras` of RINGS (excess of its logarithm there) and OFFSET (mm).
+
+    Beside these every size, the density, root, clamp and air are free, in units of their errors.
+    """
+    from scipy.optimize import least_squares
+
+    own = 1 + len(extras)
+    at = np.zeros(own + OTHERS + 3 * len(strips))
+    at[0] = math.log(np.median([single.modulus for single in rough(strips, density)]))
+    sunk = np.array([bend.number.pair[0] for strip in strips for bend in strip.bends])
+    heard = np.array([ring.number.pair for strip in strips for ring in strip.rings]).reshape(-1, 2)
+    spread = _errors(strips, sunk)
+    for _ in range(ROUNDS):
+
+        def misses(at: Array, spread: Array = spread) -> Array:
+            bends, rings = _model(strips, density, at, extras)
+            return np.concatenate([(bends - sunk) / spread, (rings - heard[:, 0]) / heard[:, 1], at[own:]])
+
+        solution = least_squares(misses, at, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        at = solution.x
+        spread = _errors(strips, _model(strips, density, at, extras)[0])
+    across = np.linalg.pinv(solution.jac)  # its product is the covariance
+    errors = np.sqrt((across**2).sum(axis=1)[:own])
+    if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(at):
+        errors[1:] = math.inf
+    free = [float(extra) for extra in at[1:own]]
+    return _Solved(float(math.exp(at[0])), free, errors, float(2.0 * solution.cost), len(solution.fun) - len(at))
+
+
+def rough(strips: Sequence[Specimen], density: Quantity) -> list[Rough]:
+    """Modulus by each reading alone: forms grow as it, or as its root."""
+    at = np.zeros(1 + OTHERS + 3 * len(strips))
+    roughs = []
+    for strip in strips:
+        for bend in strip.bends:
+            sizes = [strip.sizes[name].pair[0] for name in SIZES]
+            stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.number.pair[0])
+            roughs.append(Rough(strip.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
+        heard = _model([strip._replace(bends=())], density, at, ())[1]
+        roughs += [
+            Rough(strip.name, RINGS, (ring.number.pair[0] / hertz) ** 2)
+            for ring, hertz in zip(strip.rings, heard, strict=True)
+        ]
+    return roughs
+
+
+def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
+    """Errors of deflections, mm: of the readings, of the weights, of the places where they hang."""
+    bends = [bend for strip in strips for bend in strip.bends]
+    reading = np.array([bend.number.pair[1] for bend in bends])
+    place = np.array([3.0 * AT_SD_MM / bend.at_mm for bend in bends])
+    errors: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
+    return errors
+
+
+def _model(strips: Sequence[Specimen], density: Quantity, at: Array, extras: Sequence[str]) -> tuple[Array, Array]:
+    """Deflections (mm) and frequencies (Hz) of strips at a place of the search."""
+
+    def moved(number: Quantity, by: float) -> float:
+        value, sd = number.pair
+        return value + sd * by
+
+    own = 1 + len(extras)
+    free = dict(zip(extras, at[1:own], strict=True))
+    slow = PA * math.exp(at[0])
+    fast = slow * math.exp(free.get(RINGS, 0.0))
+    heavy = GRAM * moved(density, at[own])
+    root = beams.ROOT + beams.ROOT_SD * at[own + 1]
+    clamp = beams.CLAMP + beams.CLAMP_SD * at[own + 2]
+    bends, rings = [], []
+    for number, specimen in enumerate(strips):
+        first = own + OTHERS + 3 * number
+        sizes = [moved(specimen.sizes[name], at[first + place]) for place, name in enumerate(SIZES)]
+        strip = Strip(max(sizes[0] + free.get(OFFSET, 0.0), 1e-6), max(sizes[1], 1e-6), sizes[2])
+        stiff = beams.stiffness(slow, strip)
+        bends += [
+            beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff) for bend in specimen.bends
+        ]
+        # A search that strays to a strip without length or mass is kept at a small one
+        long = strip._replace(length=max(beams.effective(strip.length, strip, root, clamp), strip.thickness))
+        air, air_sd = specimen.air.pair
+        mass = beams.moving_mass(max(heavy * (1.0 - air - air_sd * at[own + 3]), 1e-6), long)
+        stiff = beams.stiffness(fast, strip)
+        rings += [beams.rings(stiff, mass, long.length, ring.weight_g) for ring in specimen.rings]
+    return np.array(bends), np.array(rings)

@@ -1,0 +1,146 @@
+"""Parts of a calibration plate: strips for Young's modulus, a block for friction and density.
+
+Strips print as legs on their side do: a wall of whole lines along the strip, layers across its
+width. So they tell the modulus with which such a leg bends, not that of solid plastic.
+"""
+
+import math
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.printing import walls
+from walkergen.core.printing.packing import border
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import GRAVITY
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker.design import Design
+from walkergen.guests.lab import beams
+from walkergen.guests.lab.beams import Strip
+from walkergen.readers.drawings.lettering import letters
+
+STRIPS = (1, 2, 3, 4)
+"""Numbers of the strips, which are about as many lines thick."""
+
+WIDTH_MM = 5.0
+"""Width of the strips, which is the height of their print, to whole layers: wide enough for a nut,
+narrow enough for a beam (beams.CLAMP)."""
+
+RING_HZ = 40.0
+"""Frequency at which strips shall ring: 3 pictures a swing at 120 a second, 6 at 240; and low
+enough for paper, coins and nuts to bend them by millimetres."""
+
+LENGTH_STEP_MM, SHORTEST_MM, SLENDER = 5.0, 25.0, 20.0
+"""Step of free lengths; the shortest; and the least over the thickness, below which shear counts:
+by 0.1 % there."""
+
+CLAMP_MM = (20.0, 10.0)
+"""Length and depth of the block at a strip's end, which a clamp or a vice holds."""
+
+DIGIT_MM, DIGIT_DEPTH_MM = 6.0, 0.4
+"""Height and depth of the number on it."""
+
+BLOCK_MM = (30.0, 12.0, 12.0)
+"""Length, width and height (of the print, to whole layers) of the block that slides."""
+
+CHAMFER_MM = 0.6
+"""Chamfer of its edges on the bed, where a first layer spreads: it would ride on them."""
+
+BEND, LIGHT_BEND = 0.1, 0.05
+"""Depths over length to which the heaviest and a light weight shall bend a strip."""
+
+
+class Drawn(NamedTuple):
+    """Strip of the plate as drawn."""
+
+    name: str
+    strip: Strip
+    heavy_g: float
+    """Weight near the tip, g, that bends it by BEND of its length, at the design's modulus."""
+    light_g: float
+    ring_hz: float
+    """Frequency at which it rings, at the design's modulus and density."""
+
+
+def strips(design: Design, printer: Printer) -> list[Drawn]:
+    """Strips of whole lines for a printer; one of them is as thick as the design's first leg.
+
+    Their lengths follow from the design's material, and the printer's bed.
+    """
+    layer, leg = printer.layer_height_mm, design.limbs[0].thickness
+    rounding = walls.line_rounding(printer)
+    spacing = printer.line_width_mm - rounding
+    width = max(1, round(WIDTH_MM / layer)) * layer
+    longest = printer.bed_width_mm - 2.0 * border(printer) - CLAMP_MM[0]
+    drawn = []
+    for lines in STRIPS:
+        thickness = round(lines * spacing + rounding, 3)
+        if abs(leg - thickness) < 0.5 * spacing:
+            thickness = leg
+        strip = Strip(thickness, width, _length(thickness, design, longest))
+        drawn.append(_drawn(f"strip_{lines}", strip, design))
+    return drawn
+
+
+def _length(thickness: float, design: Design, longest: float) -> float:
+    """Free length, mm, at which a strip rings at RING_HZ, in whole steps, as far as it fits."""
+    material = design.material
+    speed = math.sqrt(material.youngs_modulus / (1e-3 * material.density_g_cm3 * 12.0))
+    length = math.sqrt(beams.FIRST_MODE * thickness * speed / (2.0 * math.pi * RING_HZ))
+    least = max(SHORTEST_MM, SLENDER * thickness)
+    most = max(least, LENGTH_STEP_MM * math.floor(longest / LENGTH_STEP_MM))
+    return min(max(LENGTH_STEP_MM * round(length / LENGTH_STEP_MM), least), most)
+
+
+def _drawn(name: str, strip: Strip, design: Design) -> Drawn:
+    bending = beams.stiffness(design.material.youngs_modulus, strip)
+    length = beams.effective(strip.length, strip)
+    mass = beams.moving_mass(1e-3 * design.material.density_g_cm3, strip)
+    heavy, light = (3.0 * bending * bend / (GRAVITY * length**2) for bend in (BEND, LIGHT_BEND))
+    return Drawn(name, strip, heavy, light, beams.rings(bending, mass, length))
+
+
+def strip_mesh(drawn: Drawn) -> Mesh:
+    """Mesh of a strip in one piece with its block, as it prints, z up from the bed."""
+    long, deep = CLAMP_MM
+    block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep), (-long, 0.5 * deep)])
+    half, end = 0.5 * drawn.strip.thickness, drawn.strip.length
+    # The strip reaches into the block, so that both become one
+    bar = np.array([(-0.5 * long, -half), (end, -half), (end, half), (-0.5 * long, half)])
+    number = drawn.name.rpartition("_")[2]
+    middle = np.array([-0.5 * long, 0.0])
+    digits = [glyph + middle for glyph in letters(number, DIGIT_MM, False, "strip")]
+    return extruded([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
+
+
+def air_percent(drawn: Drawn, printer: Printer) -> float:
+    """Share of a strip's outline, percent, that the printer's lines leave open."""
+    return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
+
+
+def block_size(printer: Printer) -> tuple[float, float, float]:
+    """Length, width and height of the block, mm, its height in whole layers."""
+    long, wide, high = BLOCK_MM
+    layer = printer.layer_height_mm
+    return long, wide, max(1, round(high / layer)) * layer
+
+
+def block_mesh(printer: Printer) -> Mesh:
+    """Mesh of the block, as it prints, chamfered all round on the bed."""
+    (long, wide, high), cut = block_size(printer), CHAMFER_MM
+    corners = [
+        (x * (0.5 * long - inset), y * (0.5 * wide - inset), z)
+        for inset, z in ((cut, 0.0), (0.0, cut), (0.0, high))
+        for x in (-1.0, 1.0)
+        for y in (-1.0, 1.0)
+    ]
+    return modeller.mesh_of(manifold3d.Manifold.hull_points(np.array(corners)))
+
+
+def block_volume(long: float, wide: float, high: float) -> float:
+    """Volume (mm^3) of a block of these measured sizes, less its chamfer."""
+    cut = CHAMFER_MM
+    return long * wide * high - cut**2 * (long + wide) + 4.0 / 3.0 * cut**3

@@ -1,0 +1,140 @@
+"""Pieces: parts of any kind on one plate, which need not be walkers, as files for the printer."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from walkergen.core.printing import checks, estimate, export, packing, slicer
+from walkergen.core.printing.estimate import Load
+from walkergen.core.printing.findings import Finding
+from walkergen.core.printing.packing import Part, Plate
+from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import mass
+from walkergen.core.walker.spec import Material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DARK, LIGHT = "#0072B2", "#9ECAE1"
+"""Colours of pieces by turns, told apart in grey."""
+
+THUMBNAIL_DPI = 26
+"""Dots an inch of the picture that file managers show, of a map 10 inches wide."""
+
+
+class Piece(NamedTuple):
+    """Part as it lies on the bed, and what the checks of its kind found."""
+
+    name: str
+    mesh: Mesh
+    label: str
+    """Words on the map."""
+    findings: Sequence[Finding]
+    copies: int = 1
+
+
+class Laid(NamedTuple):
+    """Pieces arranged on a printer's bed."""
+
+    printer: Printer
+    pieces: Sequence[Piece]
+    parts: Sequence[Part]
+    plates: Sequence[Plate]
+    findings: Sequence[Finding]
+
+
+def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
+    """Arrange and check pieces. Raises PlateError when they do not fit."""
+    parts = [Part.of(piece.name, piece.mesh, piece.copies) for piece in pieces]
+    plates = packing.pack(parts, printer, max_plates)
+    findings = [
+        *checks.of_printer(printer),
+        *(finding for piece in pieces for finding in piece.findings),
+        *(
+            finding
+            for number, plate in enumerate(plates, start=1)
+            for finding in checks.of_plate(f"plate {number}", plate, parts, printer)
+        ),
+    ]
+    return Laid(printer, pieces, parts, plates, findings)
+
+
+def loads(laid: Laid, density: float) -> list[Load]:
+    """Plastic of each piece at a density, g/cm^3, as drawn."""
+    return [
+        Load(float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.sides(piece.mesh))
+        for piece in laid.pieces
+    ]
+
+
+def files(laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
+    start = f"{stem}_{laid.printer.name}"
+    yield from slicer.files(laid.printer, material, start)
+    meshes = [piece.mesh for piece in laid.pieces]
+    for number, plate in enumerate(laid.plates, start=1):
+        name, picture = f"{start}_{number}", None
+        if pictures:
+            from walkergen.files import figures
+
+            with figures.style({}):
+                map_figure = _map(laid, plate, name)
+            picture = figures.png(map_figure, THUMBNAIL_DPI)
+            yield f"{name}.png", figures.png(map_figure, 130)
+        suffix, data = packing.plate_file(plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer)
+        yield f"{name}{suffix}", data
+    for piece in laid.pieces:
+        yield f"{start}_stl/{piece.name}.stl", export.stl_bytes(piece.mesh, piece.name)
+
+
+def _map(laid: Laid, plate: Plate, title: str) -> "Figure":
+    """Draw every piece of a plate at its place on the bed, from above, with its words."""
+    from matplotlib.figure import Figure
+
+    wide, deep = laid.printer.bed_width_mm, laid.printer.bed_depth_mm
+    scale = 10.0 / max(wide, deep)
+    width, height = scale * wide + 0.8, scale * deep + 0.9
+    figure = Figure(figsize=(width, height))
+    axes = figure.add_axes((0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height))
+    _draw(axes, laid, plate)
+    axes.set_xlabel("x (mm), front")
+    axes.set_ylabel("y (mm)")
+    axes.set_title(f"{title}: {len(plate.placements)} parts", fontsize=10)
+    _label(axes, laid, plate)
+    return figure
+
+
+def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
+    from matplotlib.collections import PolyCollection
+
+    from walkergen.core.shapes import modeller
+    from walkergen.sheets import plate_map
+
+    for placed in plate.placements:
+        mesh = laid.pieces[placed.part].mesh
+        moved = mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0))
+        silhouette = plate_map.triangles(modeller.solid(moved).project())
+        colour = (DARK, LIGHT)[placed.part % 2]
+        faces = list(silhouette + np.array((placed.x, placed.y)))
+        axes.add_collection(PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3))
+    plate_map.draw_bed(axes, laid.printer)
+
+
+def _label(axes: "Axes", laid: Laid, plate: Plate) -> None:
+    """Write the words of each piece on its upper edge, on white."""
+    for placed in plate.placements:
+        piece, part = laid.pieces[placed.part], laid.parts[placed.part]
+        words = piece.label + (f"-{placed.copy}" if piece.copies > 1 else "")
+        axes.annotate(
+            words,
+            (placed.x + 0.5 * part.width, placed.y + part.depth),
+            xytext=(0, -1),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=7,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9},
+        )

@@ -1,0 +1,150 @@
+"""Calibration plate: strips, block and walker arranged for a printer, with sheet and form."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.core.files import output
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.core.files.tables import csv_text
+from walkergen.core.printing import checks, packing, sheet
+from walkergen.core.printing.findings import Finding, of_printers, refuse
+from walkergen.core.printing.printers import Printer
+from walkergen.core.printing.walls import Wall
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.files import report
+from walkergen.files.report import Report, Table
+from walkergen.guests.lab.calibrate import form, parts, pieces
+from walkergen.guests.lab.calibrate import sheet as measuring
+from walkergen.guests.lab.calibrate.parts import Drawn
+from walkergen.guests.lab.calibrate.pieces import Laid, Piece
+
+STEM = "calibration"
+
+
+class Order(NamedTuple):
+    """Choice of a calibration plate."""
+
+    design: Design
+    """Walker of the drop test, whose material and leg the strips are made for."""
+    printers: Sequence[Printer]
+    max_plates: int | None = None
+    pictures: bool = True
+    prusaslicer: bool = False
+    strict: bool = False
+
+
+class Place(NamedTuple):
+    """Position of a part; the field names are the columns of a map."""
+
+    printer: str
+    plate: int
+    """Number of the plate, from 1."""
+    item: str
+    """Name of the copy, as in the 3MF file."""
+    x_mm: float
+    """Left side of the bounding box, from the left edge of the bed, mm."""
+    y_mm: float
+    """Front side of the bounding box, from the front edge of the bed, mm."""
+    width_mm: float
+    depth_mm: float
+
+
+def make(order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]) -> Report:
+    """Write a calibration plate for every printer below folder/calibration, and the empty form.
+
+    For each printer 3MF, STL, map, settings, and a sheet on printing and measuring. A filled form
+    stays. `tell` is called with the checks' findings. Raises, before anything is written,
+    PlateError for parts that do not fit and PrintabilityError for those that would not print.
+    """
+    drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
+    laid = [pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates) for drawn, printer in drawings]
+    findings = of_printers([(batch.printer.name, batch.findings) for batch in laid])
+    tell(findings)
+    refuse(findings, order.strict)
+    paths: list[Path] = []
+    for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
+        progress(printer.name, number, len(laid))
+        paths += _write(order, drawn, batch, folder / STEM)
+    path = folder / STEM / form.FILE
+    first, machine = drawings[0]
+    air = {strip.name: parts.air_percent(strip, machine) for strip in first}
+    if form.write_template(path, air):
+        paths.append(path)
+    return _report([row for batch in laid for row in _places(batch)], paths, path)
+
+
+def _report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Report:
+    """Report of what lies on which plate, and of what to do with the form."""
+    columns = (report.text("printer", "printer"), report.text("plate", "plate"), report.text("part", "item"))
+    return Report(
+        name="calibration",
+        title="Calibration plate",
+        tables=[Table("calibration", rows, (), columns)],
+        facts={"rows": [row._asdict() for row in rows], "files": [str(path) for path in files]},
+        lines=[f"measure by the sheet (.md), fill in the form (.csv), then: walkergen calibrate {filled}"],
+        files=files,
+    )
+
+
+def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
+    """Strips, block and walker as they lie on the bed, checked each."""
+    checked = []
+    for part in drawn:
+        mesh, strip = parts.strip_mesh(part), part.strip
+        wall = Wall("strip", strip.thickness, 1.0, strip.width)
+        seen = checks.of_piece(part.name, [wall], mesh, printer)
+        label = f"{part.name}: {strip.thickness:g} mm"
+        checked.append(Piece(part.name, mesh, label, seen))
+    mesh = parts.block_mesh(printer)
+    checked.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
+    mesh = solids.as_printed(design, solids.build(design).walker)
+    seen = checks.of_part("walker", design, mesh, printer)
+    return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
+
+
+def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
+    """Write the files of one printer; returns their paths."""
+    start = f"{STEM}_{laid.printer.name}"
+    with Folder(folder, f"{start}.json") as target:
+        rows = csv_text(Place._fields, _places(laid))
+        for name, data in (
+            (f"{start}.csv", rows.encode()),
+            (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
+            *pieces.files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
+        ):
+            target.write(name, data)
+        target.finish(_facts(order, drawn, laid))
+    return [folder / name for name in (*target.hashes, target.manifest)]
+
+
+def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
+    batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FILE)
+    loads = pieces.loads(laid, design.material.density_g_cm3)
+    printing = sheet.of_print(batch, loads, laid.findings, "")
+    return f"{printing}\n\n{measuring.to_markdown(drawn, design, laid.printer)}"
+
+
+def _places(laid: Laid) -> list[Place]:
+    rows = []
+    for number, plate in enumerate(laid.plates, start=1):
+        for placement in plate.placements:
+            part = laid.parts[placement.part]
+            item = packing.item_name(part, placement.copy)
+            lengths = (placement.x, placement.y, part.width, part.depth)
+            rows.append(Place(laid.printer.name, number, item, *(round(length, 6) for length in lengths)))
+    return rows
+
+
+def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
+    """Facts for the manifest: inputs resolved, what is drawn, findings, versions."""
+    return {
+        "design": order.design.model_dump(mode="json"),
+        "bodies": {order.design.name: sheet.body_facts(order.design)},
+        "printer": laid.printer.model_dump(mode="json"),
+        "strips": {part.name: part.strip._asdict() for part in drawn},
+        "print": sheet.facts(laid.printer, laid.findings),
+        "versions": output.versions(),
+    }

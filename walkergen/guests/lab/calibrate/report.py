@@ -1,0 +1,107 @@
+"""Report of a calibration: what was measured, each strip alone, and the keys that follow."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from walkergen.core.files import words
+from walkergen.core.scene import Scene
+from walkergen.core.walker.design import Design
+from walkergen.files.report import Column, Table
+from walkergen.guests.lab.calibrate.estimate import Estimate
+from walkergen.guests.lab.calibrate.modulus import Bent, Point
+from walkergen.guests.lab.inverse import Answer
+from walkergen.guests.lab.report import LabReport
+
+KEYS = ("quantity", "value", "se", "unit", "readings", "chi2", "dof", "key")
+"""Columns of calibration.csv."""
+
+STRIPS = ("strip", "by", "thickness_mm", "modulus_gpa", "modulus_se_gpa", "readings")
+"""Columns of strips.csv: Young's modulus by a strip and a method alone."""
+
+
+def settings_of(estimates: Sequence[Estimate]) -> dict[str, float]:
+    """Keys of design and scene that numbers set, with their values."""
+    return {key: value for each in estimates for key, value in each.settings.items()}
+
+
+def of(
+    estimates: Sequence[Estimate],
+    bent: Bent | None,
+    drop: Answer | None,
+    notes: Sequence[str],
+    design: Design,
+    scene: Scene,
+    path: Path,
+    folder: Path,
+) -> LabReport:
+    """Report of what a filled form tells: numbers, the strips, and what a drop test answers."""
+    columns = (
+        Column("measured", lambda row: row[0]),
+        Column("value ± error", lambda row: f"{words.with_error(row[1], row[2])} {row[3]}".strip()),
+        Column("readings", lambda row: str(row[4] or ""), right=True),
+        Column("sets", lambda row: row[-1]),
+    )
+    rows = [each.row for each in estimates]
+    tables, figures, lines = [Table("calibration", rows, KEYS, columns, "Measured")], {}, []
+    if bent is not None:
+        tables.append(_strips(bent))
+        figures["strips"] = lambda: _figure(bent, f"Young's modulus: {path.name}")
+        if bent.fit.probability is not None:
+            chi2, dof, chance = bent.fit.chi2, bent.fit.dof, bent.fit.probability
+            lines.append(f"strips: chi2 {chi2:.1f} for {dof} degrees of freedom, probability {chance:.2g}")
+    if drop is not None:
+        lines.append(f"drop: {drop.text}")
+    settings = settings_of(estimates)
+    facts = {
+        "measured": list(tables[0]),
+        "strips": [] if bent is None else [_facts(point) for point in bent.points],
+        "probability": None if bent is None else bent.fit.probability,
+        "drop": None
+        if drop is None
+        else {"told": drop.text, "branches": [branch._asdict() for branch in drop.branches]},
+        "settings": settings,
+        "notes": notes,
+    }
+    return LabReport(
+        name="calibration",
+        title=path.name,
+        tables=tables,
+        facts=facts,
+        lines=[*lines, *notes],
+        figures=figures,
+        folder=folder,
+        design=design,
+        scene=scene,
+        settings=settings,
+        notes=notes,
+    )
+
+
+def _figure(bent: Bent, title: str) -> Any:
+    from walkergen.guests.lab.calibrate import figures
+
+    return figures.of_strips(bent, title)
+
+
+def _facts(point: Point) -> dict[str, Any]:
+    """Modulus by a strip and a method alone, for JSON."""
+    (thickness, thickness_sd), (modulus, sd) = point.thickness.pair, point.modulus.pair
+    names = {"strip": point.strip, "method": point.method, "thickness": thickness, "thickness_sd": thickness_sd}
+    return {**names, "modulus": modulus, "sd": sd, "readings": point.readings}
+
+
+def _strips(bent: Bent) -> Table:
+    """Modulus by each strip and method alone: the points of the figure."""
+    agreed, _ = bent.fit.number.pair
+    rows = [
+        (point.strip, point.method, point.thickness.value, *point.modulus.pair, point.readings) for point in bent.points
+    ]
+    columns = (
+        Column("strip", lambda row: row[0]),
+        Column("by", lambda row: row[1]),
+        Column("thickness mm", lambda row: f"{row[2]:.3f}", right=True),
+        Column("modulus GPa", lambda row: words.with_error(row[3], row[4])),
+        Column("from all, errors", lambda row: f"{(row[3] - agreed) / row[4]:+.1f}", right=True),
+    )
+    return Table("strips", rows, STRIPS, columns, "Young's modulus by each strip alone")

@@ -1,0 +1,87 @@
+"""Sheet on how to measure a calibration plate with a ruler, a scale and a phone, step by step."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from walkergen.core.printing.printers import Printer
+from walkergen.core.printing.sheet import table
+from walkergen.core.walker.design import Design
+from walkergen.guests.lab import beams
+from walkergen.guests.lab.calibrate import form, parts
+from walkergen.guests.lab.calibrate.parts import Drawn
+
+ORDINARY = (
+    ("1 cm of office paper, 80 g/m2, as wide as A4 (21 cm)", 0.168),
+    ("nut M3", 0.38),
+    ("nut M4", 0.81),
+    ("nut M5", 1.23),
+    ("1 euro cent", 2.30),
+    ("dime (US)", 2.268),
+    ("cent (US)", 2.50),
+    ("nut M6", 2.5),
+    ("2 euro cents", 3.06),
+    ("5 euro cents", 3.92),
+    ("10 euro cents", 4.10),
+    ("nickel (US)", 5.00),
+    ("nut M8", 5.2),
+    ("quarter (US)", 5.67),
+    ("20 euro cents", 5.74),
+    ("1 euro", 7.50),
+    ("50 euro cents", 7.80),
+    ("2 euros", 8.50),
+    ("nut M10", 11.6),
+    ("nut M12", 17.3),
+)
+"""Weights (g) at hand: coins by their mints, nuts of steel by DIN 934, paper by its grammage."""
+
+NEAR = 0.35
+"""Relative distance up to which an ordinary weight is named for one that is wanted."""
+
+
+def near(grams: float) -> str:
+    """Ordinary weight next to one that is wanted, g; "" where none is near."""
+    name, weight = min(ORDINARY, key=lambda pair: abs(pair[1] - grams))
+    return f"{name} ({weight:g})" if abs(weight - grams) <= NEAR * grams else ""
+
+
+def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
+    """Sections on measuring, after those of the print; their words stand in assets."""
+    words = Path(__file__).with_name("assets").joinpath("measuring.md").read_text(encoding="utf-8")
+    return words.format(
+        form=form.FILE,
+        bend=f"{beams.LARGEST_BEND:.0%}",
+        parts=_parts(drawn, design, printer),
+        weights=_weights(drawn),
+        rings=_rings(drawn),
+    )
+
+
+def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
+    rows = [
+        (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}", _number(part))
+        for part in drawn
+    ]
+    long, wide, high = parts.block_size(printer)
+    walker = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
+    rows += [("block", f"{long:g} x {wide:g} x {high:g}", "", "the plain block"), ("walker", walker, "", "the walker")]
+    return table(("part", "drawn, mm", "free length, mm", "which"), rows)
+
+
+def _number(part: Drawn) -> str:
+    return f"number {part.name.rpartition('_')[2]} on its block"
+
+
+def _weights(drawn: Sequence[Drawn]) -> str:
+    """Weights that bend a strip a little and much, and what is as heavy."""
+    rows = []
+    for part in drawn:
+        light, heavy = ((f"{grams:.2g}", near(grams)) for grams in (part.light_g, part.heavy_g))
+        rows.append((part.name, *light, *heavy, f"{parts.BEND * part.strip.length:.1f}"))
+    return table(("strip", "light, g", "as", "heavy, g", "as", "sinks by about, mm"), rows)
+
+
+def _rings(drawn: Sequence[Drawn]) -> str:
+    rows = [
+        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}", f"{part.ring_hz * 4.0:.0f}") for part in drawn
+    ]
+    return table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)

@@ -1,0 +1,129 @@
+"""Lessons of a posterior: what was learnt, what was not, and what only as a combination."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.lab.fit.parameters import Parameter
+from walkergen.guests.lab.fit.posterior import Posterior
+
+Array = npt.NDArray[np.float64]
+
+UNLEARNT = 0.9
+"""Standard deviation over that of the prior from which a parameter counts as not learnt."""
+
+TRADED = 0.5
+"""Error of a combination, over that of a parameter in it, up to which parameters trade."""
+
+PART = 0.3
+"""Component of a direction (of length 1) from which a parameter belongs to it."""
+
+DISAGREES = 2.0
+"""Standard deviations of a measured value beyond which speeds that lead elsewhere disagree with it."""
+
+UNLIKELY = 1e-3
+"""Probability of a misfit below which a model is said not to describe the speeds."""
+
+
+class Learnt(NamedTuple):
+    """What is known of a parameter after the fit."""
+
+    name: str
+    mean: float
+    sd: float
+    low_68: float
+    high_68: float
+    low_95: float
+    high_95: float
+    prior: str
+    narrowed: float
+    """Standard deviation over that of the prior."""
+
+
+def learnt(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
+    """Summarise draws (k, parameters) of the posterior, a row for each parameter."""
+    rows = []
+    grid = (np.arange(4096) + 0.5) / 4096
+    for place, parameter in enumerate(parameters):
+        column = draws[:, place]
+        ends = np.quantile(column, (0.1587, 0.8413, 0.025, 0.975))
+        mean, sd = float(column.mean()), float(column.std())
+        narrowed = sd / float(parameter.quantiles(grid).std())
+        row = (parameter.name, mean, sd, *map(float, ends), parameter.told, narrowed)
+        rows.append(Learnt._make(row))
+    return tuple(rows)
+
+
+def unlearnt(rows: Sequence[Learnt]) -> list[str]:
+    """Note on parameters of which the speeds tell no more than was known before."""
+    names = [row.name for row in rows if row.narrowed > UNLEARNT]
+    if not names:
+        return []
+    return [f"not learnt from these speeds: {_listed(names)}, as uncertain as before"]
+
+
+def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
+    """Notes on parameters of which only a combination is known.
+
+    Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is
+    known is a product of powers.
+    """
+    if len(parameters) < 2:
+        return []
+    logs = np.log(np.maximum(draws[:, : len(parameters)], 1e-6))
+    sd = logs.std(axis=0)
+    levels, vectors = np.linalg.eigh(np.corrcoef(logs.T))
+    notes = []
+    for level, vector in zip(levels, vectors.T, strict=True):
+        parts = [place for place, part in enumerate(vector) if abs(part) > PART]
+        parts.sort(key=lambda place: -abs(vector[place]))
+        first = parts[0]
+        power = vector / sd / (vector[first] / sd[first])
+        error = float(np.std(logs[:, parts] @ power[parts]))
+        if len(parts) < 2 or np.sqrt(level) > TRADED or error > TRADED * sd[first]:
+            continue
+        names = [parameters[place].name for place in parts]
+        product = " x ".join(
+            parameters[place].name + ("" if place == first else f"^{power[place]:.2g}") for place in parts
+        )
+        notes.append(
+            f"{_listed(names)} trade: only {product} is known, to {100 * error:.0f} %, where "
+            f"{parameters[first].name} alone is known to {100 * sd[first]:.0f} %"
+        )
+    return notes
+
+
+def misfit(sampled: Posterior, count: int, model: str) -> list[str]:
+    """Note on `count` speeds that no parameters explain."""
+    from scipy.stats import chi2
+
+    chance = float(chi2.sf(sampled.chi2, count))
+    if chance > UNLIKELY:
+        return []
+    return [
+        f"the model {model} does not describe these speeds: chi2 {sampled.chi2:.3g} for {count} "
+        f"speeds at best (probability {chance:.1g}); bands and errors here suppose that it does"
+    ]
+
+
+def disagreements(parameters: Sequence[Parameter], rows: Sequence[Learnt]) -> list[str]:
+    """Note each measured value from which the speeds lead more than `DISAGREES` standard deviations away."""
+    notes = []
+    for parameter, row in zip(parameters, rows, strict=True):
+        prior = parameter.prior
+        if parameter.flat or not prior.mean > 0.0:
+            continue
+        off = math.log(row.mean / prior.mean) if prior.factor else row.mean - prior.mean
+        if abs(off) > DISAGREES * prior.sd:
+            notes.append(
+                f"{row.name} = {row.mean:.3g}: the speeds disagree with the measured {parameter.told}. "
+                "Check both, or the model itself is off for this walker"
+            )
+    return notes
+
+
+def _listed(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"

@@ -1,0 +1,309 @@
+"""Least squares for the contact: restitution, friction and impact speed from measured speeds.
+
+The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
+(docs/physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly
+at every trial of the other two (variable projection, Golub and Pereyra 1973).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.theory.speed import Mode, factor
+from walkergen.core.theory.tensors import InverseMass, feet
+from walkergen.core.walker.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
+
+RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
+"""Names of the parameters that can be fitted, and the range in which each is sought."""
+
+GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
+"""Grid that the search starts from: speeds have kinks and several minima in friction."""
+
+ALIGNED = 0.05
+"""Smallest eigenvalue of the normalised information below which parameters are called aligned; for
+two parameters it is 1 - |correlation|."""
+
+NEARLY_STILL = 0.05
+"""Speed over plate speed below which walkers are not fitted; rigid legs reach some 1e-3."""
+
+SINGULAR = 1e-6
+"""Share of the information that counts as none: differences of speeds are known to 1e-9."""
+
+VAGUE = 3.0
+"""Ratio of an interval's ends from which a parameter counts as not determined."""
+
+
+class Speeds(NamedTuple):
+    """Measured speeds of n walkers, and what the theory needs to predict them."""
+
+    speed: Array
+    """Measured speeds, mm/s, shape (n,)."""
+    se: Array | None
+    """Standard errors, mm/s; None when unknown: the scatter about the fit then replaces them."""
+    plate_speed: Array
+    """Peak speed of the plate under each walker, mm/s, shape (n,)."""
+    back: InverseMass
+    """Inverse-mass tensors at the back feet, 1/g, entries of shape (n,)."""
+    front: InverseMass
+    mode: Mode
+
+
+class ContactFit(NamedTuple):
+    """Parameters of the contact that describe measured speeds best, and how well they are known."""
+
+    values: dict[str, float]
+    """Values of all parameters in RANGES, fixed or fitted."""
+    errors: dict[str, float | None]
+    """Standard errors of the fitted parameters, from the covariance; None where it has none."""
+    intervals: dict[str, tuple[float | None, float | None]]
+    """Intervals (68 %) of fitted parameters by profile likelihood; None: no end in the range."""
+    covariance: Array
+    """Covariance of the fitted parameters, in their order; 0 for those without any effect."""
+    correlation: Array
+    chi2: float | None
+    """Sum of squared residuals in standard errors; None when the speeds have no standard errors."""
+    dof: int
+    p_value: float | None
+    predicted: Array
+    """Fitted speeds, mm/s, shape (n,)."""
+    notes: list[str]
+    """Notes on parameters that the speeds do not determine, and on misfits of the theory."""
+
+    @property
+    def free(self) -> list[str]:
+        """Names of the fitted parameters."""
+        return list(self.errors)
+
+
+def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
+    """Inverse-mass tensors at the back and the front feet of n walkers, entries of shape (n,)."""
+    both = [feet(mass) for mass in masses]
+    return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
+
+
+def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
+    """Predicted speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
+    e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
+    mean = 0.5 * (factor(speeds.back, e, mu, speeds.mode) + factor(speeds.front, e, mu, speeds.mode))
+    return speeds.plate_speed * mean
+
+
+def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = True) -> ContactFit:
+    """Fit the parameters not in `fixed` by weighted least squares; profiles take about a second.
+
+    Raises InputError when all are fixed, when there are fewer speeds than free parameters
+    plus one, or when the theory gives nearly speed 0 to all walkers.
+    """
+    free = [name for name in RANGES if name not in fixed]
+    dof = len(speeds.speed) - len(free)
+    if not free:
+        raise InputError("‹fix›: nothing is left to fit; leave one of them free")
+    if dof < 1:
+        raise InputError(
+            f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
+            f"at least {len(free) + 1}, or fix some: ‹fix› restitution=0.8; without ‹model› "
+            "theory, which knows no priors, any number will do"
+        )
+    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
+        raise InputError(
+            "the theory gives nearly speed 0 to all these walkers, as to all rigid legs: they tell "
+            "nothing of the contact; add walkers with flexible, tilted legs"
+        )
+    values, least = _best(speeds, fixed)
+    scale = 1.0 if speeds.se is not None else least / dof
+    slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]
+    knowledge = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
+    errors = knowledge.errors
+    intervals = {
+        name: _interval(speeds, fixed, values, name, errors[name], least, scale) for name in (free if profiles else ())
+    }
+    chi2 = p_value = None
+    if speeds.se is not None:
+        from scipy.stats import chi2 as chi2_law
+
+        chi2, p_value = least, float(chi2_law.sf(least, dof))
+    notes = _notes(knowledge, values, intervals)
+    if chi2 is not None and p_value is not None and p_value <= 1e-3:
+        notes.append(
+            f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
+            "does not describe these speeds within their errors, which the errors here suppose"
+        )
+    predicted = values["impact_speed_factor"] * unit_speeds(speeds, values["restitution"], values["friction"])
+    return ContactFit(
+        values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value, predicted, notes
+    )
+
+
+def _errors(speeds: Speeds) -> Array:
+    return np.ones_like(speeds.speed) if speeds.se is None else speeds.se
+
+
+def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
+    """Search the best parameters, with some held, and their chi2: by a grid, then by descent."""
+    from scipy.optimize import least_squares
+
+    names = [name for name in GRID if name not in fixed]
+    axes = [GRID[name] if name in names else np.array([fixed[name]]) for name in GRID]
+    e, mu = np.meshgrid(*axes, indexing="ij")
+    errors, held = _errors(speeds), fixed.get("impact_speed_factor")
+
+    def residuals(unit: Array) -> Array:
+        scaled = (_scale(unit, speeds, held)[..., None] * unit - speeds.speed) / errors
+        return np.asarray(scaled, dtype=float)
+
+    misfit = np.sum(residuals(unit_speeds(speeds, e, mu)) ** 2, axis=-1)
+    lowest = np.unravel_index(np.argmin(misfit), misfit.shape)
+    point = {"restitution": float(e[lowest]), "friction": float(mu[lowest])}
+    least = float(misfit[lowest])
+    if names:
+        low, high = np.array([RANGES[name] for name in names]).T
+
+        def at(trial: Array) -> Array:
+            now = point | dict(zip(names, trial, strict=True))
+            return residuals(unit_speeds(speeds, now["restitution"], now["friction"]))
+
+        start = np.clip([point[name] for name in names], low, high)
+        solution = least_squares(at, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
+        if 2.0 * solution.cost < least:
+            least = 2.0 * float(solution.cost)
+            point |= {name: float(value) for name, value in zip(names, solution.x, strict=True)}
+    unit = unit_speeds(speeds, point["restitution"], point["friction"])
+    return point | {"impact_speed_factor": float(_scale(unit, speeds, held))}, least
+
+
+def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
+    """Best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
+    if held is not None:
+        return np.full(unit.shape[:-1], held)
+    weights = _errors(speeds) ** -2.0
+    norm = np.sum(weights * unit**2, axis=-1)
+    best = np.sum(weights * unit * speeds.speed, axis=-1) / np.where(norm > 0, norm, 1.0)
+    result: Array = np.clip(best, *RANGES["impact_speed_factor"])
+    return result
+
+
+def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
+    """Derivatives of the speeds by the free parameters, shape (n, free), by central differences."""
+    columns = []
+    for name in free:
+        step = 1e-5 * max(values[name], 0.01)
+        low, high = RANGES[name]
+        ends = [min(max(values[name] + side * step, low), high) for side in (-1, 1)]
+        below, above = (
+            now["impact_speed_factor"] * unit_speeds(speeds, now["restitution"], now["friction"])
+            for now in (dict(values) | {name: end} for end in ends)
+        )
+        columns.append((above - below) / (ends[1] - ends[0]))
+    return np.stack(columns, axis=1)
+
+
+def _interval(
+    speeds: Speeds,
+    fixed: Mapping[str, float],
+    values: Mapping[str, float],
+    name: str,
+    error: float | None,
+    least: float,
+    scale: float,
+) -> tuple[float | None, float | None]:
+    """Interval of a parameter outside which the best chi2 exceeds its minimum by `scale`."""
+    from scipy.optimize import brentq
+
+    def excess(value: float) -> float:
+        if value == values[name]:  # the search from a grid need not give `least` to every digit
+            return -scale
+        return _best(speeds, {**fixed, name: value})[1] - least - scale
+
+    ends: list[float | None] = []
+    for side, limit in zip((-1, 1), RANGES[name], strict=True):
+        if excess(limit) <= 0:
+            ends.append(None)
+            continue
+        inner, step = values[name], error or 0.1 * abs(values[name]) or 0.01
+        outer = inner
+        while outer != limit and (outer == inner or excess(outer) <= 0):
+            inner, outer = outer, (max if side < 0 else min)(outer + side * step, limit)
+            step *= 2.0
+        ends.append(float(brentq(excess, inner, outer, xtol=1e-4 * step, rtol=1e-4)))
+    return ends[0], ends[1]
+
+
+class _Knowledge(NamedTuple):
+    """Covariance of the parameters near the best fit, and names of those left undetermined."""
+
+    errors: dict[str, float | None]
+    covariance: Array
+    correlation: Array
+    unseen: list[str]
+    """Parameters that no speed depends on."""
+    together: list[str]
+    """Parameters that form the least-known combination."""
+    level: float
+    """Eigenvalue of the normalised information for that combination."""
+
+
+def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
+    """Covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
+    information = slopes.T @ slopes
+    norm = np.sqrt(np.diag(information))
+    weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
+    unseen = weight <= SINGULAR * weight.max()
+    norm = np.where(unseen, 1.0, norm)
+    normalised = np.where(unseen[:, None] | unseen, 0.0, information / np.outer(norm, norm))
+    levels, vectors = np.linalg.eigh(normalised)
+    resolved = levels > SINGULAR
+    inverse = (vectors[:, resolved] / levels[resolved]) @ vectors[:, resolved].T
+    covariance = inverse / np.outer(norm, norm)
+    widths = np.sqrt(np.diag(covariance))
+    undetermined = unseen | (np.abs(vectors[:, ~resolved]) > 0.1).any(axis=1)
+    width = np.where(widths > 0, widths, 1.0)
+    least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
+    return _Knowledge(
+        {name: None if gone else float(error) for name, gone, error in zip(free, undetermined, widths, strict=True)},
+        covariance,
+        covariance / np.outer(width, width),
+        [name for name, gone in zip(free, unseen, strict=True) if gone],
+        [name for name, part in zip(free, vectors[:, least], strict=True) if abs(part) > 0.2],
+        float(levels[least]),
+    )
+
+
+def _notes(
+    knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
+) -> list[str]:
+    """Notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
+    errors, together = knowledge.errors, knowledge.together
+
+    def vague(name: str) -> bool:
+        error = errors[name]
+        if error is None:
+            return True
+        low, high = intervals.get(name) or (values[name] - error, values[name] + error)
+        return low is None or high is None or high > VAGUE * low
+
+    notes = [f"{name}: none of these speeds depends on it; measure other tilts, or fix it" for name in knowledge.unseen]
+    if knowledge.level <= ALIGNED and len(together) >= 2:
+        names = ", ".join(together[:-1]) + f" and {together[-1]}"
+        evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
+        notes.append(
+            f"{names} cannot be told apart {evidence}: fix one, ‹fix› {together[0]}=..."
+            if any(map(vague, together))
+            else f"{names} are strongly correlated {evidence}: quote them together"
+        )
+    notes += [
+        f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
+        for name, error in errors.items()
+        if error is not None and vague(name)
+    ]
+    return notes + [
+        f"{name} lies at the limit {limit:g} of its range: its standard error means nothing there"
+        for name in errors
+        for limit in RANGES[name]
+        if math.isclose(values[name], limit, rel_tol=1e-6, abs_tol=1e-6)
+    ]

@@ -1,0 +1,27 @@
+"""Fit: from measured speeds to the contact by which they are predicted, simulated or described."""
+
+from pathlib import Path
+
+from walkergen.core.files.progress import Expect, Progress, unheard
+from walkergen.guests.lab.fit import learn, report, theory
+from walkergen.guests.lab.fit.job import Job, completed
+from walkergen.guests.lab.fit.report import FitReport
+from walkergen.guests.lab.report import written
+
+
+def fit(path: Path, job: Job, folder: Path, progress: Progress, expect: Expect = unheard) -> FitReport:
+    """Fit a model to a CSV file of speeds, and write what follows into a folder.
+
+    Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
+    given) and a manifest. See `learn.learn` and `theory.fit`. Raises InputError, before anything is
+    written, for unusable input and for choices that do not go together.
+    """
+    job = completed(job)
+    choices = {"file": path.name, "fixed": job.held}
+    if job.model == "theory":
+        fitted, word = report.of_theory(theory.fit(path, job, progress), job, path, folder), "Fitted to"
+        choices["mode"] = job.mode
+    else:
+        fitted, word = report.of_model(learn.learn(path, job, progress, expect), job, path, folder), "Learnt from"
+        choices |= {"model": job.model, "prior": job.prior}
+    return written(fitted, job, choices, f"{word} {path.name}: {job.caption}", every=True)

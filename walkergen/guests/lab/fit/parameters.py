@@ -1,0 +1,157 @@
+"""Parameters that simulated speeds can teach: their ranges, what is known of them beforehand."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.core.scene import LEAST_RESTITUTION, Scene
+from walkergen.core.theory import uncertain
+from walkergen.core.theory.uncertain import Input
+from walkergen.core.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+PriorName = Literal["flat", "scene"]
+PRIORS: tuple[PriorName, ...] = ("scene", "flat")
+"""Names of what may be assumed of restitution and friction: what the scene states, as measured, or nothing. The first
+is the default.
+"""
+
+ModelName = Literal["prediction", "space"]
+"""Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
+
+KEYS = {
+    "restitution": "contact.restitution",
+    "friction": "contact.friction",
+    "tip_radius_um": "feet.tip_radius_um",
+    "thickness_mm": "legs.thickness_mm",
+    "youngs_modulus_gpa": "material.youngs_modulus_gpa",
+    "damping_ratio": "legs.damping_ratio",
+    "frequency_hz": uncertain.FREQUENCY,
+    "eccentric_g_mm": uncertain.MOMENT,
+}
+"""Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
+last two of a motor."""
+
+OF_SCENE = ("restitution", "friction", "tip_radius_um", "damping_ratio", "frequency_hz", "eccentric_g_mm")
+"""Names of those that a scene holds; a design has the others."""
+
+PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
+"""Inputs in which one print differs from the next: drawn anew for every simulated walker."""
+
+FLAT = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
+"""Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
+
+TABLED_FROM = 0.05
+"""Least friction of the table by which speeds are predicted."""
+
+SCATTER = "print_scatter"
+PRINT_SCATTER = 0.15
+"""Name and prior standard deviation of the scatter of speeds between prints, over their speed, where speeds have no
+errors: an unevenness of 5 um brings 25 % at 10 deg, 5 % from 15 deg on."""
+
+
+class Parameter(NamedTuple):
+    """Parameter to be learnt: a normal prior, cut off, or a flat one from its low to its high."""
+
+    name: str
+    prior: Input
+    flat: bool
+
+    def quantiles(self, shares: Array) -> Array:
+        """Values below which these shares of the prior lie; any shape."""
+        if self.flat:
+            return self.prior.low + shares * (self.prior.high - self.prior.low)
+        return uncertain.quantiles(self.prior, shares)
+
+    @property
+    def told(self) -> str:
+        """Statement of the prior."""
+        prior = self.prior
+        if prior.factor:
+            return f"{words.number(prior.mean, 4)}, factor {math.exp(prior.sd):.3g}"
+        if prior.mean == 0.0:
+            return f"half normal, {prior.sd:g}"
+        if self.flat:
+            return f"flat, {prior.low:g} to {prior.high:g}"
+        return f"{words.number(prior.mean, 4)} ± {words.number(prior.sd, 2)}"
+
+
+class Unknown(NamedTuple):
+    """Everything that a fit does not know exactly of walkers and contact."""
+
+    simulated: tuple[Parameter, ...]
+    """Parameters that simulated speeds depend on."""
+    printed: tuple[Input, ...]
+    """Inputs that differ from print to print."""
+    scatter: tuple[Parameter, ...]
+    """Scatter between prints as a parameter, where speeds have no errors; else none."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Everything that is learnt: the columns of a posterior's draws."""
+        return self.simulated + self.scatter
+
+    @property
+    def sampled(self) -> tuple[Parameter, ...]:
+        """What a table is a function of: what is learnt, and what all prints of a printer share."""
+        return (*self.parameters, *(Parameter(varying.name, varying, False) for varying in self.printed))
+
+    @property
+    def prints_differ(self) -> bool:
+        """True when feet differ from print to print; masses alone change speeds too little."""
+        return any(varying.name == "feet.unevenness_um" for varying in self.printed)
+
+
+def unknown(
+    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float], errors: bool = True
+) -> Unknown:
+    """List what is to be learnt and what differs from print to print.
+
+    Thickness, Young's modulus and damping have the standard deviations of design and scene as
+    priors; without one they are held. Speeds without `errors` of their own tell their scatter from
+    print to print. Raises InputError when nothing is left to learn.
+    """
+    inputs = {entry.name: entry for entry in uncertain.inputs(scene, design, model)}
+    parameters: list[Parameter] = []
+    for name, key in KEYS.items():
+        if name in fixed:
+            continue
+        if prior == "flat" and name in FLAT:
+            low, high = FLAT[name]
+            if name == "restitution":
+                low = LEAST_RESTITUTION
+            if name == "friction" and model == "prediction":
+                low = TABLED_FROM
+            middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
+            parameters.append(Parameter(name, Input(key, middle, sd, low, high), True))
+        elif key in inputs:
+            parameters.append(Parameter(name, inputs[key], False))
+    if not parameters:
+        raise InputError(
+            "‹fix›: nothing is left to learn; leave one of them free, or take ‹prior=›flat where "
+            "the scene's standard deviations are 0"
+        )
+    printed = tuple(inputs[name] for name in PRINTED if name in inputs)
+    scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
+    return Unknown(tuple(parameters), printed, () if errors else (scatter,))
+
+
+def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
+    """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
+    values = {KEYS[name]: value for name, value in fixed.items()}
+    if scene.drive.kind == "plate" and (wrong := {uncertain.FREQUENCY, uncertain.MOMENT} & set(values)):
+        raise InputError(f"‹fix›: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
+    scene, design, _ = uncertain.applied(scene, design, values)
+    return scene, design
+
+
+def values(parameters: Sequence[Parameter], shares: Array) -> Array:
+    """Values of the parameters from shares of their priors, shape (n, parameters)."""
+    columns = [parameter.quantiles(shares[:, place]) for place, parameter in enumerate(parameters)]
+    return np.column_stack(columns)

@@ -1,0 +1,202 @@
+"""Report of a fit: parameters, speeds of one more print, and the scene and design that go on."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen.analysis.speeds import Measured
+from walkergen.core.files import words
+from walkergen.files import report
+from walkergen.files.report import Column, Table
+from walkergen.guests.lab.fit.job import Job
+from walkergen.guests.lab.fit.learn import Learned
+from walkergen.guests.lab.fit.least_squares import ContactFit
+from walkergen.guests.lab.fit.theory import Fitted
+from walkergen.guests.lab.report import LabReport
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+DRAWS = 512
+"""Draws of the posterior that are written."""
+
+SPEEDS = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
+"""Columns of speeds.csv: measured beside fitted."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FitReport(LabReport):
+    """Contact, and more, that measured speeds tell; design and scene go on with it."""
+
+    @property
+    def bands(self) -> Table:
+        """Speeds of one more print at every tilt, with bounds, mm/s; of the theory none."""
+        return self["bands"]
+
+
+def of_theory(fitted: Fitted, job: Job, path: Path, folder: Path) -> FitReport:
+    """Report of the theory's contact, fitted to a file of speeds."""
+    fit = fitted.fit
+    rows = [
+        (name, value, fit.errors.get(name), *fit.intervals.get(name, (None, None)), _origin(fit, name))
+        for name, value in fit.values.items()
+    ]
+    columns = (
+        Column("parameter", lambda row: row[0].replace("_", " ")),
+        Column("value ± standard error", lambda row: _value(row[1], row[2], row[-1])),
+        Column("68 % interval (profile)", lambda row: "given" if row[-1] == "given" else words.span(row[3], row[4])),
+    )
+    keys = ("parameter", "value", "se", "low_68", "high_68", "origin")
+    facts = {
+        "parameters": {
+            name: {
+                "value": value,
+                "se": fit.errors.get(name),
+                "interval_68": list(fit.intervals[name]) if name in fit.intervals else None,
+                "fitted": name in fit.errors,
+            }
+            for name, value in fit.values.items()
+        },
+        "fitted": fit.free,
+        "covariance": fit.covariance.tolist(),
+        "correlation": fit.correlation.tolist(),
+        "chi2": fit.chi2,
+        "dof": fit.dof,
+        "p_value": fit.p_value,
+        "predicted_mm_s": fit.predicted.tolist(),
+    }
+    tables = [
+        Table("fit", rows, keys, columns, "Parameters"),
+        _points(fitted.seen, [(speed,) for speed in fit.predicted], SPEEDS),
+    ]
+
+    def draw() -> "Figure":
+        from walkergen.guests.lab.fit import figures
+
+        return figures.fit_figure(fitted.seen, fitted.curves, path.name)
+
+    said = [quality(fit), *correlations(fit)]
+    return _report(path, f"fitted with {job.caption}", tables, facts, said, fitted, job.design, draw, folder)
+
+
+def of_model(learned: Learned, job: Job, path: Path, folder: Path) -> FitReport:
+    """Report of what a model learnt from a file of speeds."""
+    posterior = learned.posterior
+    columns = (
+        Column("parameter", lambda row: row.name.replace("_", " ")),
+        report.with_error("mean ± sd", "mean", "sd"),
+        report.span("95 % interval", "low_95", "high_95", 3),
+        report.text("before", "prior"),
+    )
+    few = np.linspace(0, len(posterior.draws) - 1, min(DRAWS, len(posterior.draws))).round().astype(int)
+    by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in learned.bands}
+    settings = zip(map(float, learned.seen.tilt), map(float, learned.seen.plate_speed), strict=True)
+    bounds = [(by[setting].speed_mm_s, by[setting].low_95, by[setting].high_95) for setting in settings]
+    tables = [
+        Table("fit", learned.rows, ("parameter", *learned.rows[0]._fields[1:]), columns, "Parameters"),
+        report.table("bands", learned.bands, BANDS, "Speeds of one more print"),
+        _points(learned.seen, bounds, (*SPEEDS, "low_95", "high_95")),
+        Table("posterior", posterior.draws[few].tolist(), [row.name for row in learned.rows]),
+    ]
+    facts = {
+        "parameters": {row.name: row._asdict() for row in learned.rows},
+        "correlation": np.atleast_2d(np.corrcoef(posterior.draws.T)).tolist(),
+        "bands": [band._asdict() | {"measured": bool(band.measured)} for band in learned.bands],
+        "chi2": posterior.chi2,
+        "steps": posterior.steps,
+        "autocorrelation_steps": posterior.correlation,
+        "independent_draws": posterior.independent,
+    }
+    sampled = (
+        f"chi² {posterior.chi2:.3g} for {len(learned.seen.speed)} speeds at best; "
+        f"{posterior.steps} draws are worth {posterior.independent:.0f} independent ones"
+    )
+
+    def draw() -> "Figure":
+        from walkergen.guests.lab.fit import figures
+
+        return figures.bands_figure(learned.bands, learned.seen, path.name)
+
+    caption = f"learnt with {job.caption}"
+    return _report(path, caption, tables, facts, [sampled], learned, learned.design, draw, folder)
+
+
+def _report(
+    path: Path,
+    caption: str,
+    tables: Sequence[Table],
+    facts: Mapping[str, Any],
+    said: Sequence[str],
+    result: Fitted | Learned,
+    design: Any,
+    draw: "Callable[[], Figure]",
+    folder: Path,
+) -> FitReport:
+    """Report of either kind of fit."""
+    return FitReport(
+        name="fit",
+        title=path.name,
+        caption=caption,
+        tables=tables,
+        facts={**facts, "notes": result.notes},
+        lines=[*said, *result.notes],
+        figures={"fit": draw},
+        folder=folder,
+        scene=result.scene,
+        design=design,
+        settings={},
+        notes=result.notes,
+    )
+
+
+def _points(seen: Measured, fitted: Sequence[tuple[float, ...]], keys: Sequence[str]) -> Table:
+    """Measured speeds beside those that are fitted, or predicted for one more print."""
+    errors = [None] * len(seen.speed) if seen.se is None else seen.se
+    measured = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
+    return Table("speeds", [(*row, *bounds) for row, bounds in zip(measured, fitted, strict=True)], keys)
+
+
+def _origin(fit: ContactFit, name: str) -> str:
+    return "fitted" if name in fit.errors else "given"
+
+
+def _value(value: float, se: float | None, origin: str) -> str:
+    """Value of a parameter with its error, as people read it."""
+    if origin == "given":
+        return words.number(value, 6)
+    return f"{words.number(value, 4)} ± unknown" if se is None else words.with_error(value, se)
+
+
+def quality(fit: ContactFit) -> str:
+    """Statement of how well the theory describes the speeds."""
+    if fit.chi2 is None:
+        return (
+            f"{fit.dof} degrees of freedom; no standard errors given, so those here come from the scatter about the fit"
+        )
+    return f"chi² {fit.chi2:.3g} for {fit.dof} degrees of freedom, probability {fit.p_value:.2g}"
+
+
+def correlations(fit: ContactFit) -> Iterator[str]:
+    """Correlations of all pairs of fitted parameters in one line; none of a single parameter."""
+    pairs = [
+        f"{first}, {second}: {fit.correlation[i, j]:+.3f}"
+        for (i, first), (j, second) in combinations(enumerate(fit.free), 2)
+    ]
+    if pairs:
+        yield "correlations: " + "; ".join(pairs)
+
+
+BANDS = (
+    Column("tilt", lambda band: f"{band.tilt_deg:g}"),
+    Column("plate, mm/s", lambda band: f"{band.plate_speed_mm_s:.1f}"),
+    Column("one more print, mm/s", lambda band: f"{band.speed_mm_s:.1f}"),
+    Column("68 %", lambda band: f"{band.low_68:.1f} to {band.high_68:.1f}"),
+    Column("95 %", lambda band: f"{band.low_95:.1f} to {band.high_95:.1f}"),
+    Column("", lambda band: "measured" if band.measured else "predicted"),
+)

@@ -1,0 +1,85 @@
+"""What `fit` is asked for, and the fit that it names."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator
+
+from walkergen import request
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.guests.lab.fit.report import FitReport
+
+
+def _held(value: Any) -> list[str]:
+    """Parameters to hold, NAME=VALUE, of texts or of {NAME: VALUE}."""
+    return (
+        [f"{name}={number!r}" for name, number in value.items()]
+        if isinstance(value, Mapping)
+        else request.parse_texts(value)
+    )
+
+
+class FitRequest(request.Request):
+    """Estimate the contact from measured speeds, and predict walkers that were not measured.
+
+    The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or braced; otherwise the
+    design's) and plate_speed_mm_s (otherwise the scene's). A row is one print, its standard error that of its film. In
+    place of a speed, a column tracks may name the tracks.csv of a film: a row for each of its walkers, or for the one
+    in a column particle. The contact learnt is that by which speeds are predicted, in seconds, or that of a simulated
+    model by emulators, with bands for one more print at every tilt; that of the theory, the paper's eq. 15, is found by
+    least squares. All write scene.toml and design.toml for `walkergen family`.
+    """
+
+    by_position: ClassVar = ("speeds", "design", "scene")
+
+    speeds: Annotated[Path, request.File, Flag("File of measured speeds.", "SPEEDS.csv", takes="Name", argument=True)]
+    design: request.Filmed = request.PAPER
+    scene: request.Ground = request.LANE
+    model: Annotated[
+        Literal["prediction", "theory", "space"],
+        Flag("Model: prediction, as family prints it; theory; space, simulated (minutes).", "MODEL"),
+    ] = "prediction"
+    fix: Annotated[
+        list[str],
+        BeforeValidator(_held),
+        Flag(
+            "Parameter to hold: friction=0.25.", "NAME=VALUE", takes="Mapping[str, float] | Iterable[str]", repeats=True
+        ),
+    ] = []
+    prior: Annotated[
+        Literal["flat", "scene"] | None,
+        Flag("Of restitution and friction: as in the scene (scene, the default), or flat.", "PRIOR"),
+    ] = None
+    predict: Annotated[
+        list[float] | None,
+        BeforeValidator(request.parse_tilts),
+        Flag(
+            "Tilts to predict: 8,12 or FIRST:LAST:STEP; else the family's.",
+            "DEG",
+            takes="float | Iterable[float] | str | None",
+        ),
+    ] = None
+    mode: request.Mode = "coulomb"
+    seed: request.Seed = None
+    set: request.Settings = {}
+    pictures: request.Pictures = True
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "FitReport":
+        """Fit, and write what follows."""
+        from walkergen.core.files import output
+        from walkergen.guests.lab.fit import make
+        from walkergen.guests.lab.fit.job import Job
+
+        if self.model == "theory":
+            self.refuse("‹model=›theory has none", "predict", "prior", "seed")
+        else:
+            self.refuse(f"a mode of the theory; ‹model=›{self.model} has none", "mode")
+        given = self.inputs()
+        design, scene = given.design(self.design), given.scene(self.scene)
+        job = Job(design, scene, self.model, self.fix, self.prior, self.predict, self.mode, self.pictures)
+        return make.fit(self.speeds, job, output.results(self.speeds, self.out, "fit"), progress, self._expect)

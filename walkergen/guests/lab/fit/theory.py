@@ -1,0 +1,106 @@
+"""Fit of the theory's contact: from measured speeds to restitution, friction and impact speed, by least squares."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import speeds as measured
+from walkergen.analysis.speeds import Measured
+from walkergen.core.errors import InputError
+from walkergen.core.files.config import validate
+from walkergen.core.files.progress import Progress
+from walkergen.core.scene import Scene
+from walkergen.core.walker import solids
+from walkergen.core.walker.limbs import KINDS, Kind
+from walkergen.guests.lab.fit import least_squares
+from walkergen.guests.lab.fit.job import Job
+from walkergen.guests.lab.fit.least_squares import RANGES, ContactFit, Speeds
+from walkergen.guests.lab.report import named
+
+Array = npt.NDArray[np.float64]
+
+CURVE_POINTS = 121
+
+DECIMALS = 12
+"""Decimals of fitted numbers in scene.toml: what lies beyond is the search's rounding."""
+
+OF_THEORY = (
+    "this is the theory's contact, with which theory_mm_s meets the speeds; without ‹model=›theory "
+    "fit learns that by which speeds are predicted"
+)
+"""Note on what a fitted contact is good for."""
+
+
+class Fitted(NamedTuple):
+    """Result of a fit by the theory, and its data."""
+
+    fit: ContactFit
+    seen: Measured
+    speeds: Speeds
+    job: Job
+    notes: list[str]
+    scene: Scene
+    """Scene with the fitted contact."""
+
+    @property
+    def curves(self) -> dict[Kind, tuple[Array, Array, Array]]:
+        """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts, by kind."""
+        return {kind: _curve(self, kind) for kind in KINDS if kind in self.seen.legs}
+
+
+def fit(path: Path, job: Job, progress: Progress) -> Fitted:
+    """Fit the theory's contact to a CSV file of speeds.
+
+    Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
+    where blank). Raises InputError for unusable input.
+    """
+    design, scene = job.design, job.scene
+    if not design.alike:
+        raise InputError(
+            f"{design.name}: the theory's mean over two equal feet is fitted, and its legs are "
+            "not two equal ones: learn from simulated speeds, ‹model=›space"
+        )
+    held = job.held
+    seen = measured.read(path, design.kind, scene.drive.peak_speed)
+    measured.refuse_slips(path, seen)
+    speeds = _with_tensors(job, seen.tilt, seen.legs, seen.speed, seen.se, seen.plate_speed)
+    progress("fitting", 0, 1)
+    result = least_squares.fit_contact(speeds, held)
+    notes = [*result.notes, *seen.notes, OF_THEORY]
+    return Fitted(result, seen, speeds, job, notes, _scene(scene, result, path))
+
+
+def _with_tensors(job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array) -> Speeds:
+    """Speeds with what the theory needs of walkers with these tilts (deg) and legs."""
+    pairs = zip(tilt, legs, strict=True)
+    masses = [solids.mass_of(job.design.members([float(angle)], [kind])[0]) for angle, kind in pairs]
+    return Speeds(speed, se, plate, *least_squares.tensors(masses), job.mode)
+
+
+def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
+    """Scene with the fitted values; fixed values keep the scene's standard deviations."""
+    data: dict[str, Any] = scene.model_dump(exclude_none=True)
+    for name, value in result.values.items():
+        table = data["prediction" if name.startswith("impact") else "contact"]
+        table[name] = round(value, DECIMALS) + 0.0
+        if name in result.errors and table is data["contact"]:
+            low, high = RANGES[name]
+            error = result.errors[name]
+            table[f"{name}_sd"] = min(error if error is not None else high - low, high)
+    data["description"] = f"As {scene.name}, with the contact fitted to {source.name[:200]}"
+    data["name"] = named(scene.name, source, "fit-")
+    return validate(data, Scene, "fitted scene")
+
+
+def _curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
+    """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
+    tilt = np.linspace(fitted.seen.tilt.min(), fitted.seen.tilt.max(), CURVE_POINTS)
+    ones, result = np.ones_like(tilt), fitted.fit
+    along = _with_tensors(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
+    values = result.values
+    unit = least_squares.unit_speeds(along, values["restitution"], values["friction"])
+    slopes = least_squares.jacobian(along, values, result.free)
+    variance = np.einsum("ni,ij,nj->n", slopes, result.covariance, slopes)
+    return tilt, values["impact_speed_factor"] * unit, np.sqrt(np.maximum(variance, 0.0))

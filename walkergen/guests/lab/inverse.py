@@ -1,0 +1,150 @@
+"""Inverse of a curve: from what was seen on the bench to what the model needs, with its errors."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.numerics.quantity import Quantity
+
+Array = npt.NDArray[np.float64]
+
+FINE = 4001
+"""Points at which a curve is read between its own."""
+
+LEAST = 1e-9
+"""Least number that is measured, in whatever unit."""
+
+FAR = 2.0
+"""Errors beyond which a number does not belong to a curve."""
+
+
+class Curve(NamedTuple):
+    """Curve from what the model needs (`at`, rising) to what is seen."""
+
+    at: Array
+    seen: Array
+    spread: Array
+    """Standard deviation of what one try shows, from try to try."""
+    tries: Array
+    """Number of simulated tries that `seen` is the mean of."""
+
+
+class Measured(NamedTuple):
+    """Number seen on a real bench, and the number of tries whose mean it is."""
+
+    number: Quantity
+    tries: int = 1
+
+    @property
+    def facts(self) -> dict[str, float | None]:
+        """What manifests hold of it."""
+        return {"value": self.number.value, "sd": self.number.se, "tries": self.tries}
+
+
+class Branch(NamedTuple):
+    """Range of what the model needs that agrees with the measured within one error."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Answer(NamedTuple):
+    """What a measured number tells of a number that the model needs."""
+
+    text: str
+    """It, in words."""
+    branches: Sequence[Branch]
+    """Ranges that agree with it."""
+    everywhere: bool = False
+    """True when the whole curve agrees: the test does not tell."""
+    nearest: float = math.nan
+    """Place of the curve nearest to it."""
+    misses: float = 0.0
+    """Distance there, in errors of the measured number and of the tries together."""
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What JSON holds of it."""
+        told = {"told": self.text, "branches": [branch._asdict() for branch in self.branches]}
+        return {**told, "everywhere": self.everywhere, "nearest": self.nearest, "misses": self.misses}
+
+    def number(self, key: str) -> Quantity:
+        """The one range that agrees, with half its width as the error; refused where it is not one."""
+        if self.everywhere or len(self.branches) != 1:
+            return Quantity(key, "", None, refused=self.text)
+        (branch,) = self.branches
+        return Quantity(key, "", branch.value, 0.5 * (branch.high - branch.low))
+
+
+def measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
+    """Measured number with its standard error, as a request gives them; None without. Raises InputError.
+
+    Both must be at least LEAST and at most `most`.
+    """
+    if value is None and sd is None:
+        return None
+    options = (("measured", value), ("measured_sd", sd))
+    for (name, number), (other, missing) in (options, options[::-1]):
+        if missing is None:
+            raise InputError(f"‹{name}=›{number:g}: needs ‹{other}› as well, the number's standard error")
+        if number is not None and not LEAST <= number <= most:
+            raise InputError(f"‹{name}=›{number:g}: must be >= {LEAST:g} and <= {most:g}")
+    assert value is not None
+    assert sd is not None
+    return Measured(Quantity("measured", "", float(value), float(sd)), tries)
+
+
+def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
+    """What a measured number tells of `what`, by a curve; `where` ends what is said of no branch.
+
+    Between its points the curve is cubic, and monotone. Errors are those of the number, and the
+    scatter of so many tries and of the simulated ones, in quadrature; a branch ends where the
+    distance is one error.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    value, sd = seen.number.pair
+    at = np.linspace(curve.at[0], curve.at[-1], FINE)
+    shown = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
+    spread = np.interp(at, curve.at, curve.spread)
+    scatter = spread * np.sqrt(1.0 / seen.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    away = (shown - value) / np.hypot(sd, scatter)
+    inside = np.abs(away) <= 1.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+    branches = []
+    for first, past in edges.reshape(-1, 2):
+        best = first + int(np.argmin(np.abs(away[first:past])))
+        branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
+    best = int(np.argmin(np.abs(away)))
+    nearest, misses, everywhere = float(at[best]), float(abs(away[best])), bool(inside.all())
+    ends = float(curve.at[0]), float(curve.at[-1])
+    if everywhere:
+        text = f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
+    elif branches:
+        text = f"{what} " + ", or ".join(_in_words(branch, ends) for branch in branches)
+    else:
+        within = "" if misses > FAR else " within one error"
+        text = (
+            f"no {what} gives that{within}{where}: nearest is {shown[best]:.2f} at {nearest:.2f}, "
+            f"{misses:.1f} errors away"
+        )
+    return Answer(text, branches, everywhere, nearest, misses)
+
+
+def _in_words(branch: Branch, ends: tuple[float, float]) -> str:
+    """Range of a curve with these ends."""
+    cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
+    up, down = branch.high - branch.value, branch.value - branch.low
+    digits = digits_of(max(up, down))
+    words = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
+    return words + (f", cut off at {' and '.join(cut)}" if cut else "")
+
+
+def digits_of(error: float) -> int:
+    """Digits after the point that show two of an error."""
+    return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

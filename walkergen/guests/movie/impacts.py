@@ -1,0 +1,210 @@
+"""Impacts in slow motion: a colour, a sign and a name for each kind, flashes, their course in time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
+
+from walkergen.core.theory.impact import Kind
+from walkergen.files.canvas import INK, LARGE, PLATE, SMALL, Canvas, Place
+from walkergen.guests.movie.shot import Array, Impact, Shot, pace
+
+Dashes = str | tuple[float, tuple[float, ...]]
+"""Style of a line, as matplotlib has it."""
+
+
+WIDTH, HEIGHT = 800, 620
+"""Size of a picture of slow motion, pixels."""
+
+AFTERGLOW_S = 0.45
+"""Time in which a flash fades, s, as the spectator sees it."""
+
+LONGEST_STILL = 1.5
+"""Length of a run, in body lengths, up to which the view stands still."""
+
+
+class Style(NamedTuple):
+    """Look of one kind of impact; colours after Okabe and Ito, with a sign for readers in grey."""
+
+    colour: str
+    marker: str
+    name: str
+    words: str
+
+
+STYLES = {
+    Kind.I: Style("#E69F00", "o", "I", "slides forward"),
+    Kind.II: Style("#0072B2", "s", "II", "stops on rebound"),
+    Kind.III: Style("#009E73", "^", "III", "stops in compression"),
+    Kind.IV: Style("#CC3311", "v", "IV", "slides backward"),
+    Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
+}
+
+FIRST_TWO = ("#222222", "#AA4499")
+"""Colours of the first two feet."""
+
+FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
+"""Colours of feet beyond two, from the first of them on, again and again."""
+
+
+def colour_of(foot: int) -> str:
+    """Colour of a foot by its number."""
+    return FIRST_TWO[foot] if foot < len(FIRST_TWO) else FURTHER[(foot - len(FIRST_TWO)) % len(FURTHER)]
+
+
+def colours(feet: int) -> tuple[str, ...]:
+    """Colours that a movie of a walker on so many feet needs whole."""
+    named = max(feet, len(FIRST_TWO))
+    return (*(style.colour for style in STYLES.values()), *dict.fromkeys(colour_of(foot) for foot in range(named)))
+
+
+def style_of(kind: Kind) -> Style:
+    """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    if kind in STYLES:
+        return STYLES[kind]
+    twin = STYLES[Kind(-kind)]
+    return twin._replace(name=f"\N{MINUS SIGN}{twin.name}")
+
+
+def legend(canvas: Canvas, x: float, y: float) -> None:
+    """Draw the possible kinds in a row, by sign, colour and words."""
+    axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
+    axes.set_axis_off()
+    axes.set_xlim(0, canvas.figure.bbox.width)
+    axes.set_ylim(0, canvas.figure.bbox.height)
+    for style in STYLES.values():
+        axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
+        words = f"{style.name} {style.words}"
+        canvas.text(x + 8, y, words, fontsize=SMALL, va="center")
+        x += 26 + 5.4 * len(words)
+    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
+
+
+class Course(NamedTuple):
+    """Heights of something in time, with its look."""
+
+    name: str
+    colour: str
+    line: Dashes
+    heights: Array
+    """Heights at the times of the shot, shape (n,), mm."""
+
+
+def strip(canvas: Canvas, place: Place, shot: Shot, feet: list[Course]) -> Line2D:
+    """Draw heights (µm) of plate and feet in time, with impacts; returns the line that marks now.
+
+    `feet`: in the order of their numbers in the impacts.
+    """
+    axes = canvas.axes(*place)
+    canvas.text(place.left - 34, place.bottom + place.height + 8, "heights, µm", fontsize=SMALL)
+    times, heights = 1e3 * shot.times, 1e3 * np.array([course.heights for course in feet])
+    plate = 1e3 * shot.plate
+    low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
+    margin = 0.08 * max(high - low, 1e-6)
+    axes.set_ylim(low - margin, high + margin)
+    axes.set_xlim(0.0, times[-1])
+    axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
+    for (name, colour, line, _), height in zip(feet, heights, strict=True):
+        axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
+    _mark(axes, shot, feet)
+    axes.legend(
+        loc="lower right",
+        bbox_to_anchor=(1.02, 0.98),
+        ncols=2,
+        frameon=False,
+        fontsize=SMALL,
+        handlelength=1.8,
+        columnspacing=1.0,
+        borderaxespad=0.1,
+    )
+    axes.tick_params(labelsize=SMALL - 1, length=3, pad=2)
+    axes.set_xlabel("time, ms", fontsize=SMALL, labelpad=1)
+    axes.spines[["top", "right"]].set_visible(False)
+    (now,) = axes.plot([0.0, 0.0], [low - margin, high + margin], color=INK, linewidth=1.0)
+    canvas.move(now)
+    return now
+
+
+def _mark(axes: Axes, shot: Shot, feet: list[Course]) -> None:
+    """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
+    largest = largest_impulse(shot)
+    for hit in shot.impacts:
+        style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
+        height = 1e3 * np.interp(hit.time, shot.times, shot.plate)
+        edge = feet[hit.foot].colour
+        axes.plot(
+            [1e3 * hit.time],
+            [height],
+            style.marker,
+            color=style.colour,
+            markeredgecolor=edge,
+            markeredgewidth=0.6,
+            markersize=2.0 + 4.0 * size,
+            zorder=3,
+        )
+
+
+class Flash(NamedTuple):
+    """Signs of an impact at a foot."""
+
+    arrow: FancyArrowPatch
+    """Impulse, which ends at the foot."""
+    burst: Line2D
+
+
+def flash_in(axes: Axes) -> Flash:
+    """Add the signs of an impact to a view."""
+    arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
+    axes.add_patch(arrow)
+    (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
+    return Flash(arrow, burst)
+
+
+def light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, foot: Array) -> None:
+    """Show an impact in the colour of its kind, of whose glow so much is `left` (1 down to 0)."""
+    colour, size = style_of(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
+    flash.arrow.set_positions(tuple(tail), tuple(foot))
+    flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
+    flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
+    flash.burst.set_data(*foot[:, None])
+    flash.burst.set(color=colour, markersize=40.0 * np.sqrt(size) * left**3)
+
+
+def sheet(name: str, settings: str, slow: float) -> tuple[Canvas, Text]:
+    """Empty picture of slow motion with its head and its legend of impacts; its line of numbers."""
+    canvas = Canvas(WIDTH, HEIGHT)
+    canvas.text(12, 598, f"{name} legs", fontsize=LARGE, weight="bold")
+    canvas.line(12, 579, settings)
+    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
+    legend(canvas, 20, 253)
+    return canvas, canvas.text(12, 547, "", family="DejaVu Sans Mono")
+
+
+def so_far(time: float, phase: float, distance: float) -> str:
+    """Line of numbers of a moment: time (s), phase of the drive (rad), distance run (mm)."""
+    speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
+    turn = np.degrees(phase) % 360.0
+    return f"{1e3 * time:6.1f} ms   phase {turn:3.0f}°   ran {distance:6.2f} mm   so far {speed}"
+
+
+def largest_impulse(shot: Shot) -> float:
+    """Largest impulse of all impacts, g mm/s; 1 when there are none."""
+    return max((float(np.hypot(*hit.impulse)) for hit in shot.impacts), default=1.0)
+
+
+def strongest(shot: Shot, time: float, afterglow: float, side: int) -> tuple[Impact, float] | None:
+    """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
+
+    Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.
+    """
+    shown = [
+        (hit, 1.0 - (time - hit.time) / afterglow)
+        for hit in shot.impacts
+        if hit.foot == side and time - afterglow < hit.time <= time
+    ]
+    if not shown:
+        return None
+    return max(shown, key=lambda pair: float(np.hypot(*pair[0].impulse)) * pair[1])

@@ -1,0 +1,251 @@
+"""Movies: one walker in slow motion, or several running; from above, in perspective."""
+
+import re
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import output
+from walkergen.core.files.progress import Expect, Expected, Progress, unheard
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.effects import walls
+from walkergen.core.simulation.effects.effect import Case
+from walkergen.core.simulation.plan import Release, prepare
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.guests.movie.shot import Shot, Title, pace, shot_of
+from walkergen.points import poses
+
+if TYPE_CHECKING:
+    from walkergen.files.animation import Draw
+
+View = Literal["above", "perspective"]
+"""Ways to see a walker."""
+
+VIEWS: tuple[View, ...] = ("above", "perspective")
+
+FPS = (1, 2, 4, 5, 10, 20, 25, 50)
+"""Frames per second that a GIF can have: it counts in hundredths of a second."""
+
+PERIODS, PLAYING_S = 6.0, 10.0
+"""Slow motion by default: periods of the drive that are shown, and seconds to watch."""
+
+RACE_S = 3.0
+"""Length of a race by default, s, in real time."""
+
+AT_REST_UM = 1e-6
+"""Amplitude below which a plate is said to be at rest, um."""
+
+FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
+
+FINE = 8
+"""Poses for each frame in slow motion: the curves show what happens between frames."""
+
+TRAIL = 4
+"""Poses for each frame from above: the trail bends between frames."""
+
+WRITTEN = 1.5
+"""Time of a frame, written, over that of drawing it."""
+
+HOLD_S = 1.5
+"""Time for which the last frame stays before the GIF starts again, s."""
+
+LEAST, LARGEST = 1e-3, 1e6
+"""Limits of times (s), of periods and of slowing down."""
+
+
+class Job(NamedTuple):
+    """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
+
+    members: Sequence[Design]
+    scene: Scene
+    seconds: float
+    """Simulated time to show, s."""
+    slow: float
+    """Seconds of the movie for each second of the run."""
+    fps: int
+    view: View
+    release: Release | None = None
+    """How the walker is let go; None: as in the ensemble's first run."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames, the first at time 0."""
+        return 1 + int(self.seconds * self.slow * self.fps + 1e-9)
+
+
+def file_name(job: Job, values: Mapping[str, Any]) -> str:
+    """Default name of the GIF: the walker's, or the tilts and kinds of legs, the scene's.
+
+    Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
+    """
+    what = names.part(job.members[0]) if len(job.members) == 1 else names.race(job.members)
+    seen = "_perspective" if job.view == "perspective" else ""
+    settings = "".join(f"_{key.rpartition('.')[2]}-{value}" for key, value in values.items())
+    return f"{what}_{job.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
+
+
+class Made(NamedTuple):
+    """Files that were written, and the runs that they show."""
+
+    gif: Path
+    mp4: Path | None
+    without_mp4: str
+    """Reason why there is no MP4; '' when there is an MP4."""
+    frames: int
+    shots: Sequence[Shot]
+
+
+def plan(
+    members: Sequence[Design],
+    scene: Scene,
+    *,
+    seconds: float | None = None,
+    periods: float | None = None,
+    slow: float | None = None,
+    fps: int = 25,
+    view: str | None = None,
+) -> Job:
+    """Make a job, with defaults for all that is None. Raises InputError."""
+    if fps not in FPS:
+        rates = ", ".join(str(rate) for rate in FPS)
+        raise InputError(f"‹fps=›{fps}: must be one of {rates} (a GIF counts in 1/100 s)")
+    for name, value in (("seconds", seconds), ("periods", periods), ("slow", slow)):
+        if value is not None and not LEAST <= value <= LARGEST:
+            raise InputError(f"‹{name}=›{value:g}: must lie in {LEAST:g}..{LARGEST:g}")
+    if len(members) > MOST_LANES:
+        raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
+    if seconds is not None and periods is not None:
+        raise InputError("‹seconds› and ‹periods›: both say how long; leave one of them out")
+    seen = _view(members, scene, view)
+    single = len(members) == 1 and seen != "above"
+    if periods is not None:
+        seconds = periods / scene.drive.frequency
+    elif seconds is None:
+        seconds = PERIODS / scene.drive.frequency if single else RACE_S
+    if slow is None:
+        slow = max(1.0, float(f"{PLAYING_S / seconds:.2g}")) if single else 1.0
+    job = Job(members, scene, seconds, slow, fps, seen)
+    if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
+        raise InputError(
+            f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
+            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change ‹seconds›, ‹slow› or ‹fps›"
+        )
+    return job
+
+
+def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
+    """How the members are seen. Raises InputError."""
+    if wanted is None:
+        return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
+    chosen = next((view for view in VIEWS if view == wanted), None)
+    if chosen is None:
+        raise InputError(f"‹view=›{wanted[:30]!r}: must be one of {', '.join(VIEWS)}")
+    if chosen == "perspective" and len(members) > 1:
+        raise InputError(f"‹view=›perspective: shows one walker, seen {len(members)}")
+    return chosen
+
+
+def make(job: Job, path: Path, progress: Progress, named: bool = True, expect: Expect = unheard) -> Made:
+    """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
+
+    Both files are written whole at the end; over one that is not ours only the GIF is, and only
+    where a person `named` it. Raises InputError when a run ends before two frames.
+    """
+    from walkergen.files import animation
+    from walkergen.guests.movie import impacts
+
+    draw, frames, shots = _draw(job, progress)
+    colours = impacts.colours(max(len(design.limbs) for design in job.members))
+    expect(lambda: _time(draw, frames))
+    encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
+    mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
+    with output.Folder(path.parent, "") as target:
+        if named:
+            output.write(path, encoded.gif)
+        else:
+            target.write(path.name, encoded.gif)
+        if mp4 is not None and encoded.mp4 is not None:
+            target.write(mp4.name, encoded.mp4)
+    return Made(path, mp4, encoded.without_mp4, frames, shots)
+
+
+def _time(draw: "Draw", frames: int) -> Expected:
+    """Time of drawing all frames, by that of one, and of writing them."""
+    draw(0)
+    started = time.thread_time()
+    draw(frames // 2)
+    return Expected((time.thread_time() - started) * WRITTEN * frames)
+
+
+def _draw(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+    """Movie of walkers: what draws its frames, their number, and what they show."""
+    from walkergen.guests.movie import above
+
+    every = TRAIL if job.view == "above" else FINE
+    shots = [shoot(job, design, every) for design in _counted(job, progress)]
+    frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
+    words, lane = settings(job.scene), job.scene.arena.kind == "lane"
+    words += _of_their_own(job.members)
+    if job.view == "perspective":
+        from walkergen.guests.movie import perspective
+
+        return perspective.draw_perspective(shots[0], every, job.slow, words), frames, shots
+    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]))
+    gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
+    return above.draw_above(shots, every, job.slow, words, period, gap), frames, shots
+
+
+def _counted(job: Job, progress: Progress) -> Iterator[Design]:
+    for number, design in enumerate(job.members):
+        progress(f"simulating {title(design)}", number, len(job.members))
+        yield design
+
+
+def shoot(job: Job, design: Design, every: int) -> Shot:
+    """Simulate the ensemble's first run, with `every` poses for a frame.
+
+    Raises InputError for a run that ended before its second frame.
+    """
+    interval = 1.0 / (job.fps * job.slow * every)
+    # Half an interval more, so that rounding cannot lose the last pose.
+    seconds = ((job.frames - 1) * every + 0.5) * interval
+    run = job.scene.run.model_copy(update={"seconds": seconds})
+    scene = job.scene.model_copy(update={"run": run})
+    mass = solids.mass_of(design)
+    prepared = prepare(scene, design, mass)._replace(release=job.release)
+    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
+    if len(shot.times) <= every:
+        raise InputError(f"{title(design)}: the run ended before the second frame ({shot.poses.outcome.value})")
+    return shot
+
+
+def title(design: Design) -> Title:
+    """Words of the picture on a walker."""
+    return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
+
+
+def _of_their_own(members: Sequence[Design]) -> str:
+    """Addition to the settings where feet have a friction of their own; "" where none has."""
+    limbs = [limb for design in members for limb in design.limbs]
+    own = {limb.friction for limb in limbs if limb.friction is not None}
+    if not own:
+        return ""
+    return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
+
+
+def settings(scene: Scene) -> str:
+    """Line that says what was simulated."""
+    drive, contact = scene.drive, scene.contact
+    shaken = drive.motor_in_words or (
+        f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
+        if 1e3 * drive.amplitude > AT_REST_UM
+        else "plate at rest"
+    )
+    slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
+    return (
+        f"{scene.name}: {shaken}; elastic feet, restitution {contact.restitution:g}, friction {contact.friction:g}"
+        + (slope if scene.plate.slope_deg else "")
+    )

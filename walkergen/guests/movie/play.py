@@ -1,0 +1,74 @@
+"""Run of one walker in space, for a viewer to play."""
+
+import base64
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import prepare
+from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.guests.movie.shot import point_in_mesh
+from walkergen.points import poses
+
+RATE = 2000.0
+"""Poses a second: a hundredth of real time shows every bounce."""
+
+
+def run(design: Design, scene: Scene, seconds: float) -> dict[str, Any]:
+    """Simulate seconds of a walker's run in space and pack what a viewer plays of it.
+
+    Raises InputError for a run that ends at once.
+    """
+    mass = solids.mass_of(design)
+    short = scene.run.model_copy(update={"seconds": seconds})
+    motion = poses.sample(prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE)
+    if len(motion.times) < 2:
+        raise InputError(f"{scene.name}: the run ended at once ({motion.outcome.value})")
+    return _packed(motion, point_in_mesh(design, mass)) | {"words": _words(motion, scene, names.part(design))}
+
+
+def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
+    """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
+
+    A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
+    (s), its corner and its impulse over the largest; a plate that moves has a height (mm) for each pose.
+    All are little-endian float32.
+    """
+    R = motion.rotations
+    shift = motion.places - R @ O
+    rows = np.column_stack([shift, motion.turns[:, [1, 2, 3, 0]]])
+    times, corner, along, upward = motion.landings[:, :4].T
+    impulse = np.hypot(along, upward)
+    landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
+    corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
+    moving = {"plate": _text(motion.plate)} if np.ptp(motion.plate) > 0.0 else {}
+    return moving | {
+        "interval": float(motion.times[1]),
+        "poses": _text(rows),
+        "landings": _text(landings),
+        "closed": base64.b64encode(np.packbits(motion.closed, axis=1).tobytes()).decode(),
+        "corners": corners.round(4).tolist(),
+    }
+
+
+def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
+    """Sentence that says what is played."""
+    drive = scene.drive
+    ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
+    shaken = drive.motor_in_words or (
+        f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
+    )
+    return (
+        f"{name} in {scene.name}: {shaken}, feet of restitution "
+        f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
+        f"{motion.times[-1]:.3g} s{ended}"
+    )
+
+
+def _text(values: npt.NDArray[np.float64]) -> str:
+    return base64.b64encode(values.astype("<f4").tobytes()).decode()

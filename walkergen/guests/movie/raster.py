@@ -1,0 +1,186 @@
+"""Meshes drawn in perspective: a camera, and a picture with hidden faces hidden, pixel by pixel."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.shapes.mesh import Mesh
+
+Array = npt.NDArray[np.float64]
+
+TOWARD = np.array([0.45, 0.36, 0.85])
+"""Direction from the walker to the camera: before it, above it, and to its right."""
+
+AWAY = 6.0
+"""Distance of the camera over the size of what it sees."""
+
+LIGHT = np.array([-0.35, 0.6, 0.72])
+"""Direction to the light: to the right, up, and toward the camera, in the camera's axes."""
+
+AMBIENT = 0.5
+"""Brightness of a face that the light only grazes."""
+
+SHARP = math.cos(math.radians(25.0))
+"""Cosine of the angle between faces from which their edge is drawn."""
+
+FINE = 2
+"""Samples along either side of a pixel."""
+
+NEARER = 2e-3
+"""Relative tolerance of depths for an edge to count as visible."""
+
+
+class Camera(NamedTuple):
+    """Camera that looks along -TOWARD; pictures count pixels from their lower left corner."""
+
+    axes: Array
+    """Rows to the right, up and toward the camera, shape (3, 3)."""
+    eye: Array
+    """Place of the camera, shape (3,), mm."""
+    scale: float
+    """Pixels by which a point moves for its tangent from the line of sight."""
+    offset: Array
+    """Pixels at which the line of sight meets the picture, shape (2,)."""
+
+    def project(self, points: Array) -> Array:
+        """Pixels, and inverse distance (1/mm), of points (..., 3): shape (..., 3)."""
+        seen = (points - self.eye) @ self.axes.T
+        nearness = -1.0 / seen[..., 2]
+        flat = self.scale * seen[..., :2] * nearness[..., None] + self.offset
+        return np.concatenate([flat, nearness[..., None]], axis=-1)
+
+
+def camera_for(points: Array, size: tuple[float, float]) -> Camera:
+    """Camera in whose picture of `size` (width, height, pixels) points (n, 3) just fit."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    back = TOWARD / np.linalg.norm(TOWARD)
+    right = np.cross([0.0, 1.0, 0.0], back)
+    right /= np.linalg.norm(right)
+    eye = 0.5 * (low + high) + AWAY * float(np.linalg.norm(high - low)) * back
+    plain = Camera(np.array([right, np.cross(back, right), back]), eye, 1.0, np.zeros(2))
+    seen = plain.project(points)[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    scale = float((np.array(size) / (high - low)).min())
+    return plain._replace(scale=scale, offset=0.5 * np.array(size) - 0.5 * scale * (low + high))
+
+
+class Model(NamedTuple):
+    """Mesh made ready to be drawn."""
+
+    mesh: Mesh
+    normals: Array
+    """Normals of the triangles, shape (m, 3)."""
+    edges: npt.NDArray[np.int64]
+    """Sharp edges: two vertices and the two triangles beside them, shape (e, 4)."""
+
+
+def model_of(mesh: Mesh) -> Model:
+    """Normals and sharp edges of a closed mesh."""
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= np.where(lengths > 0.0, lengths, 1.0)  # slivers of a person's mesh have none
+    beside: dict[tuple[int, int], list[int]] = {}
+    for number, triangle in enumerate(mesh.triangles.tolist()):
+        for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
+            beside.setdefault((min(start, end), max(start, end)), []).append(number)
+    edges = [
+        (*ends, *two[:2]) for ends, two in beside.items() if len(two) > 1 and normals[two[0]] @ normals[two[1]] < SHARP
+    ]
+    return Model(mesh, normals, np.array(edges, np.int64).reshape(-1, 4))
+
+
+def render(
+    model: Model, R: Array, place: Array, camera: Camera, colour: str, ink: str
+) -> tuple[npt.NDArray[np.uint8], int, int]:
+    """Picture of a mesh turned by R and moved to `place`: RGBA, upper row first.
+
+    It covers the mesh alone; also its left and lower end in the camera's picture, pixels.
+    """
+    seen = camera.project(model.mesh.vertices @ R.T + place)
+    left, low = np.floor(seen[:, :2].min(axis=0)).astype(int) - 1
+    right, high = np.ceil(seen[:, :2].max(axis=0)).astype(int) + 2
+    fine = np.column_stack([FINE * (seen[:, :2] - (left, low)), seen[:, 2]])
+    shape = FINE * int(high - low), FINE * int(right - left)
+    number = np.full(shape, -1, np.int32)
+    near = np.zeros(shape)
+    corners = fine[model.mesh.triangles]
+    for at in np.flatnonzero(_area(corners) > 0.0):
+        _fill(number, near, corners[at], int(at))
+    _outline(number, near, fine, model, _area(corners) > 0.0)
+    shades = _shades(model.normals @ R.T @ camera.axes.T, colour, ink)
+    return _reduced(shades[number][::-1]), int(left), int(low)
+
+
+def _area(corners: Array) -> Array:
+    """Twice the areas of triangles (..., 3, 2 or more), positive when counter-clockwise."""
+    first, second = (corners[..., 1, :2] - corners[..., 0, :2], corners[..., 2, :2] - corners[..., 0, :2])
+    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
+
+
+def _fill(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
+    """Write `value` where a counter-clockwise triangle is nearer than all so far."""
+    (left, low), (right, high) = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    x = np.arange(math.ceil(left - 0.5), math.floor(right - 0.5) + 1)
+    y = np.arange(math.ceil(low - 0.5), math.floor(high - 0.5) + 1)
+    if not (len(x) and len(y)):
+        return
+    # In each row the triangle reaches from the nearest of its left edges to that of its right ones
+    begin, end = np.full(len(y), -np.inf), np.full(len(y), np.inf)
+    middle = y + 0.5
+    for i in range(3):
+        (x_0, y_0, _), (x_1, y_1, _) = corners[i], corners[(i + 1) % 3]
+        if y_0 != y_1:
+            crossing = x_0 + (middle - y_0) * ((x_1 - x_0) / (y_1 - y_0))
+            if y_1 < y_0:
+                begin = np.maximum(begin, crossing)
+            else:
+                end = np.minimum(end, crossing)
+    # Nearness is linear over the picture
+    spread = np.linalg.solve(np.column_stack([corners[:, :2], np.ones(3)]), corners[:, 2])
+    at = spread[0] * (x + 0.5) + (spread[1] * middle + spread[2])[:, None]
+    rows, columns = slice(y[0], y[-1] + 1), slice(x[0], x[-1] + 1)
+    inside = (x + 0.5 >= begin[:, None]) & (x + 0.5 < end[:, None]) & (at > near[rows, columns])
+    near[rows, columns][inside] = at[inside]
+    number[rows, columns][inside] = value
+
+
+def _outline(
+    number: npt.NDArray[np.int32], near: Array, points: Array, model: Model, facing: npt.NDArray[np.bool_]
+) -> None:
+    """Write the ink's number, that of the triangles, along the sharp edges that are visible."""
+    edges = model.edges[facing[model.edges[:, 2]] | facing[model.edges[:, 3]]]
+    ends = points[edges[:, :2]]
+    counts = np.ceil(np.hypot(*(ends[:, 1, :2] - ends[:, 0, :2]).T)).astype(int) + 1
+    share = np.concatenate([np.linspace(0.0, 1.0, count) for count in counts])
+    first, last = (np.repeat(ends[:, end], counts, axis=0) for end in (0, 1))
+    dots = first + share[:, None] * (last - first)
+    x, y = np.floor(dots[:, :2]).astype(int).T
+    shown = dots[:, 2] > near[y, x] * (1.0 - NEARER)
+    for right in range(FINE):
+        for up in range(FINE):
+            number[y[shown] + up - 1, x[shown] + right - 1] = len(facing)
+
+
+def _shades(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
+    """RGBA of every triangle by its normal in the camera's axes, then ink, then nothing."""
+    light = LIGHT / np.linalg.norm(LIGHT)
+    bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
+    full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))
+    colours = np.vstack([bright[:, None] * np.minimum(1.15 * full, 255.0), dark, np.zeros(3)])
+    alpha = np.append(np.full(len(colours) - 1, 255.0), 0.0)
+    return np.column_stack([colours, alpha]).round().astype(np.uint8)
+
+
+def _reduced(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Mean over the samples of each pixel, of its colours over those that are not clear (and black)."""
+    first, *others = (picture[row::FINE, column::FINE] for row in range(FINE) for column in range(FINE))
+    total = first.astype(np.uint16)
+    for sample in others:
+        total += sample
+    pixels, seen = np.empty(total.shape, np.uint8), np.maximum(total[..., 3:] // 255, 1)
+    pixels[..., :3] = (total[..., :3] + seen // 2) // seen
+    pixels[..., 3] = (total[..., 3] + FINE**2 // 2) // FINE**2
+    return pixels

@@ -1,0 +1,62 @@
+"""What `movie` is asked for."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from walkergen import request
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.files.report import Report
+
+
+class MovieRequest(request.Request):
+    """Film a walker in slow motion, or several tilts running (GIF, and MP4).
+
+    A walker is seen in perspective in a lane, in slow motion, and from above on a plane, as are several;
+    --view above or --view perspective says otherwise.
+    """
+
+    design: request.Walker = request.PAPER
+    scene: request.Home = None
+    tilt: request.Tilts = None
+    legs: request.Kinds = None
+    seconds: Annotated[float | None, Flag("Simulated time to show, s.", "S")] = None
+    periods: Annotated[float | None, Flag("Time to show, in periods of the drive.", "N")] = None
+    slow: Annotated[float | None, Flag("Play N times slower than real time.", "N")] = None
+    view: Annotated[
+        Literal["above", "perspective"] | None, Flag("How to see a walker: above or perspective.", "VIEW")
+    ] = None
+    fps: Annotated[int, Flag("Frames per second: 10, 20, 25 or 50.", "N")] = 25
+    restitution: request.Restitution = None
+    friction: request.Friction = None
+    gamma: request.Gamma = None
+    frequency: request.Frequency = None
+    step: request.Step = None
+    seed: request.Seed = None
+    text: request.Text = None
+    mirror: request.Mirror = None
+    set: request.Settings = {}
+    out: Annotated[
+        Path | None, request.Target, Flag("GIF to write; the MP4 comes beside it.", "FILE", takes="Name | None")
+    ] = None
+
+    def run(self, progress: Progress) -> "Report":
+        """Film the walkers."""
+        from walkergen.guests.movie import make, report
+        from walkergen.points import simplest
+
+        if self.out is not None and self.out.suffix.lower() != ".gif":
+            told = f"‹out=›{str(self.out)[:80]!r}: must end in .gif (the MP4 comes beside it)"
+            raise InputError(told, "out")
+        given = self.inputs()
+        design = given.design(self.design)
+        scene = given.scene(request.ground(self.scene, [design]))
+        simplest.refuse(scene, "is of a speed, and a film shows all that its scene calls for")
+        members = given.members(design, self.tilt, self.legs, whole=False)
+        times = {"seconds": self.seconds, "periods": self.periods, "slow": self.slow}
+        job = make.plan(members, scene, **times, fps=self.fps, view=self.view)
+        path = self.out or Path("out") / design.name / make.file_name(job, given.values)
+        return report.of(job, make.make(job, path, progress, self.out is not None, self._expect))

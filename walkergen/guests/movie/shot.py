@@ -1,0 +1,152 @@
+"""Shot of one run in space for a movie: the printed mesh, its poses and the landings; its title and pace in words."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.simulation.run import ENDED_WELL
+from walkergen.core.theory.impact import Kind
+from walkergen.core.walker import solids
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties, from_centre
+from walkergen.points.poses import Poses
+from walkergen.readers.walkers import seen_above
+
+Array = npt.NDArray[np.float64]
+
+
+class Impact(NamedTuple):
+    """Impact of a foot on the plate."""
+
+    time: float
+    """Time since the first pose, s."""
+    foot: int
+    """Number of the corner that hits the plate."""
+    impulse: Array
+    """Impulse on the foot, shape (2,), g mm/s."""
+    kind: Kind
+
+
+def impact_of(event: Array) -> Impact:
+    """Impact of a row of the simulation's events (see `record.Events`)."""
+    time, foot, along, upward, _, _, kind = event
+    return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
+
+
+class Title(NamedTuple):
+    """Words by which a picture tells its walker from others."""
+
+    design: str
+    tilt: str
+    """Tilt of its legs with its unit."""
+    kind: str
+
+    @property
+    def legs(self) -> str:
+        """Tilt and kind of its legs."""
+        return f"{self.tilt} {self.kind}"
+
+    def __str__(self) -> str:
+        return f"{self.design}, {self.tilt}, {self.kind}"
+
+
+def pace(slow: float) -> str:
+    """Pace of a movie in words; `slow` seconds of it show one second of the run."""
+    if slow == 1.0:
+        return "real time"
+    return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
+
+
+class Shot(NamedTuple):
+    """One simulated run in space, with the walker that ran."""
+
+    title: Title
+    mesh: Mesh
+    """Printed part about the point O that the poses follow, mm."""
+    base: Array
+    """Middle of the body's rectangle from O, along it and across, shape (2,), mm."""
+    size: Array
+    """Length and depth of the body, shape (2,), mm."""
+    contours: tuple[Array, ...]
+    """Body seen from above, from the middle of its rectangle: polygons, holes clockwise, mm."""
+    poses: Poses
+    impacts: tuple[Impact, ...]
+    """Landings in the order of their times; feet are the numbers of the corners."""
+
+    @property
+    def name(self) -> str:
+        """Name of the walker, as the picture shows it."""
+        return str(self.title)
+
+    @property
+    def times(self) -> Array:
+        """Times of the poses, shape (n,), s, from 0."""
+        return self.poses.times
+
+    @property
+    def plate(self) -> Array:
+        """Height of the plate over its mean, shape (n,), mm."""
+        return self.poses.plate
+
+    @property
+    def ended(self) -> str:
+        """Reason why the run ended early; '' when it did not."""
+        outcome = self.poses.outcome
+        return "" if outcome in ENDED_WELL else outcome.value
+
+    @property
+    def track(self) -> Array:
+        """Places of O seen from above: along the first axis and to the left of it, (n, 2), mm."""
+        return self.poses.places[:, [0, 2]] * (1.0, -1.0)
+
+    @property
+    def advance(self) -> Array:
+        """Distance run along the heading of each moment, from 0, shape (n,), mm."""
+        heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
+        ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+        return np.append(0.0, np.cumsum((np.diff(self.track, axis=0) * ahead).sum(axis=1)))
+
+    @property
+    def distance(self) -> float:
+        """Distance run along the heading, mm."""
+        return float(self.advance[-1])
+
+
+def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+    """What a run in space shows, in the terms of the picture."""
+    mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
+    return Shot(
+        title=title,
+        mesh=Mesh(mesh.vertices - O, mesh.triangles),
+        base=np.array([-O[0], 0.0]),
+        size=np.array([design.size.length, design.size.depth]),
+        contours=seen_above.contours(design),
+        poses=poses,
+        impacts=tuple(map(impact_of, poses.landings)),
+    )
+
+
+def point_in_mesh(design: Design, mass: MassProperties) -> Array:
+    """Point O of a walker, which poses follow, in the frame of its mesh, shape (3,), mm."""
+    return np.array([*-from_centre(design.limbs, mass, np.zeros(2)), 0.5 * design.size.depth])
+
+
+def outline(shot: Shot, at: int) -> list[Array]:
+    """Polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
+    place: Array = shot.track[at]
+    heading = shot.poses.heading[at]
+    return [place + turned(shot.base + contour, heading) for contour in shot.contours]
+
+
+def feet(shot: Shot, at: int) -> Array:
+    """Edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
+    ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
+    return ends.reshape(-1, 2, 2)
+
+
+def turned(points: Array, angle: float) -> Array:
+    """Turn points (..., 2) counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))

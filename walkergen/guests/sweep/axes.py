@@ -1,0 +1,199 @@
+"""Axes of points: the values of a key, as lists or ranges, and samples between bounds."""
+
+import datetime
+import itertools
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import assignments
+from walkergen.core.files.config import LARGEST_WHOLE, SMALLEST
+
+MOST_VALUES = 1_000_000
+"""Largest number of values of an axis, and of samples."""
+
+Method = Literal["sobol", "latin"]
+
+NUMBER = re.compile(r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE)
+
+
+class Axis(NamedTuple):
+    """Values that a key takes."""
+
+    key: str
+    values: tuple[Any, ...]
+
+
+class Span(NamedTuple):
+    """Bounds between which a key is sampled."""
+
+    key: str
+    low: float
+    high: float
+
+
+class Sample(NamedTuple):
+    """Points spread over the spans, by a scrambled Sobol sequence or a Latin hypercube."""
+
+    spans: tuple[Span, ...]
+    samples: int
+    method: Method
+    seed: int
+
+
+class Space(NamedTuple):
+    """All combinations of the axes' values, the last axis fastest, each with every sample."""
+
+    axes: tuple[Axis, ...]
+    sample: Sample | None = None
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys that vary, axes before spans."""
+        spans = self.sample.spans if self.sample else ()
+        return (*(axis.key for axis in self.axes), *(span.key for span in spans))
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+        samples = self.sample.samples if self.sample else 1
+        return math.prod((len(axis.values) for axis in self.axes), start=samples)
+
+    def rows(self) -> Iterator[tuple[Any, ...]]:
+        """Values of `keys` at each point, made one after the other."""
+        grid = itertools.product(*(axis.values for axis in self.axes))
+        if self.sample is None:
+            yield from grid
+            return
+        samples = [tuple(row) for row in _sampled(self.sample).tolist()]
+        for row in grid:
+            for sample in samples:
+                yield row + sample
+
+
+def parse(text: str) -> Axis | Span:
+    """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
+    key, value = assignments.split(text)
+    return of_text(key, value, f"‹set› {text[:60]!r}")
+
+
+def of_text(key: str, value: str, source: str) -> Axis | Span:
+    """Axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
+    values: list[Any] = []
+    pieces = _split(value)
+    for piece in pieces:
+        numbers = piece.split(":")
+        ranged = 2 <= len(numbers) <= 3 and all(NUMBER.fullmatch(number) for number in numbers)
+        if ranged and len(numbers) == 3:
+            values += _range(numbers, source)
+        elif ranged and len(pieces) == 1:
+            return span(key, float(numbers[0]), float(numbers[1]), source)
+        elif ranged:
+            raise InputError(f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list")
+        elif not piece.strip():
+            raise InputError(f"{source}: an empty value in the list: remove a comma")
+        else:
+            values.append(assignments.value_of(piece.strip()))
+        if len(values) > MOST_VALUES:
+            break
+    return axis(key, values, source)
+
+
+def axis(key: str, values: Sequence[Any], source: str) -> Axis:
+    """Axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
+    if not values:
+        raise InputError(f"{source}: no values: write one at least")
+    if len(values) > MOST_VALUES:
+        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    for value in values:
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"{source}: {value} is no value: write finite numbers")
+        if isinstance(value, (datetime.date, datetime.time)):
+            raise InputError(f"{source}: {value} is a date: write numbers or text")
+    if not all(isinstance(value, (str, int, float)) for value in values):
+        return Axis(key, tuple(values))
+    # True equals 1, but is another value.
+    unique = dict.fromkeys((isinstance(value, bool), value) for value in values)
+    return Axis(key, tuple(value for _, value in unique))
+
+
+def span(key: str, low: float, high: float, source: str) -> Span:
+    """Bounds of samples. Raises InputError unless they are finite and rise."""
+    for end in (low, high):
+        _finite(str(end), source)
+    if not low < high:
+        raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
+    return Span(key, low, high)
+
+
+def check(axes: Sequence[Axis | Span]) -> None:
+    """Raise InputError for a key that is given twice."""
+    keys = [entry.key for entry in axes]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"‹set› {key}: given {keys.count(key)} times; write its values once")
+
+
+def _split(text: str) -> list[str]:
+    """Parts of a list at its commas, but for those within brackets, braces and quotes."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        else:
+            depth += (letter in "[{") - (letter in "]}")
+        if letter == "," and not depth and not quote:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return parts
+
+
+def _range(words: Sequence[str], source: str) -> list[float]:
+    """Values of FIRST:LAST:STEP with both ends, whole numbers where all three are."""
+    first, last, step = (_finite(word, source) for word in words)
+    if step == 0 or (last - first) / step < 0:
+        raise InputError(f"{source}: step {step:g} does not lead from first to last")
+    if (last - first) / step > MOST_VALUES:
+        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    count = int((last - first) / step * (1 + 1e-12)) + 1  # 0.3 / 0.1 lies below 3
+    if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
+        return [int(first) + number * int(step) for number in range(count)]
+    # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
+    digits = 13 - math.floor(math.log10(max(abs(first), abs(last), abs(step))))
+    return [round(first + number * step, digits) + 0.0 for number in range(count)]
+
+
+def _finite(word: str, source: str) -> float:
+    value = float(word)
+    if not math.isfinite(value):
+        raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
+    if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST_WHOLE:
+        raise InputError(
+            f"{source}: {word.strip()[:30]} is no end of a range: write 0, or numbers in "
+            f"±({SMALLEST:g}..{LARGEST_WHOLE:.3g})"
+        )
+    return value + 0.0
+
+
+def _sampled(sample: Sample) -> Any:
+    """Samples, shape (count, spans), rounded to what a table shows without harm: 9 digits."""
+    from scipy.stats import qmc
+
+    wide, rng = len(sample.spans), np.random.default_rng(sample.seed)
+    if sample.method == "latin":
+        cube = qmc.LatinHypercube(wide, rng=rng).random(sample.samples)
+    else:
+        sequence = qmc.Sobol(wide, rng=rng)
+        cube = sequence.random_base2(math.ceil(math.log2(max(sample.samples, 1))))[: sample.samples]
+    for span, column in zip(sample.spans, cube.T, strict=True):
+        digits = 8 - math.floor(math.log10(max(abs(span.low), abs(span.high))))
+        values = np.round(span.low + column * (span.high - span.low), min(digits, 300))
+        column[:] = np.clip(values, span.low, span.high)
+    return cube

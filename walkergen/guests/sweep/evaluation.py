@@ -1,0 +1,210 @@
+"""Evaluation of many points: those that are known come from the store, others from a pool."""
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from dataclasses import dataclass
+from itertools import islice
+from typing import NamedTuple
+
+from walkergen.core.errors import WalkergenError
+from walkergen.points.kinds import evaluate
+from walkergen.points.point import Point, Record, digest, key
+from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
+
+AHEAD = 4
+"""Tasks for each worker that are sent ahead, so that none is idle."""
+
+BLOCK, TASK = 64, 8
+"""Number of points that are looked up together, and of predicted ones in a task: a prediction takes
+2 to 30 ms, and as a task of its own 1 ms more to be sent."""
+
+MOST_AHEAD = 4096
+"""Most points that are kept while an earlier one takes long: all are yielded in their order."""
+
+ENDED = (
+    "a worker process ended at once, as when the memory is full: what was finished is "
+    "kept; the same command goes on, with fewer ‹workers› ({})"
+)
+
+Asked = Point | Record
+"""Point, or the record of one that was refused before it can be evaluated."""
+
+Answer = tuple[str, list[Record]]
+
+
+class Done(NamedTuple):
+    """Evaluated point."""
+
+    key: str
+    """Key of the point; "" for one that was refused."""
+    record: Record
+    stored: bool
+    """True when the store had it."""
+
+
+@dataclass(eq=False)
+class _Task:
+    """Points that are evaluated together."""
+
+    points: dict[str, Point]
+    """By their keys."""
+    future: "Future[Answer]"
+    again: bool = False
+    """True where a first answer was lost on its way."""
+
+
+class _Slot(NamedTuple):
+    """Place of a point in the order: done, or under way as the n-th of a task."""
+
+    done: Done | None
+    task: _Task | None = None
+    place: int = 0
+
+
+def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
+    """Evaluate points and yield them in their order; those that are evaluated are in the store.
+
+    Without a pool they are evaluated here, in turn. Raises OutputError where the store fails, and
+    WalkergenError when a worker is lost or has another version of walkergen; all that was finished
+    is then in the store.
+    """
+    stream = iter(points)
+    if pool is None:
+        while block := list(islice(stream, BLOCK)):
+            yield from _here(block, store)
+        return
+    under_way: dict[Future[Answer], _Task] = {}
+    try:
+        yield from _there(stream, store, pool, under_way)
+    finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
+        for future, task in under_way.items():
+            if future.done() and not future.cancelled() and future.exception() is None:
+                store.put(zip(task.points, _answer(future), strict=True))
+
+
+def _there(
+    stream: Iterator[Asked], store: Store, pool: WorkerPool, under_way: dict["Future[Answer]", _Task]
+) -> Iterator[Done]:
+    """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
+    slots: deque[_Slot] = deque()
+    more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
+    while more or slots:
+        while more and len(under_way) < most and len(slots) < MOST_AHEAD:
+            block = list(islice(stream, BLOCK if most > 1 else 1))
+            more = bool(block)
+            for slot in _sent(block, store, pool):
+                slots.append(slot)
+                if slot.task is not None:
+                    under_way[slot.task.future] = slot.task
+        if under_way and slots[0].task is not None and slots[0].task.future in under_way:
+            finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
+            most = AHEAD * pool.workers
+            for future in finished:
+                task = under_way[future]
+                if _lost(task):
+                    task.future, task.again = _submitted(task.points, pool), True
+                    under_way[task.future] = task
+                else:
+                    store.put(zip(task.points, _answer(future), strict=True))
+                del under_way[future]
+        while slots and (slots[0].task is None or slots[0].task.future not in under_way):
+            yield _done(slots.popleft())
+
+
+def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
+    """Evaluate a block in this process; simulated points are saved one by one."""
+    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    stored = store.get([name for name in keys if name])
+    unsaved: list[tuple[str, Record]] = []
+    finished: list[Done] = []
+    for point, name in zip(block, keys, strict=True):
+        if not isinstance(point, Point):
+            finished.append(Done(name, point, False))
+        elif name in stored:
+            finished.append(Done(name, stored[name], True))
+        else:
+            finished.append(Done(name, evaluate(point), False))
+            unsaved.append((name, finished[-1].record))
+            if point.simulated:
+                store.put(unsaved)
+                unsaved.clear()
+                yield from finished
+                finished.clear()
+    store.put(unsaved)
+    yield from finished
+
+
+def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
+    """Places of a block's points, the unknown ones sent to the pool."""
+    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    stored = store.get([name for name in keys if name])
+    fresh = {
+        name: point for name, point in zip(keys, block, strict=True) if isinstance(point, Point) and name not in stored
+    }
+    simulated = any(point.simulated for point in fresh.values())
+    size = 1 if simulated else TASK
+    names = list(fresh)
+    places: dict[str, tuple[_Task, int]] = {}
+    for first in range(0, len(names), size):
+        part = {name: fresh[name] for name in names[first : first + size]}
+        task = _Task(part, _submitted(part, pool))
+        places |= {name: (task, place) for place, name in enumerate(part)}
+    slots = []
+    for name, point in zip(keys, block, strict=True):
+        if not isinstance(point, Point):
+            slots.append(_Slot(Done(name, point, False)))
+        elif name in stored:
+            slots.append(_Slot(Done(name, stored[name], True)))
+        else:
+            slots.append(_Slot(None, *places[name]))
+    return slots
+
+
+def _work(points: Sequence[Point]) -> Answer:
+    """Records of points, and by which sources; runs on a worker."""
+    return digest(), [evaluate(point) for point in points]
+
+
+def _submitted(points: dict[str, Point], pool: WorkerPool) -> "Future[Answer]":
+    """Answer to come of a task. Raises WalkergenError where the workers have ended."""
+    try:
+        return pool.executor.submit(_work, list(points.values()))
+    except BrokenExecutor as error:
+        raise WalkergenError(ENDED.format(error)) from error
+
+
+def _lost(task: _Task) -> bool:
+    """Whether an answer did not arrive and is worth asking for again.
+
+    While a worker of a cluster dies, *distributed* can take the answer that it has just sent for an error, and
+    stumbles over its form. What the points themselves raise comes again.
+    """
+    error = task.future.exception()
+    return not task.again and error is not None and not isinstance(error, (BrokenExecutor, ImportError))
+
+
+def _answer(future: "Future[Answer]") -> list[Record]:
+    """Records that a worker has sent. Raises WalkergenError."""
+    try:
+        sources, records = future.result()
+    except BrokenExecutor as error:
+        raise WalkergenError(ENDED.format(error)) from error
+    except ImportError as error:
+        raise WalkergenError(f"a worker has no such walkergen: {error}; install it there") from error
+    if sources != digest():
+        raise WalkergenError(
+            f"a worker has another version of walkergen, {sources}, here {digest()}: its numbers "
+            "are left out; install the same one there"
+        )
+    return records
+
+
+def _done(slot: _Slot) -> Done:
+    """Point of a slot whose task has ended."""
+    if slot.done is not None:
+        return slot.done
+    assert slot.task is not None
+    _, records = slot.task.future.result()
+    return Done(list(slot.task.points)[slot.place], records[slot.place], False)

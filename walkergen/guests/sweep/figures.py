@@ -1,0 +1,222 @@
+"""Figures of a sweep: lines for one key, a map for two, small multiples for three, or clouds.
+
+Every figure can be read without colours, and shows the points that have no number.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from walkergen.files.figures import COLUMN, PAGE, style, wrapped
+from walkergen.guests.sweep import panels as draw
+from walkergen.guests.sweep.panels import HATCHED, MARK, STYLES, Mask
+from walkergen.guests.sweep.panels import Columns as Columns
+from walkergen.guests.sweep.scales import Scale, dress, in_words, scale_of
+
+MOST_LINES, MOST_PANELS = 5, 12
+"""Numbers of values of a key up to which each is a line of its own, or a panel."""
+
+FILLED = 0.5
+"""Share of all combinations of the values beyond which points are taken to lie on a grid."""
+
+BARS: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
+"""What differs from other figures: points are many."""
+
+
+def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
+    """Draw a number over the keys, of which those with one value are left out.
+
+    One key at least has two values, and one point a value.
+    """
+    scales = [scale_of(key, columns.keys[key]) for key in keys]
+    scales = [scale for scale in scales if len(scale.values) > 1]
+    combinations = math.prod(len(scale.values) for scale in scales)
+    gridded = FILLED * combinations < len(columns.value) and len(scales) <= 3
+    with style(), matplotlib.rc_context(BARS):
+        if not gridded:
+            return _clouds(columns, scales, title)
+        # The key with most values lies along x, numbers before words; of equals the first.
+        ranked = sorted(scales, key=lambda scale: (scale.words, -len(scale.values)))
+        if len(scales) < 3:
+            return _single(columns, scales, ranked, title)
+        return _multiples(columns, scales, title)
+
+
+def _single(columns: Columns, scales: Sequence[Scale], ranked: Sequence[Scale], title: str) -> Figure:
+    """Figure of one panel: lines, or a map."""
+    with _sheet(title, 1) as (drawn, (axes,), _):
+        rows = np.ones(len(columns.value), dtype=bool)
+        if _lined(scales):
+            draw.lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
+            axes.set_ylabel(draw.value_label(columns))
+            handles = _line_handles(columns, ranked[1:])
+        else:
+            norm = draw.norm_of(columns.value)
+            draw.map(axes, columns, scales[0], scales[1], rows, norm)
+            _colour_bar(drawn, [axes], norm, columns)
+            handles = _mark_handles(columns, hatched=True)
+        _legend(drawn, handles)
+    return drawn
+
+
+def _lined(scales: Sequence[Scale]) -> bool:
+    """Whether one or two keys are drawn as lines: a map needs many values of both."""
+    return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MOST_LINES
+
+
+def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
+    """Figure of a panel for each value of the key that has the fewest."""
+    apart = min(scales, key=lambda scale: len(scale.values))
+    others = [scale for scale in scales if scale is not apart]
+    shown = _spread(len(apart.values), MOST_PANELS)
+    if left := len(apart.values) - len(shown):
+        title += f"; {left} of {len(apart.values)} values of {apart.key} left out"
+    inside = np.isin(apart.which, shown)
+    columns, apart, *others = _only(columns, inside, (apart, *others))
+    ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
+    with _sheet(title, len(shown)) as (drawn, panels, wide):
+        norm = draw.norm_of(columns.value)
+        for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
+            rows = apart.which == number
+            if _lined(others):
+                draw.lines(axes, columns, ranked[0], ranked[1], rows)
+            else:
+                draw.map(axes, columns, others[0], others[1], rows, norm)
+            axes.set_title(in_words(apart, number))
+            if place + wide < len(panels):
+                axes.xaxis.label.set_visible(False)
+            if place % wide:
+                axes.yaxis.label.set_visible(False)
+            elif _lined(others):
+                axes.set_ylabel(draw.value_label(columns))
+        if _lined(others):
+            handles = _line_handles(columns, ranked[1:])
+        else:
+            _colour_bar(drawn, panels, norm, columns)
+            handles = _mark_handles(columns, hatched=True)
+        _legend(drawn, handles)
+    return drawn
+
+
+def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
+    """Figure of points on no grid: two keys with the number as colour, else one a panel."""
+    if len(scales) == 2:
+        with _sheet(title, 1) as (drawn, (axes,), _):
+            norm = draw.norm_of(columns.value)
+            draw.scatter(axes, columns, scales[0], scales[1], norm)
+            _colour_bar(drawn, [axes], norm, columns)
+            _legend(drawn, _mark_handles(columns))
+        return drawn
+    if left := len(scales) - MOST_PANELS:
+        scales = scales[:MOST_PANELS]
+        title += f"; {left} keys left out" if left > 0 else ""
+    with _sheet(title, len(scales)) as (drawn, panels, wide):
+        for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
+            draw.dots(axes, columns, scale, np.ones(len(columns.value), dtype=bool), STYLES[0], 0, False)
+            dress(axes, "x", scale)
+            if place % wide == 0:
+                axes.set_ylabel(draw.value_label(columns, draw.MOST_SEEN))
+        _legend(drawn, _mark_handles(columns))
+    return drawn
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Numbers of at most so many of `count` values, the first and the last among them."""
+    if count <= most:
+        return list(range(count))
+    return [round(place * (count - 1) / (most - 1)) for place in range(most)]
+
+
+def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
+    """Columns and scales of some rows."""
+    kept = Columns(
+        {},
+        columns.value[rows],
+        columns.low[rows],
+        columns.high[rows],
+        [status for status, inside in zip(columns.status, rows, strict=True) if inside],
+        columns.label,
+    )
+    return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
+
+
+# Sheets, legends and colour bars
+
+
+@contextmanager
+def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
+    """Empty figure with its title, its panels, and how many stand side by side.
+
+    One panel is as wide as a column, and so are two side by side; more fill a page.
+    """
+    wide = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
+    width = COLUMN if wide < 3 else PAGE
+    rows = -(-count // wide)
+    tall = 2.4 if count == 1 else 1.75
+    drawn = Figure(figsize=(width, rows * tall + 0.3), layout="constrained", dpi=300)
+    grid = drawn.subplots(rows, wide, squeeze=False, sharey=count > 1)
+    panels = list(grid.flat)
+    for axes in panels[count:]:
+        axes.remove()
+    drawn.suptitle(wrapped(title, width - 0.1))
+    yield drawn, panels[:count], wide
+
+
+def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, columns: Columns) -> None:
+    """Scale of the colours, no longer than the numbers that have them."""
+    mapped = matplotlib.cm.ScalarMappable(norm, draw.colours(norm))
+    bar = drawn.colorbar(mapped, ax=list(panels), label=columns.label, pad=0.02, aspect=25)
+    if np.ptp(shown := columns.value[~columns.missing]):
+        bar.ax.set_ylim(shown.min(), shown.max())
+
+
+def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
+    """Entries of a legend for lines, and for what is wrong with their points."""
+    handles: list[Any] = []
+    for scale in by:
+        for number, (colour, dash, marker) in zip(range(len(scale.values)), STYLES, strict=False):
+            handles.append(
+                Line2D(
+                    [],
+                    [],
+                    color=colour,
+                    linestyle=dash,
+                    marker=marker,
+                    label=in_words(scale, number, named=number == 0),
+                )
+            )
+    return handles + _mark_handles(columns)
+
+
+def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
+    """Entries of a legend for points without a number, and for those in doubt."""
+    name = columns.label.partition(" (")[0]
+    missing, doubtful = int(columns.missing.sum()), int(columns.doubtful.sum())
+    handles: list[Any] = []
+    if missing:
+        told_of = f"no {name}: {missing} of {len(columns.value)}"
+        handles.append(
+            Patch(**HATCHED, label=told_of)
+            if hatched
+            else Line2D([], [], color="black", linestyle="none", marker="x", label=told_of)
+        )
+    if doubtful:
+        handles.append(Line2D([], [], label=f"not ok: {doubtful}, see status", **MARK))
+    return handles
+
+
+def _legend(drawn: Figure, handles: Sequence[Any]) -> None:
+    if not handles:
+        return
+    wide = 2 if drawn.get_figwidth() < PAGE else 5
+    drawn.set_figheight(drawn.get_figheight() + 0.16 * -(-len(handles) // wide))
+    drawn.legend(handles=list(handles), loc="outside lower center", frameon=False, ncols=wide, handlelength=2.8)

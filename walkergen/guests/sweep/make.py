@@ -1,0 +1,202 @@
+"""The sweep itself: points evaluated, shared and taken up again; a table, pictures, a manifest."""
+
+import hashlib
+import json
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.core.files import output
+from walkergen.core.files.output import Folder, versions
+from walkergen.core.files.progress import Progress
+from walkergen.guests.sweep import budget, report, table
+from walkergen.guests.sweep import evaluation as run
+from walkergen.guests.sweep.evaluation import Asked, Done
+from walkergen.guests.sweep.point_request import Request
+from walkergen.guests.sweep.report import Points, SweepReport
+from walkergen.guests.sweep.table import Table
+from walkergen.points.point import STATUS, digest
+from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
+
+MOST_DRAWN = 200_000
+"""Number of points up to which pictures are drawn; their memory grows with it."""
+
+
+class Job(NamedTuple):
+    """Choices of the sweep command."""
+
+    request: Request
+    title: str
+    pictures: bool = True
+    budget_s: float | None = None
+    """Time for more runs where the error bars are worst, s; None for none."""
+    kept: bool = False
+    """True for a report that holds every row."""
+    wish: float | None = None
+    """Wished speed, to which the report sorts its rows, mm/s; None for rows in their order."""
+
+    @property
+    def drawn(self) -> bool:
+        """True when pictures are drawn."""
+        return self.pictures and self.request.space.points <= MOST_DRAWN
+
+
+def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
+    """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures,
+    sweep.png and .pdf, of crowds one of each statistic.
+
+    Points that the store already has are not evaluated again; the table grows row by row, and what
+    was finished is kept whatever happens. Raises InputError where another sweep writes there or a
+    file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker
+    is lost, and KeyboardInterrupt with a whole table.
+    """
+    started = time.perf_counter()
+    job.request.check()
+    if job.budget_s is not None:
+        budget.check(job.request)
+    with Folder(path) as folder:
+        folder.claim()
+        if earlier := _finished(job, folder):
+            return earlier
+        warnings = _set_aside(folder)
+        stream = job.request.points()
+        if job.budget_s is not None:
+            stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
+        points = Points(_names(job), job.kept or job.drawn or job.wish is not None)
+        folder.grow(table.NAME)
+        with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
+            for values, done in _evaluated(job, stream, store, pool, progress):
+                rows.add(values, done.record, done.key)
+                points.add(values, done)
+        if job.budget_s is not None:
+            points.stored = 0  # they are known by what the budget has just bought
+        result = report.of(job.request, job.title, points, warnings, job.wish)
+        _write_rest(job, folder, result, time.perf_counter() - started)
+    return report.written(result, path, list(folder.hashes))
+
+
+def find(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
+    """Evaluate all points of a request, without a folder. Raises as `make` does."""
+    points = Points(_names(job), kept=True)
+    for values, done in _evaluated(job, job.request.points(), store, pool, progress):
+        points.add(values, done)
+    return report.of(job.request, job.title, points, wish=job.wish)
+
+
+def _evaluated(
+    job: Job, stream: Iterator[Asked], store: Store, pool: WorkerPool | None, progress: Progress
+) -> Iterator[tuple[tuple[Any, ...], Done]]:
+    """Values of the keys at each point, and the evaluated point."""
+    space = job.request.space
+    points = zip(space.rows(), run.each(stream, store, pool), strict=True)
+    for number, (values, done) in enumerate(points, start=1):
+        yield values, done
+        progress("points", number, space.points)
+
+
+def _names(job: Job) -> tuple[str, ...]:
+    request = job.request
+    return (*request.kind.columns(request.model, request.keep), STATUS)
+
+
+def _finished(job: Job, folder: Folder) -> SweepReport | None:
+    """Report of an earlier run of the same request, when all of its files are as it left them.
+
+    None where the rows are wanted, which the manifest has not.
+    """
+    facts, again = folder.earlier(), job.kept or job.budget_s is not None or job.wish is not None
+    if again or facts.get("request") != _hash_of(job.request):
+        return None
+    if not folder.untouched() or (job.pictures and not _pictured(facts["files"])):
+        return None
+    count = job.request.space.points
+    points = Points(_names(job), False, count, count, facts["bad"])
+    result = report.of(job.request, job.title, points)
+    return report.written(result, folder.path, list(facts["files"]))
+
+
+def _pictured(names: Iterable[str]) -> bool:
+    """Whether a picture is among files."""
+    return any(name.endswith(".png") for name in names)
+
+
+def _hash_of(request: Request) -> str:
+    """Hash of all that a sweep's table depends on."""
+    text = json.dumps(_facts(request) | {"sources": digest()}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _facts(request: Request) -> dict[str, Any]:
+    """A request for the manifest: every input resolved."""
+    shape = request.design.shape
+    sample = request.space.sample
+    return {
+        "design": request.design.model_dump(mode="json"),
+        "scene": request.scene.model_dump(mode="json"),
+        "printer": request.printer and request.printer.model_dump(mode="json"),
+        "body_sha256": shape.sha256,
+        "axes": {axis.key: list(axis.values) for axis in request.space.axes},
+        "sample": None if sample is None else sample._asdict(),
+        "model": request.model,
+        "keep": request.keep,
+        "error": None if request.wanted is None else str(request.wanted),
+    }
+
+
+def _set_aside(folder: Folder) -> list[str]:
+    """Keep an earlier table that somebody changed under another name, and say so.
+
+    Its changes are not ours to lose, nor to trust. Raises InputError for a file that is no table of
+    a sweep.
+    """
+    place = folder.path / table.NAME
+    if not place.exists():
+        return []
+    lines = table.changed(place)
+    if not lines and folder.as_left(table.NAME):
+        return []
+    kept = _free(folder.path / "table.edited.csv")
+    try:
+        place.replace(kept)
+    except OSError as error:
+        raise output.refused(kept, error) from None
+    where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+    which = f" in line {where}" if lines else ""
+    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as {kept.name}"]
+
+
+def _free(path: Path) -> Path:
+    """Name that is not taken: the path, or the path with a number."""
+    number = 1
+    free = path
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
+
+
+def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -> None:
+    """Write Parquet, pictures and the manifest of a finished table."""
+    request = job.request
+    folder.add(table.NAME)
+    numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
+    keys = {key: numeric.get(key, True) for key in request.space.keys}
+    if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:
+        folder.write("table.parquet", data)
+    if job.drawn:
+        result.write_figures(folder)
+    facts = {
+        **_facts(request),
+        "request": "" if job.budget_s is not None else _hash_of(request),
+        "sources": digest(),
+        **{name: result.facts[name] for name in ("points", "known", "bad")},
+        "seconds": round(seconds, 3),
+        "versions": versions(),
+    }
+    folder.finish(facts)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -1,0 +1,60 @@
+"""Points of a sweep that are nearest to a wished speed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import words
+from walkergen.files.report import Column, Table, rounded
+
+SHOWN = 5
+"""Number of points that people read."""
+
+SPEED = "speed_mm_s"
+BOUNDS = ("low_95_mm_s", "high_95_mm_s"), ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
+"""Columns of the bounds of 95 %, of a simulated speed and of a predicted one."""
+
+
+def check(names: Sequence[str]) -> None:
+    """Refuse a wished speed where the table has no speeds. Raises InputError."""
+    if SPEED not in names:
+        raise InputError("‹wish›: the points have no speed: add speed to ‹keep›", "wish")
+
+
+def sort_by_distance(table: Table, keys: Sequence[str], wish: float) -> Table:
+    """Return a table with the points nearest to a wished speed first, some of which people read.
+
+    Points whose checks found print errors come after the others, points without a speed last.
+    """
+    speed = table.keys.index(SPEED)
+    errors = table.keys.index("print_errors") if "print_errors" in table.keys else None
+
+    def distance(row: Sequence[Any]) -> tuple[bool, bool, float]:
+        value = row[speed]
+        return value is None, errors is not None and bool(row[errors]), abs((value or 0.0) - wish)
+
+    rows = sorted(table.rows, key=distance)
+    usable = [row for row in rows if not any(distance(row)[:2])]
+    return replace(table, rows=rows, columns=_columns(table.keys, keys), read=usable[:SHOWN])
+
+
+def _columns(names: Sequence[str], keys: Sequence[str]) -> list[Column]:
+    """Columns that people read: the keys that vary, the speed and its bounds."""
+    columns = [_column(key, (names.index(key),), rounded) for key in keys]
+    columns.append(_column("speed\n(mm/s)", (names.index(SPEED),), rounded))
+    for low, high in BOUNDS:
+        if low in names:
+            columns.append(_column("95 %\n(mm/s)", (names.index(low), names.index(high)), _span))
+            break
+    return columns
+
+
+def _column(heading: str, places: Sequence[int], text: Callable[..., str]) -> Column:
+    """Column with the text of the values at these places of a row."""
+    return Column(heading, lambda row: text(*(row[place] for place in places)), right=True)
+
+
+def _span(low: float | None, high: float | None) -> str:
+    """Bounds in words, nothing where they are unknown."""
+    return "" if low is None or high is None else words.span(low, high)

@@ -1,0 +1,278 @@
+"""Panels of the figures of a sweep: lines, a map or a cloud of points in given axes.
+
+Points that have no number are crosses, or hatched cells; those in doubt have open symbols.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import CenteredNorm, Normalize
+from matplotlib.ticker import MaxNLocator
+
+from walkergen.guests.sweep.scales import Array, Scale, dress, edges
+from walkergen.points.point import Went
+
+Mask = npt.NDArray[np.bool_]
+
+MOST_BARS = 40
+"""Points of a line up to which bounds are bars, and beyond a band."""
+
+MOST_SEEN = 1000
+"""Points of a cloud up to which their bounds can be seen, and are drawn."""
+
+SMOOTH, WHOLE = 4, 0.75
+"""Values that both keys of a map need for contours between them, and the share of points that have a number."""
+
+APART, ROOM = 0.18, 0.05
+"""Distances of a contour's label from other labels and from other contours, at least, as shares of
+the panel's width and height."""
+
+MOST_CORNERS = 200
+"""Corners of a contour among which its label is placed."""
+
+# Okabe and Ito's, told apart in grey by dash and marker.
+STYLES: tuple[tuple[str, Any, str], ...] = (
+    ("#000000", "-", "o"),
+    ("#0072B2", "--", "s"),
+    ("#D55E00", "-.", "^"),
+    ("#009E73", ":", "D"),
+    ("#CC79A7", (0, (6, 1.5, 1, 1.5, 1, 1.5)), "v"),
+)
+
+MARK: Any = {
+    "linestyle": "none",
+    "marker": "o",
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.6,
+    "markersize": 3.0,
+}
+"""Look of the open symbols of points whose number is in doubt."""
+
+HATCHED: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx", "linewidth": 0.0}
+"""Look of the cells of points that have no number."""
+
+
+class Columns(NamedTuple):
+    """Columns of a table of points, a row each."""
+
+    keys: Mapping[str, Sequence[Any]]
+    """Values of each key, numbers or words."""
+    value: Array
+    """Numbers that are shown, mostly speeds; NaN for points that have none."""
+    low: Array
+    high: Array
+    """Bounds of 95 % of the numbers; NaN where they are unknown."""
+    status: Sequence[str]
+    """"ok", or what is wrong with a point."""
+    label: str = "speed (mm/s)"
+    """Number in words, with its unit."""
+
+    @property
+    def missing(self) -> Mask:
+        """Points that have no number."""
+        missing: Mask = np.isnan(self.value)
+        return missing
+
+    @property
+    def doubtful(self) -> Mask:
+        """Points whose number is not to be taken as it is."""
+        doubtful: Mask = np.array([status != Went.OK for status in self.status], dtype=bool)
+        return doubtful & ~self.missing
+
+
+def norm_of(value: Array) -> Normalize:
+    """Colours of all numbers of a figure, with zero in the middle where both signs are among them."""
+    low, high = float(np.nanmin(value)), float(np.nanmax(value))
+    if low < 0.0 < high:
+        return CenteredNorm(0.0, max(-low, high))
+    return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
+
+
+def colours(norm: Normalize) -> str:
+    """Colours of a map for every kind of eye: white at zero where that is the middle, else evenly lighter."""
+    return "PuOr" if isinstance(norm, CenteredNorm) else "cividis"
+
+
+def _ink(norm: Normalize, value: float) -> str:
+    """Colour of a line on a map where it has a value."""
+    share = float(norm(value))
+    dark = abs(share - 0.5) > 0.3 if isinstance(norm, CenteredNorm) else share < 0.5
+    return "white" if dark else "black"
+
+
+# Lines
+
+
+def lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) -> None:
+    """Draw a number over x, a line for each value of another key."""
+    count = 1 if by is None else len(by.values)
+    for number in range(count):
+        chosen = rows if by is None else rows & (by.which == number)
+        shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
+        dots(axes, columns, x, chosen, STYLES[number], number, not x.words, shift)
+    dress(axes, "x", x)
+    shown = columns.value[~columns.missing]
+    if x.words:
+        axes.set_xlim(-0.6, len(x.values) - 0.4)
+    if shown.min() < 0 < shown.max():
+        axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=0)
+
+
+def dots(
+    axes: Axes,
+    columns: Columns,
+    x: Scale,
+    rows: Mask,
+    style: tuple[str, Any, str],
+    number: int,
+    joined: bool,
+    shift: float = 0.0,
+) -> None:
+    """Draw points with their bounds, joined by a line where that has a meaning.
+
+    Those without a number stand as crosses at the foot, the higher the later their line.
+    """
+    colour, dash, marker = style
+    order = np.flatnonzero(rows)[np.argsort(x.at[rows], kind="stable")]
+    places, value = x.at[order] + shift, columns.value[order]
+    low, high = columns.low[order], columns.high[order]
+    bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(value)
+    crowded = len(order) > MOST_BARS
+    if joined:
+        axes.plot(places, value, linestyle=dash, color=colour)
+    if crowded and joined and bounded.any():
+        axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
+    elif bounded.any() and len(order) <= MOST_SEEN:
+        ends = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
+        axes.errorbar(
+            places[bounded],
+            value[bounded],
+            ends,
+            fmt="none",
+            ecolor=colour,
+            elinewidth=0.8,
+            alpha=0.5 if crowded else 1.0,
+        )
+    doubtful = columns.doubtful[order]
+    plain = np.flatnonzero(~doubtful & np.isfinite(value))
+    if crowded and joined:  # enough of them to tell the lines apart
+        plain = plain[:: max(1, len(plain) // 12)]
+    dots: Any = {
+        "linestyle": "none",
+        "marker": marker,
+        "color": colour,
+        "zorder": 3,
+        "rasterized": len(order) > MOST_SEEN,
+    }
+    axes.plot(places[plain], value[plain], **dots)
+    axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
+    missing = places[np.isnan(value)]
+    if len(missing):
+        height = np.full(len(missing), 0.03 + 0.05 * number)
+        foot = axes.get_xaxis_transform()
+        axes.plot(missing, height, "x", color=colour, transform=foot, clip_on=False)
+
+
+def value_label(columns: Columns, most: int | None = None) -> str:
+    """Label of an axis of numbers, with what the bars and bands are, if there are any."""
+    bounded = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
+    return f"{columns.label}, bounds of 95 %" if bounded else columns.label
+
+
+# Maps
+
+
+def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
+    """Draw a number over two keys: a cell for each point, and contours where both are numbers and few are missing."""
+    value = np.full((len(y.values), len(x.values)), np.nan)
+    value[y.which[rows], x.which[rows]] = columns.value[rows]
+    mesh = axes.pcolormesh(edges(x), edges(y), value, cmap=colours(norm), norm=norm, rasterized=True)
+    dress(axes, "x", x)
+    dress(axes, "y", y)
+    missing, doubtful = rows & columns.missing, rows & columns.doubtful
+    if missing.any():
+        _hatch(axes, x, y, missing)
+    if doubtful.any():
+        axes.plot(x.at[doubtful], y.at[doubtful], **MARK, zorder=4)
+    smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= SMOOTH
+    smooth = smooth and bool(np.isfinite(value).mean() >= WHOLE)
+    if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
+        _contours(axes, x, y, np.ma.masked_invalid(value), norm)
+    mesh.set_edgecolor("none")
+
+
+def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
+    """Hatch the cells of points that have no number."""
+    across, up = edges(x), edges(y)
+    cells = [
+        [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
+        for i, j in zip(x.which[missing], y.which[missing], strict=True)
+    ]
+    axes.add_collection(PolyCollection(cells, **HATCHED))
+
+
+def _contours(axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize) -> None:
+    """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
+    levels = MaxNLocator(7).tick_values(value.min(), value.max())
+    levels = levels[(levels > value.min()) & (levels < value.max())]
+    if not len(levels):
+        return
+    lines = axes.contour(
+        x.places,
+        y.places,
+        value,
+        levels=levels,
+        linewidths=0.8,
+        colors=[_ink(norm, level) for level in levels],
+        linestyles=["--" if level < 0 else "-" for level in levels],
+    )
+    segments = [np.concatenate(parts) for parts in lines.allsegs]
+    segments = [segment for segment in segments if len(segment)]  # none of a level between unknown cells
+    axes.clabel(lines, fmt="%g", fontsize=7, manual=_places(axes, segments))
+
+
+def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
+    """Places of labels, one for each line at most: where other lines are farthest, if far enough.
+
+    Distances count in widths and heights of the panel.
+    """
+    axes.autoscale_view()
+    within = axes.transScale + axes.transLimits
+    lines = [line[:: 1 + len(line) // MOST_CORNERS] for line in lines]
+    shares = [within.transform(line) for line in lines]
+    chosen: list[Array] = []
+    places: list[Array] = []
+    for number, share in enumerate(shares):
+        others = np.concatenate([*shares[:number], *shares[number + 1 :], np.full((1, 2), 9.0)])
+        near = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
+        near = np.minimum(near, np.minimum(share, 1 - share).min(axis=1))
+        for place in chosen:
+            near = np.where(np.abs(share - place).max(axis=1) < APART, 0.0, near)
+        best = int(near.argmax())
+        if near[best] > ROOM:
+            chosen.append(share[best])
+            places.append(lines[number][best])
+    return places
+
+
+# Clouds
+
+
+def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
+    """Draw points in a plane of two keys, coloured by their number."""
+    good = ~columns.missing & ~columns.doubtful
+    look: Any = {"cmap": colours(norm), "norm": norm, "s": 14, "rasterized": len(good) > 5000}
+    axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black", linewidths=0.3, **look)
+    if columns.doubtful.any():
+        ring = axes.scatter(
+            x.at[columns.doubtful], y.at[columns.doubtful], c=columns.value[columns.doubtful], linewidths=1.2, **look
+        )
+        ring.set_facecolor("none")
+    axes.plot(x.at[columns.missing], y.at[columns.missing], "x", color="black")
+    dress(axes, "x", x)
+    dress(axes, "y", y)

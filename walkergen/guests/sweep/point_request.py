@@ -1,0 +1,138 @@
+"""Request of points: which keys vary, and what to know of each point."""
+
+import copy
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from walkergen.core.errors import GeometryError, InputError, WalkergenError
+from walkergen.core.files import assignments
+from walkergen.core.printing.printers import Printer
+from walkergen.core.scene import Scene
+from walkergen.core.tolerance import Tolerance
+from walkergen.core.walker.design import Design
+from walkergen.guests.sweep.axes import Space
+from walkergen.guests.sweep.evaluation import Asked
+from walkergen.points import kinds
+from walkergen.points.kinds import Kind
+from walkergen.points.point import ALONE, PREDICTION, REASON, Point, refused
+
+TRIED = 1000
+"""Most points of a sweep that is refused where none of them can be right."""
+
+SCENE = "scene."
+"""Beginning of the keys of a scene; all others are a design's."""
+
+
+class Request(NamedTuple):
+    """Points to evaluate: a design in a scene, with keys that vary."""
+
+    design: Design
+    scene: Scene
+    space: Space
+    model: str = PREDICTION
+    """One of `kinds.EVERY`."""
+    keep: tuple[str, ...] = ("speed",)
+    wanted: Tolerance | None = None
+    printer: Printer | None = None
+    data: Mapping[str, Any] | None = None
+    """Data of the design as in its file, where these are known: one that stands as built is turned
+    anew when a key is set."""
+
+    @property
+    def kind(self) -> Kind:
+        """What is known of points of this model."""
+        return kinds.named(kinds.kind_of(self.model))
+
+    def check(self) -> None:
+        """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
+        kinds.check(self.keep, self.model, self.printer)
+        if self.wanted is not None and self.model == PREDICTION:
+            raise InputError(f"‹error=›{self.wanted}: the prediction has no runs: ‹model=›space")
+        if self.wanted is not None and not self.kind.MEETS_ERRORS:
+            raise InputError(f"‹error=›{self.wanted}: is of the speed of one walker: set scene.run.runs")
+        for key in self.space.keys:
+            check(key, f"‹set› {key}")
+            if kinds.kind_of(self.model) == ALONE:
+                check_alone(key, f"‹set› {key}")
+        for axis in self.space.axes:
+            for value in axis.values:
+                if isinstance(value, (str, bool, list, dict)):
+                    self._check_form(axis.key, value)
+        if self.space.points > TRIED:
+            return
+        reasons = []
+        for point in self.points():
+            if isinstance(point, Point):
+                return
+            reasons.append(point[REASON])
+        raise InputError(f"none of {len(reasons)} points can be right: {reasons[0]}", *self.space.keys[:1])
+
+    def _check_form(self, key: str, value: Any) -> None:
+        """Refuse a word, a list or a table that its key never takes; numbers out of range are rows that say so."""
+        try:
+            changed(self.design, self.scene, {key: value}, "‹set›", self.data)
+        except GeometryError:  # of parts that cannot be built: with other values of other keys they may
+            return
+        except InputError as error:
+            faults = [fault.removeprefix(key)[:1] for fault in error.keys if fault.startswith(key)]
+            if kinds.of_key(key) or {"", ".", "["} & {*faults}:
+                raise
+
+    def at(self, values: Mapping[str, Any]) -> Asked:
+        """Point at values of the keys, or the record of one that is refused."""
+        try:
+            return self.point(values)
+        except WalkergenError as error:
+            return refused(error)
+
+    def point(self, values: Mapping[str, Any]) -> Point:
+        """Point at values of the keys. Raises InputError for one that cannot be built."""
+        design, scene = changed(self.design, self.scene, values, data=self.data)
+        if (kind := kinds.kind_of(self.model)) != ALONE:
+            return Point(design, scene, True, (), kind=kind)
+        return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
+
+    def points(self) -> Iterator[Asked]:
+        """All points, in the order of `space.rows`."""
+        keys = self.space.keys
+        for row in self.space.rows():
+            yield self.at(dict(zip(keys, row, strict=True)))
+
+
+def check(key: str, source: str) -> None:
+    """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
+    bare_key = key.removeprefix(SCENE)
+    if bare_key == key:
+        assignments.check(bare_key, Design, source)
+    else:
+        assignments.check(bare_key, Scene, source, SCENE)
+
+
+def check_alone(key: str, source: str) -> None:
+    """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
+    if kinds.of_key(key) == "crowd":
+        raise InputError(
+            f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
+            "--model, or with --model crowd, is of crowds"
+        )
+
+
+def changed(
+    design: Design,
+    scene: Scene,
+    values: Mapping[str, Any],
+    source: str = "‹set›",
+    data: Mapping[str, Any] | None = None,
+) -> tuple[Design, Scene]:
+    """Design and scene with other values of dotted keys; those of the scene begin with "scene.".
+
+    The design's are set in the data of its file, where these are known. Raises InputError, or
+    GeometryError, with a line for every mistake.
+    """
+    of_design = {key: value for key, value in values.items() if not key.startswith(SCENE)}
+    of_scene = {key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)}
+    if data is None or not of_design:
+        varied = assignments.changed(design, of_design, source)
+    else:
+        varied = assignments.assigned(design, copy.deepcopy(dict(data)), of_design, source)
+    return varied, assignments.changed(scene, of_scene, source, SCENE)

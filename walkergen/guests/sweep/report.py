@@ -1,0 +1,124 @@
+"""Report of a sweep: how many points, what is wrong with some, their rows, and their figure."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen.files.report import Report, Table
+from walkergen.guests.sweep import nearest
+from walkergen.guests.sweep.evaluation import Done
+from walkergen.guests.sweep.point_request import Request
+from walkergen.points.kinds import Picture
+from walkergen.points.point import STATUS, WENT, Went
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass
+class Points:
+    """Points of a sweep as they are evaluated, counted by how they went."""
+
+    names: Sequence[str]
+    """Names of the numbers of a row, beyond those of the keys."""
+    kept: bool
+    """True for rows that are kept in memory, for a figure or for whoever goes on with them."""
+    count: int = 0
+    stored: int = 0
+    """Number of those that an earlier run, or another sweep, had evaluated."""
+    bad: dict[str, int] = field(default_factory=dict)
+    """Number of points by what their status says, for all but "ok"."""
+    rows: list[tuple[Any, ...]] = field(default_factory=list)
+
+    def add(self, values: Sequence[Any], done: Done) -> None:
+        """Count a point, and keep its row where rows are kept."""
+        self.count += 1
+        self.stored += done.stored
+        if (how := str(done.record[WENT])) != Went.OK:
+            self.bad[how] = self.bad.get(how, 0) + 1
+        if self.kept:
+            self.rows.append((*values, *map(done.record.get, self.names)))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SweepReport(Report):
+    """Points of a sweep, a row each: the keys that vary, then numbers with their bounds."""
+
+    keys: tuple[str, ...]
+    """Keys that vary."""
+
+    def _repr_html_(self) -> str:
+        return self.table._repr_html_()
+
+
+def of(
+    request: Request, title: str, points: Points, warnings: Sequence[str] = (), wish: float | None = None
+) -> SweepReport:
+    """Report of points; without kept rows its table is empty, and there is no figure.
+
+    The warnings are those on an earlier table in the folder. With a wished speed the nearest points come first.
+    """
+    keys = request.space.keys
+    rows = Table("table", points.rows, (*keys, *points.names), title=title)
+    facts: dict[str, Any] = {"points": points.count, "known": points.stored, "bad": points.bad, "files": []}
+    shown = rows
+    if wish is not None:
+        shown = nearest.sort_by_distance(rows, keys, wish)
+        facts["nearest"] = [dict(zip(rows.keys, row, strict=True)) for row in shown.read or ()]
+    return SweepReport(
+        name="sweep",
+        title=title,
+        tables=[shown],
+        lines=_lines(points),
+        facts=facts,
+        figures=_figures(rows, keys, request.kind.pictures(request.keep)),
+        keys=keys,
+        warnings=warnings,
+    )
+
+
+def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
+    """The report with the files of these names that were written into a folder."""
+    facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
+    return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
+
+
+def _lines(points: Points) -> list[str]:
+    before = f", {points.stored} of them known before" if points.stored else ""
+    counted = f"{points.count} points{before}"
+    if points.stored == points.count:
+        counted = f"all {points.count} points were known before"
+    bad = points.bad.items()
+    return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
+
+
+def _figures(rows: Table, keys: Sequence[str], pictures: Sequence[Picture]) -> "Mapping[str, Callable[[], Figure]]":
+    """What draws each number over the keys: lines, a map or clouds.
+
+    Nothing where no key has two values, or no point the number: there is nothing to compare.
+    """
+    columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
+    if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
+        return {}
+    return {
+        picture.name: partial(_draw, rows, keys, picture)
+        for picture in pictures
+        if any(value is not None for value in columns[picture.value])
+    }
+
+
+def _draw(rows: Table, keys: Sequence[str], picture: Picture) -> "Figure":
+    """Draw a number over the keys."""
+    from walkergen.guests.sweep import figures
+    from walkergen.guests.sweep.panels import Columns
+
+    columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=True))
+    unknown = np.full(len(rows), np.nan)
+    low, high = (rows[end] if end in columns else unknown for end in (picture.low, picture.high))
+    values = {key: columns[key] for key in keys}
+    drawn = Columns(values, rows[picture.value], low, high, columns[STATUS], picture.label)
+    return figures.figure(drawn, keys, rows.title)

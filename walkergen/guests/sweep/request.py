@@ -1,0 +1,144 @@
+"""What `sweep` is asked for."""
+
+from collections.abc import Iterable, Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field
+
+from walkergen import inputs, request
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Expected, Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.guests.sweep.ask import Ask
+    from walkergen.guests.sweep.axes import Axis, Span
+    from walkergen.guests.sweep.cost import Cost
+    from walkergen.guests.sweep.report import SweepReport
+
+FEW_POINTS = 512
+"""Number of predicted points that take less time here than processes take to start."""
+
+
+class SweepRequest(request.Request):
+    """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
+
+    All combinations of the values are evaluated, the last key fastest; every one of them has every sample. Keys that
+    begin with scene.crowd. map what crowds do. Points that were evaluated before are not evaluated again.
+    """
+
+    by_position: ClassVar = ("design", "scene", "set")
+
+    design: Annotated[
+        Any,
+        request.file_flag("walkers", "Walker: a template, TOML file, drawing or mesh.", optional=True, argument=True),
+    ] = None
+    set: Annotated[
+        Any,
+        BeforeValidator(lambda value: value if isinstance(value, Mapping) else request.parse_texts(value)),
+        Flag(
+            "Values of any key: KEY=5, KEY=5,10,15, KEY=FIRST:LAST:STEP, or, with --sample, "
+            "KEY=LOW:HIGH. Keys of the scene begin with scene.",
+            "KEY=VALUES",
+            takes="Mapping[str, Any]",
+            repeats=True,
+        ),
+    ] = {}
+    scene: Annotated[Any, request.file_flag("scenes", "Scene: a template or a TOML file.", optional=True)] = None
+    model: Annotated[
+        str | None, Flag("prediction, the default; a model to simulate by; or crowd, for keys of crowds.", "MODEL")
+    ] = None
+    error: Annotated[str | None, Flag("Error of each simulated speed: 5% or 3mm/s.", "ERROR")] = None
+    sample: Annotated[str | None, Flag("Samples of LOW:HIGH: sobol:256, latin:99.", "METHOD:N")] = None
+    seed: Annotated[int, Field(ge=0), Flag("Seed of the samples.", "N")] = 1
+    keep: Annotated[
+        list[str] | None,
+        request.Words,
+        Flag(
+            "Numbers to keep: speed,spread,persistence,impacts,masses,printability; of crowds "
+            "their statistics, as polar_order,largest_cluster.",
+            "GROUPS",
+            takes="str | Iterable[str] | None",
+        ),
+    ] = None
+    printer: Annotated[Any, request.file_flag("printers", "Printer of --keep printability.", optional=True)] = None
+    file: Annotated[Path | None, request.File, Flag("All of this from a sweep.toml.", "FILE", takes="Name | None")] = (
+        None
+    )
+    wish: Annotated[
+        float | None, Field(ge=-1e6, le=1e6), Flag("Wished speed: list the points nearest to it first.", "MM/S")
+    ] = None
+    budget: Annotated[
+        float | None,
+        BeforeValidator(request.parse_time),
+        Flag("Time to spend where errors are worst: 10m.", "TIME", takes="str | float | None"),
+    ] = None
+    workers: request.Workers = None
+    dask: Annotated[str | None, Flag("Cluster instead: tcp://scheduler:8786.", "ADDRESS")] = None
+    yes: Annotated[bool, Flag("Begin, however long it takes.")] = False
+    out: request.Out = None
+    pictures: request.Pictures = True
+
+    def run(self, progress: Progress) -> "SweepReport":
+        """Evaluate all points, here or by processes; a function of Python has processes where it asks for them."""
+        from walkergen.guests.sweep import cost, make
+        from walkergen.points.point import PREDICTION
+        from walkergen.points.store import Store
+
+        ask = self._ask()
+        points = ask.request() if self.wish is None else ask.request_for_wish()
+        if self.budget is not None:
+            self.refuse("not with ‹budget›, which adds runs until it is spent", "error")
+        folder = self.folder(Path("out") / "sweeps" / ask.name())
+        few = not self._shell or (points.model == PREDICTION and points.space.points <= FEW_POINTS)
+        with closing(Store()) as store, inputs.pool_of(few, self.workers, self.dask) as pool:
+            workers = 1 if pool is None else pool.workers
+
+            def estimate() -> cost.Cost | None:
+                """Cost of this sweep."""
+                return cost.estimate(points, store, workers)
+
+            if not self.yes and points.space.points > cost.UNASKED:
+                raise InputError(
+                    f"{cost.in_words(estimate(), points.space.points)}; give ‹yes› to begin, or take fewer points",
+                    "yes",
+                )
+            self._expect(lambda: Expected(self.budget) if self.budget else _time(estimate()))
+            job = make.Job(points, ask.title(), self.pictures, self.budget, not self._shell, self.wish)
+            if folder is None:
+                return make.find(job, store, pool, progress)
+            return make.make(job, folder, store, pool, progress)
+
+    def _ask(self) -> "Ask":
+        """Sweep that is asked for here, or by a file. Raises InputError."""
+        from walkergen.core.tolerance import parse
+        from walkergen.guests.sweep import ask, axes
+
+        if self.file is not None:
+            self.refuse("not with ‹file›, which says it", "design", "set", "scene", "printer", "error", "sample")
+            return ask.of_file(self.file)
+        pairs = self.set.items() if isinstance(self.set, Mapping) else ()
+        entries = [_entry(key, values) for key, values in pairs] or [axes.parse(text) for text in self.set]
+        space, constants = ask.space_of(entries, self.sample, self.seed)
+        wanted = None if self.error is None else parse(self.error)
+        sources = self.design, self.scene, self.printer
+        return ask.of(sources, Path(), space, constants, self.model, wanted, self.keep, "‹set›")
+
+
+def _time(cost: "Cost | None") -> Expected | None:
+    """Time of a cost that is known."""
+    return None if cost is None else Expected(cost.seconds)
+
+
+def _entry(key: str, values: Any) -> "Axis | Span":
+    """Axis or span of a key: of a text as the shell has it, of one value or several, or an array. Raises InputError."""
+    from walkergen.guests.sweep import axes
+
+    if isinstance(values, str):
+        return axes.of_text(key, values, f"‹set› {key}={values[:60]!r}")
+    if isinstance(values, Mapping):
+        raise InputError(f"{key}: a table seen: give a list of values", key)
+    listed = list(values) if isinstance(values, Iterable) else [values]
+    return axes.axis(key, [value.item() if hasattr(value, "item") else value for value in listed], key)

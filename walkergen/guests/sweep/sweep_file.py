@@ -1,0 +1,225 @@
+"""Sweep of a file, sweep.toml: what a command line says of a sweep, to be kept and shared.
+
+Keys of designs and scenes are written in quotes, "legs.tilt_deg" = "0:45:2.5", or as TOML nests
+them: legs.tilt_deg = "0:45:2.5".
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, field_validator
+
+from walkergen.core import tolerance
+from walkergen.core.errors import InputError
+from walkergen.core.files import config, plain
+from walkergen.core.files.config import Section
+from walkergen.core.tolerance import Tolerance
+from walkergen.guests.sweep import axes
+from walkergen.guests.sweep import point_request as request
+from walkergen.guests.sweep.axes import Axis, Method, Sample, Space, Span
+from walkergen.points import kinds
+from walkergen.points.point import ALONE
+
+Table = dict[str, Any]
+"""Table of keys of designs and scenes, dotted."""
+
+TABLES = (("set",), ("grid",), ("sample", "between"))
+"""Places of such tables in a file."""
+
+BOUNDS = 'write two bounds, [2, 40] or "2:40"'
+
+
+class Samples(Section):
+    """Table [sample]: points between bounds, by a Sobol sequence or a Latin hypercube."""
+
+    method: Method = "sobol"
+    points: Annotated[int, Field(ge=1, le=axes.MOST_VALUES)]
+    """Number of points, of a Sobol sequence best a power of two."""
+    between: Annotated[Table, Field(description="a table [sample.between] of keys and bounds", min_length=1)]
+
+
+class Contents(Section):
+    """Contents of a sweep.toml, as written; names and paths of files are as on a command line."""
+
+    design: Annotated[str | None, Field(description="a template's name or a path")] = None
+    scene: Annotated[str | None, Field(description="a template's name or a path")] = None
+    printer: Annotated[str | None, Field(description="a template's name or a path")] = None
+    model: str | None = None
+    error: Annotated[str | None, Field(description='an error as text, "5%" or "3mm/s"')] = None
+    seed: Annotated[int, Field(ge=0, le=2**63)] = 1
+    """Seed of the samples; runs have scene.run.seed."""
+    keep: Annotated[list[str] | None, Field(description="a list of groups")] = None
+    set: Annotated[Table, Field(description="a table [set] of keys and values", default_factory=dict)]
+    grid: Annotated[Table, Field(description="a table [grid] of keys and ranges or lists", default_factory=dict)]
+    sample: Samples | None = None
+
+    @field_validator("model")
+    @classmethod
+    def _known_model(cls, name: str | None) -> str | None:
+        if name is not None and name not in kinds.EVERY:
+            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(kinds.EVERY)}")
+        return name
+
+    @field_validator("keep")
+    @classmethod
+    def _known_groups(cls, names: list[str] | None) -> list[str] | None:
+        for name in names or ():
+            if not any(name in kinds.named(kind).GROUPS for kind in kinds.KINDS):
+                groups = {kind: ", ".join(kinds.named(kind).GROUPS) for kind in kinds.KINDS}
+                every = "; ".join(f"of a {kind} {words}" if kind != ALONE else words for kind, words in groups.items())
+                raise ValueError(f"{name[:30]!r}: must be one of {every}")
+        return names
+
+
+class SweepFile(NamedTuple):
+    """Sweep that a file asks for; None for what it leaves to others."""
+
+    path: Path
+    design: str | None
+    """Design, scene and printer, by name or by path from `folder`."""
+    scene: str | None
+    printer: str | None
+    model: str | None
+    error: Tolerance | None
+    seed: int
+    keep: tuple[str, ...] | None
+    constants: dict[str, Any]
+    """Values of dotted keys that all points share."""
+    space: Space
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the file, from which its paths begin."""
+        return self.path.parent
+
+
+def read(path: Path) -> SweepFile:
+    """Read and validate a sweep.toml. Raises InputError with a line for every mistake."""
+    data, text = config.load(path)
+    if not data:
+        raise InputError(f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"')
+    flat = _flattened(data, str(path), text)
+    contents = config.validate(flat, Contents, str(path), text)
+    mistakes = list(_key_mistakes(contents, str(path), text))
+    varied: list[Axis | Span] = []
+    error: Tolerance | None = None
+    between = contents.sample.between if contents.sample else {}
+    for table, values in (("grid", contents.grid), ("sample.between", between)):
+        for key, value in values.items():
+            place = _place(table, key, str(path), text)
+            try:
+                varied.append((_axis if table == "grid" else _span)(key, value, place))
+            except InputError as mistake:
+                mistakes.append(mistake.text)
+    try:
+        error = tolerance.parse(contents.error) if contents.error is not None else None
+    except InputError as mistake:
+        place = config.where(("error",), str(path), text)
+        mistakes.append(f"{place}: error: {mistake.text.removeprefix('‹error=›')}")
+    if mistakes:
+        more = len(mistakes) - config.MOST_MISTAKES
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join([*mistakes[: config.MOST_MISTAKES], *tail]))
+    spans = tuple(entry for entry in varied if isinstance(entry, Span))
+    sample = None
+    if contents.sample is not None:
+        sample = Sample(spans, contents.sample.points, contents.sample.method, contents.seed)
+    return SweepFile(
+        path,
+        contents.design,
+        contents.scene,
+        contents.printer,
+        contents.model,
+        error,
+        contents.seed,
+        None if contents.keep is None else tuple(contents.keep),
+        dict(contents.set),
+        Space(tuple(entry for entry in varied if isinstance(entry, Axis)), sample),
+    )
+
+
+def _place(table: str, key: str, source: str, text: str) -> str:
+    """Beginning of a line on a key of a table: file, line and key."""
+    location = (*table.split("."), *key.split("."))
+    return f"{config.where(location, source, text)}: {plain.line(f'{table}.{key}')}"
+
+
+def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:
+    """Contents of a file with dotted keys in its TABLES, where TOML has nested tables.
+
+    Raises InputError for a key that is written in both forms.
+    """
+    flat = dict(data)
+    for *path, last in TABLES:
+        holder = flat
+        for step in path:
+            if not isinstance(holder.get(step), dict):
+                break
+            holder[step] = dict(holder[step])
+            holder = holder[step]
+        else:
+            if isinstance(holder.get(last), dict):
+                pairs = list(_pairs(holder[last]))
+                holder[last] = dict(pairs)
+                for key, _ in pairs:
+                    if sum(key == other for other, _ in pairs) > 1:
+                        place = _place(".".join((*path, last)), key, source, text)
+                        raise InputError(f"{place}: given twice, nested and in quotes")
+    return flat
+
+
+def _pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys of nested tables, and their values."""
+    for key, value in table.items():
+        if isinstance(value, dict) and value:
+            yield from _pairs(value, f"{before}{key}.")
+        else:
+            yield before + key, value
+
+
+def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
+    """Lines on keys that neither design nor scene has, and on those that two tables have."""
+    between = contents.sample.between if contents.sample else {}
+    seen: dict[str, str] = {}
+    tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))
+    for table, values in tables:
+        for key in values:
+            place = _place(table, key, source, text)
+            try:
+                request.check(key, place)
+            except InputError as mistake:
+                yield mistake.text
+            if key in seen:
+                yield f"{place}: is in [{seen[key]}] too: remove one of them"
+            seen[key] = table
+
+
+def _axis(key: str, value: Any, place: str) -> Axis:
+    """Axis of a text as on the command line, of a list of values or of one. Raises InputError."""
+    if isinstance(value, str):
+        axis = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        if isinstance(axis, Span):
+            raise InputError(
+                f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid has FIRST:LAST:STEP"
+            )
+        return axis
+    values = value if isinstance(value, list) else [value]
+    for entry in values:
+        if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
+            raise InputError(f'{place}: {entry[:60]!r} in a list: write one text, "0:10:5,20"')
+    return axes.axis(key, values, place)
+
+
+def _span(key: str, value: Any, place: str) -> Span:
+    """Bounds of samples from a text or a list of two numbers. Raises InputError."""
+    if isinstance(value, str):
+        span = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        if isinstance(span, Span):
+            return span
+    elif isinstance(value, list) and len(value) == 2:
+        low, high = value
+        if type(low) in (int, float) and type(high) in (int, float):
+            return axes.span(key, low, high, place)
+    raise InputError(f"{place} = {str(value)[:60]}: {BOUNDS}")

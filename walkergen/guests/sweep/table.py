@@ -1,0 +1,125 @@
+"""Table of a sweep: a row for each point, in their order, written while it runs.
+
+Every row ends with the key of its point and a check sum of its other cells: a row that somebody
+changed is told from one that we wrote. No number is read back: a sum is no signature.
+"""
+
+import os
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Self
+
+from walkergen.core.errors import InputError, OutputError
+from walkergen.core.files import reading
+from walkergen.core.files.columns import cells as cells_of
+from walkergen.core.files.ledger import flags
+from walkergen.core.files.tables import csv_text
+from walkergen.points.point import STATUS, Record
+
+NAME = "table.csv"
+POINT, CHECK = "point", "check"
+"""Names of the last two columns: the key of the point, and the check sum of the row."""
+
+WORDS = ("model", "print_told", STATUS)
+"""Columns of a record that hold words."""
+
+
+class Table:
+    """Table that grows: rows are on the disk, whole, when `add` returns."""
+
+    def __init__(self, path: Path, keys: Sequence[str], names: Sequence[str]) -> None:
+        """Begin an empty table with columns of the keys that vary and of a record."""
+        self.path, self.names = path, tuple(names)
+        header = csv_text((*keys, *names, POINT, CHECK), [])
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            new = flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
+            self._file = os.open(path, new, 0o666)
+        except OSError as error:
+            raise self._failure(error) from None
+        self._write(header)
+
+    def add(self, values: Sequence[Any], record: Record, point: str) -> None:
+        """Append the row of a point. Raises OutputError."""
+        cells = [*values, *(record.get(name) for name in self.names), point]
+        line = csv_text(cells, [])
+        self._write(csv_text([*cells, check_of(line)], []))
+
+    def _write(self, text: str) -> None:
+        data = text.encode()
+        try:
+            if os.write(self._file, data) != len(data):
+                raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
+        except OSError as error:
+            raise self._failure(error) from None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        try:
+            os.fsync(self._file)  # a full disk may only now say so
+        except OSError as error:
+            if kind is None:
+                raise self._failure(error) from None
+        finally:
+            os.close(self._file)
+
+    def _failure(self, error: OSError) -> OutputError:
+        return OutputError(f"{str(self.path)!r}: cannot be written: {error.strerror}")
+
+
+def check_of(line: str) -> str:
+    """Check sum of a row's text without that sum, 8 hexadecimal digits."""
+    return f"{zlib.crc32(line.rstrip().encode()):08x}"
+
+
+def changed(path: Path) -> list[int]:
+    """Numbers of the lines of a table that are not as a sweep writes them.
+
+    A last line that was cut short is as written, the header too. Raises InputError
+    for a file that is no table of a sweep.
+    """
+    lines = reading.lines(path, "a table of `walkergen sweep`", newline="")
+    header = next(lines, "")
+    if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT, CHECK]:
+        raise InputError(
+            f"{path}: is no table of a sweep (its last columns are not point, check): "
+            "move it away, or give another ‹out›"
+        )
+    return [number for number, line in enumerate(lines, start=2) if not _sound(line)]
+
+
+def _sound(line: str) -> bool:
+    """Whether a line has the check sum of its cells, or was cut short where nothing else is."""
+    text = line.removesuffix("\n")
+    if text == line:
+        return text.isprintable()
+    before, _, check = text.rpartition(",")
+    return check == check_of(before)
+
+
+def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:
+    """The table at `path` as Parquet; None where pyarrow is not installed.
+
+    `keys` are those that vary, True for numbers.
+    """
+    try:
+        import pyarrow as arrow
+        from pyarrow import csv as arrow_csv
+        from pyarrow import parquet
+    except ModuleNotFoundError:
+        return None
+    numbers = {key for key, numeric in keys.items() if numeric} | set(names) - set(WORDS)
+    every = [*keys, *names, POINT, CHECK]
+    types = {name: arrow.float64() if name in numbers else arrow.string() for name in every}
+    buffer = arrow.BufferOutputStream()
+    options = arrow_csv.ConvertOptions(column_types=types)
+    with (
+        arrow_csv.open_csv(path, convert_options=options) as blocks,
+        parquet.ParquetWriter(buffer, blocks.schema) as writer,
+    ):
+        for block in blocks:
+            writer.write_batch(block)
+    return bytes(buffer.getvalue())

@@ -1,0 +1,156 @@
+"""Figures of measured motion, as in the paper's figures 5 and 6."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.analysis import walks
+from walkergen.analysis.motion import Curve, Motion
+from walkergen.core.files import words
+from walkergen.files.figures import FITTED, INK, MEASURED, SMALLEST, axes_of, level, name, panels_of, points, style
+from walkergen.points.track_figure import MOST_TRACKS
+
+DRAWN = 0.5
+"""Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
+
+
+@style()
+def msd_figure(motion: Motion, title: str) -> Figure:
+    """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a).
+
+    Below it stands its local exponent.
+    """
+    figure, (axes, lower) = panels_of(title, (2.5, 1.2))
+    lag, value = motion.msd.at, motion.msd.value
+    points(axes, motion.msd, label="measured")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    limits = axes.get_xlim(), axes.get_ylim()
+    speed2 = diffusivity = None
+    if motion.msd_fit is not None:
+        spread = motion.msd_fit.spreads[0]
+        speed2 = spread.mean_square
+        fine = np.geomspace(lag[0], lag[-1], 200)
+        axes.plot(fine, walks.squared(fine, spread), color=FITTED.colour, label="fit", zorder=2.5)
+        diffusivity = motion.estimates["diffusivity"].value
+    elif (speed := motion.estimates["lane_speed"].value) is not None:
+        speed2 = speed**2
+    if speed2 and speed2 > 0:
+        label = f"slope 2: v²t², v = {math.sqrt(speed2):.3g} mm/s"
+        axes.plot(lag, speed2 * lag**2, "--", color=INK, lw=0.8, label=label)
+    if diffusivity:
+        label = f"slope 1: 4Dt, D = {diffusivity:.3g} mm²/s"
+        axes.plot(lag, 4 * diffusivity * lag, ":", color=INK, label=label)
+    crossover = motion.estimates["crossover_time"].value
+    if crossover is not None and limits[0][0] < crossover < limits[0][1]:
+        level(axes, crossover, upright=True)
+        text = f"crossover {crossover:.2g} s "
+        at, of = (crossover, 0.98), ("data", "axes fraction")
+        axes.annotate(text, at, xycoords=of, ha="right", va="top", color=INK, fontsize=SMALLEST)
+    axes.set_xlim(limits[0])
+    axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
+    name(axes, y="mean squared displacement (mm²)", log="xy")
+    axes.legend(loc="lower right")
+    _exponents(lower, motion.exponent)
+    return figure
+
+
+def _exponents(axes: Axes, exponent: Curve) -> None:
+    """Draw local exponents between those of diffusion and of a straight run."""
+    # Walkers begin straight and end diffusing: words stand where the points are not.
+    for value, limit, at, side in ((1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")):
+        level(axes, value)
+        of = ("axes fraction", "data")
+        axes.annotate(limit, (at, value), xycoords=of, ha=side, va="bottom", color=INK, fontsize=SMALLEST)
+    precise = exponent.se < DRAWN
+    points(axes, Curve(*(column[precise] for column in exponent)))
+    axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
+    name(axes, "lag t (s)", "local exponent")
+
+
+@style()
+def density_figure(motion: Motion, title: str) -> Figure:
+    """Draw densities of the displacement along and across the body at one lag (fig. 6c)."""
+    figure, axes = axes_of(title)
+    for curve, label, look in ((motion.parallel, "along", MEASURED), (motion.orthogonal, "across", FITTED)):
+        if len(curve.at):
+            axes.plot(curve.at, curve.value, look.line, color=look.colour, drawstyle="steps-mid", label=label)
+            axes.errorbar(*curve, fmt="none", ecolor=look.colour, alpha=0.6)
+    axes.set_ylim(bottom=0)
+    name(axes, f"displacement within {1e3 * motion.lag_s:g} ms (mm)", "probability density (1/mm)")
+    axes.legend()
+    return figure
+
+
+@style()
+def correlation_figure(motion: Motion, title: str) -> Figure:
+    """Draw how direction is lost: the modulus of its autocorrelation, with the fitted decay."""
+    figure, axes = axes_of(title)
+    points(axes, motion.correlation, label="measured")
+    rate = motion.estimates["persistence_rate"].value
+    if rate is not None:
+        lag = np.linspace(0.0, motion.correlation.at[-1], 200)
+        at, first = motion.correlation.at[0], motion.correlation.value[0]
+        bridge = lag * (1.0 - lag / motion.own_s) - at * (1.0 - at / motion.own_s)
+        axes.plot(lag, first * np.exp(-rate * bridge), color=FITTED.colour, label="exponential")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    headed = motion.estimates["motion_speed"].value is None
+    name(axes, "lag (s)", f"autocorrelation of {'headings' if headed else 'displacements (mm²)'}")
+    axes.legend()
+    return figure
+
+
+@style()
+def walkers_figure(motion: Motion, title: str) -> Figure:
+    """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
+    figure, axes = axes_of(title)
+    speeds = [(walker.particle, walker.of("speed")) for walker in motion.walkers]
+    rows = [(who, speed.value, speed.se) for who, speed in speeds if speed.value is not None]
+    names, values, errors = zip(*rows, strict=True)
+    at = range(1, len(names) + 1)
+    points(axes, (at, values, errors), label="each, ± standard error in its track")
+    mean = motion.estimates["speed"]
+    if (ends := mean.interval()) and mean.value is not None:
+        axes.axhline(mean.value, color=FITTED.colour, label="mean, and where it lies with 95 %")
+        limits = axes.get_ylim()
+        axes.axhspan(*ends, color=FITTED.colour, alpha=0.15, lw=0)
+        # Bounds over two walkers are many times as wide as the points lie apart.
+        low, high = limits
+        axes.set_ylim(min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high))
+    few = len(names) <= MOST_TRACKS
+    if few:
+        axes.set_xticks(at, [str(name) for name in names])
+    name(axes, "walker" if few else "walkers, in the order of their numbers", "speed (mm/s)")
+    axes.legend()
+    return figure
+
+
+@style()
+def plate_speed_figure(motion: Motion, title: str) -> Figure:
+    """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
+    figure, axes = axes_of(title)
+    rows = [(plate, speed.value, speed.se) for plate, speed in motion.by_plate_speed if speed.value is not None]
+    measured = np.array(rows, dtype=float).reshape(-1, 3).T
+    points(axes, [*measured], label="measured")
+    if motion.line is not None:
+        ends = np.array([0.0, measured[0].max()])
+        slope, se = motion.line.slope, motion.line.slope_se
+        label = f"through the origin, slope {words.with_error(slope, se)}"
+        axes.plot(ends, slope * ends, color=FITTED.colour, label=label)
+    axes.set_xlim(left=0)
+    name(axes, "plate speed (mm/s)", "speed (mm/s)")
+    axes.legend()
+    return figure
+
+
+OF_MOTION = {
+    "plate_speed": plate_speed_figure,
+    "walkers": walkers_figure,
+    "msd": msd_figure,
+    "density": density_figure,
+    "correlation": correlation_figure,
+}
+"""Figures of a motion beside its tracks, by the stems of their files."""

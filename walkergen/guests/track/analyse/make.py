@@ -1,0 +1,50 @@
+"""Analysis of tracks: from a file of tracks to a report of their motion, and a folder of it."""
+
+from pathlib import Path
+
+from walkergen.analysis import motion, track_files, walls
+from walkergen.analysis.track_files import Units
+from walkergen.core.dish import Dish
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.guests.track.analyse import report
+from walkergen.guests.track.analyse.report import AnalysisReport
+
+
+def analyse(
+    path: Path,
+    units: Units,
+    lag_s: float | None,
+    arena: Dish | None,
+    descent: float | None,
+    folder: Path | None,
+    pictures: bool,
+    progress: Progress,
+) -> AnalysisReport:
+    """Read tracks, measure their motion and, if there is a folder, write tables and figures.
+
+    Motion is that between the walls of an `arena`, or those that the tracks show, on a plate that descends toward
+    `descent` (rad; None: it is level). Writes analysis.csv,
+    analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, or at several plate speeds
+    plate_speed.csv in place of these curves, figures as PNG and PDF, manifest.json. Raises InputError
+    before anything is written.
+    """
+    progress("reading", 0, 3)
+    read = track_files.read(path, units)
+    progress("measuring", 1, 3)
+    measured = motion.analyse(read, lag_s, walls.of(read, arena), descent)._replace(scale_se=read.scale_se)
+    analysis = report.of(read, measured, path.name, folder)
+    if folder is not None:
+        with Folder(folder) as target:
+            progress("drawing", 2, 3)
+            analysis.write(target, pictures)
+            target.finish(
+                {
+                    "file": path.name,
+                    **units._asdict(),
+                    "lag_s": measured.lag_s,
+                    "arena": arena and arena.words,
+                    "descent_rad": descent,
+                }
+            )
+    return analysis

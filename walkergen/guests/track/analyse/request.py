@@ -1,0 +1,147 @@
+"""What `analyse` is asked for."""
+
+import math
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import BeforeValidator, Field
+
+from walkergen import request
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.core.dish import Dish
+    from walkergen.guests.track.analyse.report import AnalysisReport
+
+NAME = "tracks"
+"""Name by which messages and titles call tracks that come from no file."""
+
+
+class AnalyseRequest(request.Request):
+    """Measure speed, persistence and spread from tracks, filmed or simulated.
+
+    A film is a table with columns frame or t_s, x, y and, if known, particle and theta (rad) or theta_deg, counted
+    from x toward y; or a file of TrackMate, DeepLabCut, SLEAP, movement, idtracker.ai, TRex, FastTrack, MTrackJ or
+    Tracker. Units stand in the names (x_mm, "X (cm)"), or are given: --fps, --mm-per-px, --unit. A simulation is a
+    file that simulate --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s. Python may
+    give what track() or simulate().trajectory() returned, a frame of pandas, or columns by name.
+
+    With --dish the walkers are a crowd: its packing, clusters, order and fluctuations are measured, with errors from
+    independent runs (--run), and no walker by itself.
+    """
+
+    by_position: ClassVar = ("tracks",)
+
+    tracks: Annotated[Any, request.File, Flag("File of tracks of walkers.", "TRACKS.csv", takes="Any", argument=True)]
+    fps: request.Fps = None
+    mm_per_px: request.MmPerPx = None
+    unit: request.Unit = None
+    y_down: request.YDown = False
+    lane: Annotated[bool, Flag("Ignore y: the walkers ran in a lane along x.")] = False
+    lag_ms: Annotated[
+        float | None, Flag("Lag of displacements along and across the body, ms; 40 by default.", "MS")
+    ] = None
+    descent_deg: Annotated[
+        float | None,
+        Field(ge=-360, le=360),
+        Flag("Direction in which the plate descends, from x toward y: tells self-alignment.", "DEG"),
+    ] = None
+    arena: Annotated[
+        str | None,
+        Flag(
+            "Walls about single walkers, mm: disc:120, ring:160,60 or rectangle:200x100, or open; sought by default.",
+            "ARENA",
+        ),
+    ] = None
+    dish: Annotated[
+        str | None,
+        Flag(
+            "Measure the crowd that the walkers are: disc:120, ring:160,60, rectangle:200x100 or periodic:150, mm.",
+            "DISH",
+        ),
+    ] = None
+    body: Annotated[
+        str | None,
+        request.AsText,
+        Flag("Outline of a walker: 24x8, or 20 of a disc, mm, or a walker's name.", "MM", takes="str | float | None"),
+    ] = None
+    middle: Annotated[str | None, Flag("Place of the dish's middle, mm; 0,0 by default.", "X,Y")] = None
+    runs: Annotated[
+        list[Path],
+        BeforeValidator(request.parse_paths),
+        Flag("Tracks of another run of the same crowd.", "TRACKS.csv", "--run", takes="Iterable[Name]", repeats=True),
+    ] = []
+    pictures: request.Pictures = True
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "AnalysisReport":
+        """Measure the walkers; the report of a crowd is a plain one."""
+        if isinstance(self.tracks, Path):
+            return self._measured(self.tracks, progress)
+        with tempfile.TemporaryDirectory() as place:
+            path = Path(place) / NAME
+            path.write_text(_csv_of(self.tracks), encoding="utf-8")
+            try:
+                return self._measured(path, progress)
+            except InputError as error:  # a person knows nothing of that file
+                raise InputError(error.text.replace(str(path), NAME), "tracks") from None
+
+    def _walls(self) -> "Dish | None":
+        """Dish whose walls are told; an endless one where there are none."""
+        from walkergen.core import dish
+
+        return None if self.arena is None else dish.OPEN if self.arena == "open" else dish.parse(self.arena)
+
+    def _measured(self, path: Path, progress: Progress) -> "AnalysisReport":
+        """Measure what the tracks of a file are of."""
+        from walkergen.core.files import output
+
+        if self.dish is None:
+            self.refuse("is of a crowd: give ‹dish›, or", "body", "middle", "runs")
+        else:
+            self.refuse("is of single walkers, not of a ‹dish›", "lag_ms", "arena", "descent_deg")
+        units = request.units(self.fps, self.mm_per_px, self.y_down, self.unit, self.lane)
+        folder = output.results(path, self.out, "analysis") if self.out or self._shell else None
+        if self.dish is None:
+            from walkergen.guests.track.analyse import make
+
+            lag_s = None if self.lag_ms is None else 1e-3 * self.lag_ms
+            descent = None if self.descent_deg is None else math.radians(self.descent_deg)
+            if descent is not None and self.y_down:
+                descent = -descent  # as all angles of the file
+            return make.analyse(path, units, lag_s, self._walls(), descent, folder, self.pictures, progress)
+        from walkergen.guests.crowd import filmed
+
+        crowd = filmed.asked(self.dish, self.body, self.middle, self.runs)
+        return filmed.analyse(path, units, crowd, folder, self.pictures, progress)  # type: ignore[return-value]
+
+
+def _csv_of(tracks: Any) -> str:
+    """Columns as the text of a CSV file, with every digit. Raises InputError."""
+    import numpy as np
+
+    from walkergen.core.files.tables import csv_text
+    from walkergen.files.report import Report, Table
+
+    if isinstance(tracks, Report):
+        tracks = tracks.table
+    if isinstance(tracks, Table):
+        return tracks.csv()
+    columns = tracks
+    if not isinstance(columns, Mapping) and hasattr(columns, "to_dict"):
+        columns = columns.to_dict("list")
+    if not isinstance(columns, Mapping):
+        raise InputError(
+            f"{NAME}: {type(tracks).__name__} seen: must be the path of a CSV file, a frame of "
+            "pandas, or columns by name",
+            "tracks",
+        )
+    lists = {str(name): np.asarray(values).tolist() for name, values in columns.items()}
+    if len({len(values) for values in lists.values()}) > 1:
+        lengths = ", ".join(f"{name} {len(values)}" for name, values in lists.items())
+        raise InputError(f"{NAME}: columns must be of one length, seen {lengths}", "tracks")
+    return csv_text(list(lists), zip(*lists.values(), strict=True))

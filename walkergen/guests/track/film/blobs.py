@@ -1,0 +1,186 @@
+"""Walkers in a frame: where they are, how they lie, and where their mark is.
+
+What is thinner than a share of a walker's width is rubbed out first (an opening with a disc), so
+that trails, arrows, letters and walls are no walkers and do not pull at the centre of one.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from walkergen.guests.track.film.appearance import EIGHT, Appearance, Array, Mask, pieces
+from walkergen.guests.track.film.films import Grey
+
+Column = npt.NDArray[np.float64]
+
+RUBBED = 0.3
+"""Radius of the disc that rubs out what is thin, over the walkers' width."""
+
+THICK = 0.38
+"""Least distance from the edge to the middle of a walker, over the width: letters have less."""
+
+DIAGONAL = 1.415
+"""Largest true distance over a chessboard's."""
+
+HOLE = 0.8
+"""Largest hole that is filled, a mark as bright as the ground, over the square of the width."""
+
+DEEP = 0.12
+"""Distance from the edge, over the width, at which a mark is looked for."""
+
+MARKED, SPOT = 0.25, 0.3
+"""Smallest contrast of a mark over that of the walkers; its largest share of a walker's area."""
+
+OFF_CENTRE = 0.08
+"""Smallest distance of a mark from the centre, over a walker's length."""
+
+
+FULL, MOSTLY = 0.8, 0.7
+"""Least contrast of a walker's inside over its own, where a shadow has less; its own is that below
+which this share of all that is taken for it lies."""
+
+
+class Blob(NamedTuple):
+    """One thing found in a frame; places in pixels from its upper left corner, y downward."""
+
+    x: float
+    y: float
+    area: float
+    axis: float
+    """Angle of the long axis, counted counter-clockwise as one sees it, rad, in -pi/2..pi/2."""
+    length: float
+    """Extent along the long axis, pixels."""
+    width: float
+    """Extent across it, pixels."""
+    mark: float
+    """Direction from the centre to the mark, counted like `axis`; NaN without a mark."""
+    pull_x: float = 0.0
+    """Way from the centre of what is as dark (or light) as a walker to `x`, pixels: of a shadow."""
+    pull_y: float = 0.0
+
+
+class Blobs(NamedTuple):
+    """Blobs of one walker in several frames: the fields of `Blob`, arrays of shape (n,)."""
+
+    x: Column
+    y: Column
+    area: Column
+    axis: Column
+    length: Column
+    width: Column
+    mark: Column
+    pull_x: Column
+    pull_y: Column
+
+
+def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
+    """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
+    field = look.contrasts(frame)
+    blobs = []
+    for box, piece in pieces(field > look.threshold, 0.5 * look.width):
+        whole = _filled(piece, look.width)
+        if DIAGONAL * ndimage.distance_transform_cdt(whole).max() < THICK * look.width:
+            continue  # a letter, or a line around the plate: a true distance takes long to find
+        left, top = box[1].start - 1, box[0].start - 1  # a piece is padded, within the frame
+        inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
+        labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
+        for number in range(1, count + 1):
+            mask = labels == number
+            if ndimage.distance_transform_edt(mask).max() < THICK * look.width:
+                continue
+            blob = _blob(_covered(mask, inside), left, top)
+            pull_x, pull_y = _pull(mask, inside)
+            blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
+            if marked:
+                blob = blob._replace(mark=_mark(mask, inside, blob, left, top, look))
+            blobs.append(blob)
+    return blobs
+
+
+def _covered(mask: Mask, field: Array) -> Array:
+    """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
+    near = ndimage.binary_dilation(mask, EIGHT)
+    deep = ndimage.binary_erosion(mask, EIGHT, iterations=2)
+    level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
+    share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
+    share[deep] = 1.0
+    return share
+
+
+def _pull(piece: Mask, field: Array) -> tuple[float, float]:
+    """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
+
+    Marks within do not count.
+    """
+    core = ndimage.binary_fill_holes(piece & (field > FULL * np.quantile(field[piece], MOSTLY)))
+    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
+    return float(col - own_col), float(row - own_row)
+
+
+def _filled(piece: Mask, width: float) -> Mask:
+    """Piece without its small holes."""
+    holes, count = ndimage.label(~piece)  # its outside is the first of them
+    if count < 2:
+        return piece
+    areas = np.bincount(holes.ravel())
+    small = (areas <= HOLE * width * width) & (np.arange(count + 1) > 0)
+    small[holes[0, 0]] = False
+    return np.asarray(piece | small[holes])
+
+
+def _opened(piece: Mask, radius: float) -> Mask:
+    """Piece without what is thinner than a disc of that radius, pixels."""
+    core: Mask = ndimage.distance_transform_edt(piece) > radius
+    if not core.any():
+        return core
+    return np.asarray(ndimage.distance_transform_edt(~core) <= radius)
+
+
+def _blob(covered: Array, left: int, top: int) -> Blob:
+    """Centre, axis and extents of pixels that are covered by these shares."""
+    rows, cols = np.nonzero(covered)
+    weight = covered[rows, cols].astype(float)
+    area = float(weight.sum())
+    middle_x, middle_y = (float((weight * at).sum()) / area for at in (cols, rows))
+    x, y = cols - middle_x, middle_y - rows  # y upward
+    # No dot product: threads that share one cost more than it, and sum in another order.
+    xx, xy, yy = (float((weight * a * b).sum()) for a, b in ((x, x), (x, y), (y, y)))
+    axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
+    c, s = math.cos(axis), math.sin(axis)
+    along, across = c * x + s * y, c * y - s * x
+    length, width = (_extent(weight, other, 0.15 * float(np.ptp(other))) for other in (across, along))
+    return Blob(left + middle_x, top + middle_y, area, axis, length, width, math.nan)
+
+
+def _extent(weight: Array, off: Array, half: float) -> float:
+    """Extent of pixels along a line, from those that lie off it by up to about `half`, pixels.
+
+    The band ends softly, over a pixel, so that its width is the same wherever the line runs.
+    """
+    half = max(half, 0.5)
+    return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
+
+
+def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appearance) -> float:
+    """Direction to the spot that differs most from the rest of a walker; NaN without one."""
+    deep = ndimage.distance_transform_edt(own) > max(1.5, DEEP * look.width)
+    if not deep.any():
+        return math.nan
+    contrast = np.where(deep, field - np.median(field[deep]), 0.0)
+    strongest = contrast.flat[np.abs(contrast).argmax()]
+    if abs(strongest) < MARKED * look.contrast:
+        return math.nan
+    spots, _ = ndimage.label(contrast * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
+    areas = np.bincount(spots.ravel())
+    areas[0] = 0
+    spot = spots == areas.argmax()
+    if areas.max() > SPOT * blob.area:
+        return math.nan
+    row, col = ndimage.center_of_mass(np.abs(contrast) * spot)
+    x, y = left + col - blob.x, blob.y - top - row
+    if math.hypot(x, y) < OFF_CENTRE * blob.length:
+        return math.nan
+    return math.atan2(y, x)

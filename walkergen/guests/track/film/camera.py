@@ -1,0 +1,125 @@
+"""Shake of the camera, from what stands still: edges of the plate, screws, letters, a table.
+
+Points with a steep brightness are followed from frame to frame (Lucas and Kanade 1981): the shift
+that explains best how the brightness there changes, beside a lamp that flickers. Where the ground
+shows nothing, the shake stays unknown.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from walkergen.guests.track.film.appearance import Appearance
+from walkergen.guests.track.film.blobs import Blob
+from walkergen.guests.track.film.films import Grey
+
+Array = npt.NDArray[np.float64]
+
+SOFT = 2.0
+"""Deviation of the blur, pixels, within about twice which a shift is found."""
+
+STEEP, LEAST_STEEP = 5.0, 0.5
+"""Least slope of a point over the noise of slopes, and in steps of 255 over a pixel."""
+
+MOST_POINTS, FEWEST_POINTS = 4000, 30
+"""Number of points that are followed, and below which none are."""
+
+BESIDE = 0.75
+"""Distance from a walker, over its length, within which nothing counts as standing still."""
+
+ROUNDS = 5
+"""Rounds in which a shift is improved."""
+
+UNSURE = 0.1
+"""Standard error of a shift beyond which it is not known, pixels."""
+
+
+class Fixed(NamedTuple):
+    """Points that stand still, in the picture that frames are compared with."""
+
+    places: Array
+    """Columns and rows, shape (2, n)."""
+    values: Array
+    """Brightness, shape (n,)."""
+    slopes: Array
+    """Changes of the brightness over a pixel, along columns and rows, shape (2, n)."""
+
+
+class Shake(NamedTuple):
+    """How far the camera, or all that stands still, moves, pixels; NaN where nothing tells."""
+
+    rms: float
+    """Root mean square of the shifts along an axis."""
+    largest: float
+    """Largest distance from the middle."""
+
+
+def fixed(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
+    """Steepest points of the film's first frames away from `walkers`; None for too few."""
+    soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), SOFT, output=float)
+    first, last = (ndimage.gaussian_filter(samples[at], SOFT, output=float) for at in (0, -1))
+    noise = 1.4826 / math.sqrt(2.0) * float(np.median(np.abs(last - first)))
+    slopes = np.stack(np.gradient(soft)[::-1])
+    steep = np.hypot(*slopes)
+    steep[: int(2 * SOFT)] = steep[-int(2 * SOFT) :] = 0.0
+    steep[:, : int(2 * SOFT)] = steep[:, -int(2 * SOFT) :] = 0.0
+    # A blurred slope has the noise of a blurred pixel over the blur's width
+    rows, columns = np.nonzero(steep > max(STEEP * noise / SOFT, LEAST_STEEP))
+    free = _apart(np.stack([columns, rows]), walkers)
+    rows, columns = rows[free], columns[free]
+    chosen = np.argsort(-steep[rows, columns], kind="stable")[:MOST_POINTS]
+    rows, columns = rows[chosen], columns[chosen]
+    if len(rows) < FEWEST_POINTS:
+        return None
+    places = np.stack([columns, rows]).astype(float)
+    return Fixed(places, soft[rows, columns], slopes[:, rows, columns])
+
+
+def shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
+    """Displacement of what stands still since the first frames, pixels, x to the right, y down.
+
+    NaN where too few points are free of walkers, or where they leave it open.
+    """
+    free = _apart(points.places, walkers)
+    places, values, slopes = points.places[:, free], points.values[free], points.slopes[:, free]
+    unknown = np.full(2, np.nan)
+    if len(values) < FEWEST_POINTS:
+        return unknown
+    soft = ndimage.gaussian_filter(frame, SOFT, output=float)
+    terms = np.stack([*slopes, np.ones_like(values), values], axis=1)
+    moved_by, steady = np.zeros(2), np.ones(len(values), dtype=bool)
+    for _ in range(ROUNDS):
+        moved = (places + moved_by[:, None])[::-1]
+        change = ndimage.map_coordinates(soft, moved, order=1, mode="nearest") - values
+        fit, _, rank, _ = np.linalg.lstsq(terms[steady], change[steady])
+        if rank < 4:
+            return unknown
+        off = change - terms @ fit
+        scatter = 1.4826 * float(np.median(np.abs(off[steady])))
+        steady = np.abs(off) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
+        moved_by = moved_by - fit[:2]
+    spread = scatter**2 * np.linalg.pinv(terms[steady].T @ terms[steady])
+    return moved_by if np.sqrt(np.diag(spread)[:2]).max() < UNSURE else unknown
+
+
+def shake(shifts: Sequence[Array]) -> Shake:
+    """Size of the shifts of many frames about their middle."""
+    known_shifts = np.array(shifts).reshape(-1, 2)
+    known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
+    if len(known_shifts) < 2:
+        return Shake(math.nan, math.nan)
+    off = known_shifts - known_shifts.mean(axis=0)
+    return Shake(float(np.sqrt(np.mean(off**2))), float(np.hypot(*off.T).max()))
+
+
+def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
+    """True for places, shape (2, n), that lie away from all walkers."""
+    free = np.ones(places.shape[1], dtype=bool)
+    for walker in walkers:
+        near = np.hypot(places[0] - walker.x, places[1] - walker.y) < BESIDE * walker.length + 2.0 * SOFT
+        free &= ~near
+    return free

@@ -1,0 +1,73 @@
+"""Doubts about tracks of any film: jitter of places, films that break off, walkers that are lost."""
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.track.film.films import Clock, Film
+
+Array = npt.NDArray[np.float64]
+
+LEGS = 10.0
+"""Length of the straight legs of a path over the jitter: noise lengthens each by its square."""
+
+READ, LEAST_S = 0.95, 0.5
+"""Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
+
+LOST = 0.05
+"""Share of frames in which a walker is lost that is worth a warning."""
+
+
+class Told(NamedTuple):
+    """What is to be said of a film beside its tracks."""
+
+    facts: dict[str, Any]
+    """For JSON and the manifest, with units in the names."""
+    notes: list[str]
+    """What was looked for, in words, and the scale with its error."""
+    warnings: list[str]
+    """What went wrong, each with its size or its number of frames."""
+
+
+def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
+    """Error of a place that changes from frame to frame, along an axis.
+
+    `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others.
+    It follows from how far a place lies off the line between those before and after: uneven motion
+    adds to it, and what stays, or changes slowly, is not in it. NaN for too few frames.
+    """
+    squares = [np.zeros((0, 2))]
+    for times, places in tracks:
+        if len(times) < 3:
+            continue
+        share = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
+        bend = places[1:-1] - (1.0 - share) * places[:-2] - share * places[2:]
+        squares.append(bend**2 / (1.0 + (1.0 - share) ** 2 + share**2))
+    joined = np.concatenate(squares)
+    joined = joined[~np.isnan(joined)]
+    return float(np.sqrt(np.mean(joined))) if len(joined) else math.nan
+
+
+def path(places: Array, noise: float) -> float:
+    """Length of a path through places, shape (n, 2), each off by `noise` along an axis.
+
+    In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
+    grow with their number even for a walker that stands.
+    """
+    least, total, last = LEGS * noise, 0.0, places[0]
+    for place in places[1:]:
+        leg = math.dist(place, last)
+        if leg >= least:
+            total, last = total + leg, place
+    return total
+
+
+def broken_off(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
+    """Warning of a film that ends before it should, when it was read to its end."""
+    end, announced = clock.played_s, film.seconds
+    if frames[1] is not None or end >= READ * announced - LEAST_S:
+        return []
+    return [f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read"]

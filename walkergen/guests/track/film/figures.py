@@ -1,0 +1,79 @@
+"""Picture to check a film's tracks by: what was found, where it went, when it was seen."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from walkergen.guests.track.film.result import Tracked, Walker
+
+WIDE, TALLEST = 8.0, 9.0
+"""Width of the figure, and largest height of the film's frame in it, inches."""
+
+COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+"""Colours of Okabe and Ito; numbers, not colours, tell walkers apart."""
+
+HALO = (withStroke(linewidth=2.5, foreground="white"),)
+"""Rim around lines and letters, so that they are seen on any film."""
+
+MOST_ROWS = 40
+"""Largest number of walkers that have a row of their own in the lower panel."""
+
+
+def check_figure(tracked: Tracked) -> Figure:
+    """Draw the first frame with what was found in it, all tracks, and when each was seen."""
+    left, top, right, bottom = tracked.part
+    tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
+    low = 0.9 + 0.16 * min(len(tracked.walkers), MOST_ROWS)
+    figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
+    axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
+    axes.imshow(tracked.picture, cmap="gray", vmin=0, vmax=255, extent=(left, right, bottom, top), alpha=0.75)
+    axes.set_xlim(left, right)  # what is drawn later changes no limits
+    axes.set_ylim(bottom, top)
+    axes.set_xlabel("x (pixels)")
+    axes.set_ylabel("y (pixels)")
+    first = tracked.options.frames[0]
+    for row, walker in enumerate(tracked.walkers):
+        _draw(axes, walker, first, COLOURS[row % len(COLOURS)])
+    axes.set_title(
+        f"{tracked.film.path.name}, frame {first}: walkers there (solid), first seen later "
+        "(dotted), last seen (dashed)",
+        fontsize=10,
+    )
+    _when(lower, tracked.walkers, first, tracked.looked)
+    return figure
+
+
+def _draw(axes: Axes, walker: Walker, first: int, colour: str) -> None:
+    """Draw a walker's outline and front where it was first and last seen, its track and number."""
+    gaps = np.flatnonzero(np.diff(walker.frames) > 1) + 1
+    x, y = (np.insert(values, gaps, np.nan) for values in walker.pixels.T)
+    axes.plot(x, y, color=colour, lw=1.2, path_effects=HALO)
+    styles = "-" if walker.frames[0] == first else ":", "--"
+    for (rim, arrow), style in zip(walker.outlines, styles, strict=True):
+        axes.plot(*rim.T, style, color=colour, lw=1.3, path_effects=HALO)
+        if not np.isnan(arrow).any():
+            tail, tip = arrow
+            axes.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2})
+    at_x, at_y = walker.pixels[0]
+    number = str(walker.number)
+    axes.text(at_x, at_y, number, fontsize=9, weight="bold", ha="center", va="center", path_effects=HALO)
+
+
+def _when(axes: Axes, walkers: Sequence[Walker], first: int, looked: int) -> None:
+    """Draw the frames in which each walker was seen, a row each, of `looked` from `first` on."""
+    shown = walkers[:MOST_ROWS]
+    for row, walker in enumerate(shown):
+        cuts = np.flatnonzero(np.diff(walker.frames) > 1) + 1
+        parts = [(int(run[0]), int(run[-1] - run[0] + 1)) for run in np.split(walker.frames, cuts)]
+        axes.broken_barh(parts, (row - 0.35, 0.7), color=COLOURS[row % len(COLOURS)])
+    axes.set_ylim(len(shown) - 0.4, -0.6)
+    axes.set_yticks(range(len(shown)), [str(walker.number) for walker in shown], fontsize=8)
+    axes.set_xlim(first, first + looked)
+    axes.set_xlabel("frame")
+    axes.set_ylabel("walker")
+    more = f" (first {len(shown)} of {len(walkers)})" if len(shown) < len(walkers) else ""
+    axes.set_title(f"frames in which each was seen{more}; gaps are lost", fontsize=9)
+    axes.spines[["top", "right"]].set_visible(False)

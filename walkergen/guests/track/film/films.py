@@ -1,0 +1,268 @@
+"""Films: grey frames of a file or of a folder of pictures, one by one, by the ffmpeg that the extra `film` installs.
+
+ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words, and writes
+the time at which each is shown to a file. Films of varying frame rate, as phones make them, keep
+their own times: no frame is repeated or left out.
+"""
+
+import os
+import re
+import subprocess
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from fractions import Fraction
+from itertools import count
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import extras
+from walkergen.core.errors import InputError
+from walkergen.core.files import reading, words
+from walkergen.core.files.progress import Progress
+from walkergen.guests.track.film import pictures
+
+Grey = npt.NDArray[np.uint8]
+"""Brightness of a frame, shape (height, width), 0 black to 255 white; row 0 is the upper one."""
+
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom of a part of the frame, pixels."""
+
+MOST_PIXELS = 36_000_000
+"""Largest frame: 8K."""
+
+MOST_FRAMES = 1_000_000
+
+MOST_LETTERS = 4096
+"""Longest line between frames."""
+
+REGULAR = 0.01
+"""Share of the time between frames by which their times may lie off a constant rate."""
+
+
+class Film(NamedTuple):
+    """What a film says of itself."""
+
+    path: Path
+    width: int
+    """Width of a frame, pixels."""
+    height: int
+    fps: float | None
+    """Frames per second at which it plays; None when it does not say. Often a round number."""
+    seconds: float
+    """Duration; 0 when it does not say."""
+    aspect: Fraction = Fraction(1)
+    """Width of a pixel of the file over its height; those of the frames are square."""
+    pictures: tuple[Path, ...] = ()
+    """Pictures that are the frames, of a folder of them."""
+
+
+class Reel(NamedTuple):
+    """Frames of a film as they come, and then their times."""
+
+    frames: Iterator[Grey]
+    """Parts of the frames that are looked at. Raises InputError where a frame is incomplete, or
+    where there are too many."""
+    expected: int
+    """Number of them by what the film says, 1 at least."""
+    stamps: Path
+    """File of the times, complete after the last frame."""
+
+
+class Clock(NamedTuple):
+    """Times of a film's frames."""
+
+    times: npt.NDArray[np.float64]
+    """Time of each frame from the first on, 0 for it, s, shape (frames,)."""
+    fps: float
+    """Frames per second in the mean."""
+    regular: bool
+    """True when all frames come at that rate."""
+    played_s: float
+    """Time of the last frame as the film plays."""
+
+    @property
+    def in_words(self) -> str:
+        """Rate of frames, and how far apart they are where that changes."""
+        rate = f"{words.number(self.fps, 4)} frames a second"
+        if self.regular:
+            return rate
+        steps = 1e3 * np.diff(self.times)
+        return f"{rate} in the mean, {words.span(steps.min(), steps.max(), 3)} ms apart by the film's times"
+
+
+def require() -> None:
+    """Raise InputError when the packages of the extra `film` are not installed."""
+    extras.require("film", "track")
+
+
+def about(path: Path) -> Film:
+    """What a film, or a folder of pictures, says of itself. Raises InputError where it is neither, or too large."""
+    shots = pictures.listed(path) if path.is_dir() else ()
+    if not shots:
+        reading.check(path, "a film")
+    with _playing(path, shots[:1]) as (process, messages):
+        assert process.stdout is not None
+        first = process.stdout.readline(MOST_LETTERS)
+        header = {word[:1]: word[1:] for word in first.split()[1:]}
+        if b"W" not in header:
+            raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
+        width, height = int(header[b"W"]), int(header[b"H"])
+        fps, aspect = _ratio(header[b"F"]), _ratio(header.get(b"A", b"")) or Fraction(1)
+        seconds = _duration(messages)
+    if aspect > 1:
+        width = round(width * aspect)
+    else:
+        height = round(height / aspect)
+    if width * height > MOST_PIXELS:
+        raise InputError(
+            f"{path}: {width} x {height} pixels a frame: at most {MOST_PIXELS / 1e6:g} million; "
+            "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
+        )
+    if shots:
+        return Film(path, width, height, None, 0.0, aspect, shots)
+    return Film(path, width, height, float(fps) or None, seconds, aspect)
+
+
+def _ratio(text: bytes) -> Fraction:
+    """Ratio that ffmpeg writes as 4:3; 0 where it does not know."""
+    numbers = [int(part) for part in text.split(b":")] if text else [0]
+    return Fraction(*numbers) if len(numbers) == 2 and numbers[1] else Fraction(0)
+
+
+@contextmanager
+def play(film: Film, part: Box, frames: tuple[int, int | None], progress: Progress) -> Iterator[Reel]:
+    """Play a part of a film's frames, from the first to the one before the last, or up to the end."""
+    first, last = frames
+    count = len(film.pictures) or round(film.seconds * (film.fps or 0.0))
+    expected = max((count if last is None else last) - first, 1)
+    with tempfile.TemporaryDirectory() as folder:
+        stamps = Path(folder) / "stamps"
+        # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
+        options = [
+            "-fps_mode",
+            "passthrough",
+            "-enc_time_base",
+            "demux",
+            "-stats_enc_pre",
+            str(stamps),
+            "-stats_enc_pre_fmt",
+            "{pts} {tb}",
+            *(() if last is None else ("-frames:v", str(last))),
+            *(() if film.aspect == 1 else ("-vf", f"scale={film.width}:{film.height},setsar=1")),
+        ]
+        with _playing(film.path, film.pictures, options) as (process, messages):
+            whole = _frames(film, first, process, messages)
+            yield Reel(_parts(whole, part, expected, progress), expected, stamps)
+
+
+def _parts(frames: Iterator[Grey], part: Box, expected: int, progress: Progress) -> Iterator[Grey]:
+    """Parts of frames, each told of once it is done with."""
+    left, top, right, bottom = part
+    for done, whole in enumerate(frames, 1):
+        yield np.ascontiguousarray(whole[top:bottom, left:right])
+        progress("frames", done, max(expected, done))
+
+
+def refuse_few(frames: int, first: int) -> None:
+    """Raise InputError for fewer than two frames from the first on."""
+    if frames < 2:
+        raise InputError(f"{frames} frame{'' if frames == 1 else 's'} from {first} on: at least 2 are needed")
+
+
+def _frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]) -> Iterator[Grey]:
+    """Whole frames from the first on."""
+    size = film.width * film.height
+    assert process.stdout is not None
+    process.stdout.readline(MOST_LETTERS)
+    for number in count():
+        if not process.stdout.readline(MOST_LETTERS):
+            break
+        data = process.stdout.read(size)
+        if len(data) < size:
+            why = _reason(messages)
+            raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
+        if number >= MOST_FRAMES:
+            raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
+        if number >= first:
+            yield np.frombuffer(data, np.uint8).reshape(film.height, film.width)
+    process.wait()  # it writes the last of the times at its end
+
+
+def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
+    """Times of the frames that were played: the container's, or of a constant rate that fits them.
+
+    `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly.
+    Raises InputError when the film says nothing of its times.
+    """
+    lines = [line.split() for line in stamps.read_text().splitlines()]
+    unit = Fraction(lines[0][1]) if lines else Fraction(0)
+    ticks = np.array([int(line[0]) for line in lines], dtype=float)
+    times = float(unit) * (ticks - ticks[0]) if lines else np.zeros(0)
+    if film.pictures or len(times) < 2 or not (np.diff(times) > 0).all():
+        if filmed_fps is None:
+            raise InputError(f"{film.path}: does not say when its frames were taken; give ‹fps›")
+        return Clock(np.arange(len(times)) / filmed_fps, filmed_fps, True, len(times) / filmed_fps)
+    played = (len(times) - 1) / times[-1]
+    for rate in (film.fps, played):
+        if rate is None:
+            continue
+        even = np.arange(len(times)) / rate
+        if np.abs(times - even).max() <= max(float(unit), REGULAR / rate):
+            fps = filmed_fps or rate
+            return Clock(np.arange(len(times)) / fps, fps, True, float(times[-1]))
+    fps = filmed_fps or played
+    return Clock(times * (played / fps), fps, False, float(times[-1]))
+
+
+@contextmanager
+def _playing(
+    path: Path, shots: Sequence[Path], more: Sequence[str] = ()
+) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
+    """Ffmpeg at work on a film or on pictures, sending its frames, and its messages; ended at the end."""
+    import imageio_ffmpeg
+
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a file's: one that begins
+    # with a dash, or with "http:".
+    options = ["-hide_banner", "-nostats", "-nostdin", "-protocol_whitelist", "file"]
+    if shots:
+        options += ["-f", "concat", "-safe", "0"]
+    grey = ["-map", "0:v:0", "-pix_fmt", "gray", *more, "-f", "yuv4mpegpipe", "-strict", "-1", "-"]
+    with (
+        pictures.list_file(shots) if shots else nullcontext(os.path.realpath(path)) as source,
+        tempfile.TemporaryFile() as messages,
+        subprocess.Popen(
+            [program, *options, "-i", str(source), *grey],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=messages,
+        ) as process,
+    ):
+        try:
+            yield process, messages
+        finally:
+            process.kill()
+
+
+def _lines(messages: IO[bytes]) -> list[str]:
+    """Lines that ffmpeg has written so far."""
+    messages.seek(0)
+    return [line.strip() for line in messages.read().decode(errors="replace").splitlines()]
+
+
+def _reason(messages: IO[bytes]) -> str:
+    """Last of ffmpeg's lines."""
+    return next((line[:120] for line in reversed(_lines(messages)) if line), "no reason is given")
+
+
+def _duration(messages: IO[bytes]) -> float:
+    """Duration by the film's own account, s; 0 where it says nothing."""
+    match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_lines(messages)))
+    if match is None:
+        return 0.0
+    hours, minutes, seconds = map(float, match.groups())
+    return 3600.0 * hours + 60.0 * minutes + seconds

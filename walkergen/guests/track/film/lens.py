@@ -1,0 +1,163 @@
+"""Lens that bends straight lines, by a calibration as OpenCV makes it, and what undoes it.
+
+The file is JSON: image_width, image_height, camera_matrix (three rows, or OpenCV's own object with
+`data`) and distortion_coefficients (k1, k2, p1, p2 and up to ten more). Source: OpenCV's model of a
+camera, https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html.
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import plain, reading
+from walkergen.guests.track.film.blobs import Blobs
+
+Array = npt.NDArray[np.float64]
+
+MOST_BYTES = 1_000_000
+COUNTS = (4, 5, 8, 12, 14)
+"""Numbers of coefficients that OpenCV knows."""
+
+ASPECT = 0.01
+"""Largest relative difference of the shapes of two pictures of one lens, width over height."""
+
+FOLDS_PX = 0.05
+"""Distance of a straightened place, bent again, from where it was seen, pixels: beyond it the
+coefficients have no answer there."""
+
+STEP = 1.0
+"""Half of the way over which a lens's local stretch is taken, pixels."""
+
+
+class Lens(NamedTuple):
+    """Lens of a camera, for pictures of one size; as text and numbers alone, for a manifest."""
+
+    width: int
+    """Width of the pictures it was calibrated with, pixels."""
+    height: int
+    focal: tuple[float, float]
+    """Focal lengths along a row and down, pixels."""
+    middle: tuple[float, float]
+    """Place of the optical axis, pixels whose middles are whole numbers."""
+    distortion: tuple[float, ...]
+
+    def of_film(self, width: int, height: int) -> "Lens":
+        """Lens for pictures of another size. Raises InputError for those of another shape."""
+        if abs(width * self.height / (height * self.width) - 1.0) > ASPECT:
+            raise InputError(
+                f"‹lens›: calibrated with pictures of {self.width} x {self.height}, the film has "
+                f"{width} x {height}: film the checkerboard as you film walkers"
+            )
+        along, down = width / self.width, height / self.height
+        x, y = self.middle
+        return Lens(
+            width,
+            height,
+            (along * self.focal[0], down * self.focal[1]),
+            ((x + 0.5) * along - 0.5, (y + 0.5) * down - 0.5),
+            self.distortion,
+        )
+
+    @property
+    def matrix(self) -> Array:
+        """Camera matrix, shape (3, 3)."""
+        return np.array([(self.focal[0], 0.0, self.middle[0]), (0.0, self.focal[1], self.middle[1]), (0.0, 0.0, 1.0)])
+
+    def straight(self, pixels: Array) -> Array:
+        """Places by a lens that does not bend, of the same focal length, shape (..., 2).
+
+        Pixels count from the picture's upper left corner. Raises InputError where there are none.
+        """
+        import cv2
+
+        matrix, distortion = self.matrix, np.array(self.distortion)
+        seen = pixels.reshape(-1, 1, 2) - 0.5
+        rays = np.asarray(cv2.undistortPoints(seen, matrix, distortion), float).reshape(-1, 2)
+        ahead = np.column_stack([rays, np.ones(len(rays))])
+        again, _ = cv2.projectPoints(ahead, np.zeros(3), np.zeros(3), matrix, distortion)
+        off = np.hypot(*(np.asarray(again).reshape(-1, 2) - seen.reshape(-1, 2)).T)
+        if not (off < FOLDS_PX).all():
+            raise InputError(
+                f"‹lens›: its distortion is off by {np.nanmax(off):.2g} pixels where walkers are: "
+                "calibrate with a checkerboard that reaches the edges of the picture"
+            )
+        return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
+
+    def most(self) -> float:
+        """Largest way by which it shifts a corner of the picture, over that corner's distance from
+        the optical axis.
+        """
+        corners = np.array([(0, 0), (1, 0), (0, 1), (1, 1)]) * (self.width, self.height)
+        shift = np.linalg.norm(self.straight(corners.astype(float)) - corners, axis=1)
+        away = np.linalg.norm(corners - np.array(self.middle) - 0.5, axis=1)
+        return float((shift / away).max())
+
+    def straight_blobs(self, blobs: Blobs, offset: tuple[int, int]) -> Blobs:
+        """Blobs by a lens that does not bend: places, directions, lengths and areas.
+
+        `offset` is the place of their upper left corner in the whole picture, pixels.
+        """
+        places = np.column_stack([blobs.x, blobs.y]) + offset + 0.5
+
+        def along(angle: Array) -> Array:
+            """Stretched unit vectors at angles that count as one sees them, shape (n, 2)."""
+            step = STEP * np.column_stack([np.cos(angle), -np.sin(angle)])
+            ways = self.straight(places + step) - self.straight(places - step)
+            return np.asarray(0.5 * ways / STEP)
+
+        def direction(angle: Array) -> Array:
+            known = ~np.isnan(angle)
+            way = along(np.where(known, angle, 0.0))
+            turned = angle + np.angle(np.exp(1j * (np.arctan2(-way[:, 1], way[:, 0]) - angle)))
+            return np.where(known, turned, np.nan)
+
+        ahead, across = along(blobs.axis), along(blobs.axis + 0.5 * math.pi)
+        x, y = (self.straight(places) - np.array(offset) - 0.5).T
+        area = np.abs(ahead[:, 0] * across[:, 1] - ahead[:, 1] * across[:, 0])
+        return blobs._replace(
+            x=x,
+            y=y,
+            area=blobs.area * area,
+            axis=direction(blobs.axis),
+            mark=direction(blobs.mark),
+            length=blobs.length * np.linalg.norm(ahead, axis=1),
+            width=blobs.width * np.linalg.norm(across, axis=1),
+        )
+
+
+def read(path: Path) -> Lens:
+    """Lens of a file. Raises InputError for what is missing, or no lens."""
+    data = reading.json_of(path, MOST_BYTES)
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: must be a JSON object with camera_matrix and more, see ‹help›")
+    width, height = (_numbers(data, name, path, (1,))[0] for name in ("image_width", "image_height"))
+    matrix = _numbers(data, "camera_matrix", path, (9,))
+    distortion = _numbers(data, "distortion_coefficients", path, COUNTS)
+    fx, skew, x, zero, fy, y, *last = matrix
+    if min(fx, fy, width, height) <= 0 or (skew, zero, *last) != (0.0, 0.0, 0.0, 0.0, 1.0):
+        raise InputError(
+            f"{path}: camera_matrix must have rows fx, 0, cx; 0, fy, cy; 0, 0, 1 with fx, fy > 0, "
+            "and the sizes of the pictures must be > 0"
+        )
+    return Lens(round(width), round(height), (fx, fy), (x, y), tuple(distortion))
+
+
+def _numbers(data: Mapping[str, Any], name: str, path: Path, counts: tuple[int, ...]) -> list[float]:
+    """Numbers of a key, in rows or in one. Raises InputError."""
+    value = data.get(name)
+    if isinstance(value, dict):
+        value = value.get("data")
+    cells: list[Any] = [value]
+    while any(isinstance(cell, list) for cell in cells):
+        cells = [inner for cell in cells for inner in (cell if isinstance(cell, list) else [cell])]
+    sound = all(isinstance(cell, int | float) and abs(cell) < 1e9 for cell in cells)
+    if not sound or len(cells) not in counts:
+        seen = "is missing" if value is None else f"= {plain.line(str(value))[:40]}"
+        many = " or ".join(map(str, counts))
+        raise InputError(f"{path}: {name} {seen}: must be {many} number{'s' * (many != '1')}")
+    return [float(cell) for cell in cells]

@@ -1,0 +1,115 @@
+"""Tracks: what was found in frames, linked from frame to frame by trackpy."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.guests.track.film.blobs import Blob, Blobs
+
+Array = npt.NDArray[np.float64]
+
+SMALL, MERGED = 0.5, 1.6
+"""Areas, over that of a walker, below which a thing is none, and above which it is several."""
+
+REACH = 0.5
+"""Largest way from frame to frame, over a walker's length."""
+
+MEMORY_S = 0.2
+"""Time for which a walker may be lost and is known again."""
+
+SHORTEST, PART = 5, 0.05
+"""Least number of frames of a track, and least part of the film's frames."""
+
+
+class Seen(NamedTuple):
+    """One walker in the frames in which it was seen."""
+
+    frames: npt.NDArray[np.int64]
+    """Numbers of the frames, ascending, shape (n,)."""
+    blobs: Blobs
+    """What was seen in each of them."""
+
+
+class Linked(NamedTuple):
+    """All walkers of a film, and what was left out."""
+
+    walkers: Sequence[Seen]
+    """Walkers in the order in which they come, from above where they come together."""
+    area: float
+    """Area of a walker, pixels."""
+    length: float
+    """Length of a walker, pixels."""
+    empty: int
+    """Frames in which nothing was found."""
+    merged: int
+    """Frames in which something as large as several walkers was left out."""
+    short: int
+    """Tracks that were too short and were left out."""
+
+
+def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
+    """Walkers in frames of numbers first, first + 1 ..., from the things found in each.
+
+    Raises InputError when nothing was found for long enough, or too much to tell apart.
+    """
+    blobs = [blob for frame in frames for blob in frame]
+    if not blobs:
+        raise InputError(f"no walker found in {len(frames)} frames: try ‹threshold›, ‹width› or ‹region›")
+    areas = np.array([blob.area for blob in blobs])
+    area = typical(areas)
+    lengths = np.array([blob.length for blob in blobs])
+    length = float(np.median(lengths[np.abs(areas - area) < 0.3 * area]))
+    fitting = [[blob for blob in frame if SMALL <= blob.area / area <= MERGED] for frame in frames]
+    names = _named(fitting, REACH * length, max(1, round(MEMORY_S * fps)))
+    numbers = np.array([number for number, frame in enumerate(fitting, first) for _ in frame])
+    columns = np.array([blob for frame in fitting for blob in frame]).T
+    owner = np.array([name for frame in names for name in frame])
+    least = max(SHORTEST, PART * len(frames))
+    groups = [Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)]
+    good = sorted(
+        (walker for walker in groups if len(walker.frames) >= least),
+        key=lambda walker: (walker.frames[0], walker.blobs.y[0]),
+    )
+    if not good:
+        raise InputError(
+            f"no walker found for {least:.3g} frames in a row, of {len(frames)}: what was found "
+            f"jumps by more than {REACH * length:.3g} pixels a frame, or vanishes: film faster, or "
+            "try ‹threshold›, ‹width› or ‹region›"
+        )
+    return Linked(
+        good,
+        area,
+        length,
+        empty=sum(not frame for frame in frames),
+        merged=sum(any(blob.area > MERGED * area for blob in frame) for frame in frames),
+        short=len(groups) - len(good),
+    )
+
+
+def typical(areas: Array) -> float:
+    """Area of a walker: half of all that was found, by area, is larger.
+
+    Many small things, or a few walkers that touch, do not change it.
+    """
+    ordered = np.sort(areas)
+    return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
+
+
+def _named(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
+    """Number of the walker that each thing of each frame belongs to."""
+    import trackpy
+
+    trackpy.quiet()
+    places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2)) for at, frame in enumerate(frames))
+    try:
+        # Strategies compiled by numba would take longer to compile than any film takes to link.
+        linked = trackpy.link_iter(places, reach, memory=memory, link_strategy="nonrecursive")
+        return [list(names) for _, names in linked]
+    except trackpy.SubnetOversizeException:
+        raise InputError(
+            f"walkers cannot be told apart: too many within {reach:.3g} pixels, half a walker's "
+            "length, of one another from frame to frame: film faster, or fewer of them"
+        ) from None

@@ -1,0 +1,147 @@
+"""Tracking of a film: walkers with or without markers; writes tracks.csv and check.png."""
+
+from pathlib import Path
+
+from walkergen.core.errors import InputError
+from walkergen.core.files.output import Folder
+from walkergen.core.files.progress import Progress
+from walkergen.guests.track.film import films, heading, marked, marked_doubts, report, unmarked, unmarked_doubts
+from walkergen.guests.track.film.doubts import Told
+from walkergen.guests.track.film.films import Box, Film
+from walkergen.guests.track.film.marked import Marked
+from walkergen.guests.track.film.report import TrackReport
+from walkergen.guests.track.film.result import Options, Tracked
+from walkergen.guests.track.film.unmarked import Unmarked
+
+SIDES: tuple[str, ...] = ("dark", "light")
+"""How walkers may differ from the ground."""
+
+MARKERS: tuple[str, ...] = ("aruco",)
+"""Markers that are read: OpenCV's ArUco."""
+
+SMALLEST = 8
+"""Smallest width and height of what is looked at, pixels."""
+
+LEAST, LARGEST = 1e-6, 1e9
+
+
+def track(path: Path, options: Options, folder: Path, progress: Progress) -> TrackReport:
+    """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
+
+    Raises InputError, before anything is written, when the film cannot be read or no walker is
+    found in it.
+    """
+    tracks = report.of(*find(path, options, progress), folder)
+    from walkergen.files import figures  # brings matplotlib
+
+    with Folder(folder) as target:
+        target.write(report.TRACKS, tracks.table.csv().encode())
+        target.write(report.PICTURE, figures.png(tracks.figures["check"]()))
+        target.finish(dict(tracks.facts))
+    return tracks
+
+
+def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unmarked | Marked, Told]:
+    """Walkers of a film, what they rest on, and what is to be said of it. Raises InputError."""
+    films.require()
+    check(options)
+    film = films.about(path)
+    if film.pictures and options.fps is None:
+        raise InputError(f"{path}: pictures do not say when they were taken; give ‹fps›, how many a second")
+    part = part_of(film, options.region)
+    found: Unmarked | Marked
+    lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
+    try:
+        if options.markers is None:
+            tracked, seen = unmarked.track(film, part, options, lens, progress)
+            found, told = seen, unmarked_doubts.of(tracked, seen)
+        else:
+            tracked, read = marked.track(film, part, options, lens, progress)
+            found, told = read, marked_doubts.of(tracked, read)
+        return tracked, found, told._replace(notes=[*_taken(film), *told.notes])
+    except InputError as error:
+        raise error if str(path) in error.text else InputError(f"{path}: {error.text}") from None
+
+
+def _taken(film: Film) -> list[str]:
+    """What was made of a film before it was looked at."""
+    notes = []
+    if film.pictures:
+        first, last = film.pictures[0].name, film.pictures[-1].name
+        notes.append(
+            f"The frames are {len(film.pictures)} pictures, from {first} to {last}, by the numbers in their names."
+        )
+    if film.aspect != 1:
+        notes.append(
+            f"Pixels of {film.aspect.numerator}:{film.aspect.denominator} were made square: frames of {film.width} x "
+            f"{film.height}, in which ‹region›, ‹width› and ‹mm_per_px› count."
+        )
+    return notes
+
+
+def check(options: Options) -> None:
+    """Raise InputError for wishes that contradict each other or are out of range."""
+    for field, value, most in (
+        ("mm_per_px", options.mm_per_px, LARGEST),
+        ("length", options.length_mm, LARGEST),
+        ("fps", options.fps, LARGEST),
+        ("threshold", options.threshold, 255.0),
+        ("width", options.width_px, 1e5),
+        ("marker_mm", options.marker_mm, LARGEST),
+    ):
+        if value is not None and not LEAST <= value <= most:
+            raise InputError(f"‹{field}=›{value:g}: must be a number in {LEAST:g}..{most:g}")
+    for field, name, names in (
+        ("walkers", options.walkers, SIDES),
+        ("heading", options.heading, heading.BY),
+        ("markers", options.markers, MARKERS),
+    ):
+        if name is not None and name not in names:
+            raise InputError(f"‹{field}=›{name[:30]!r}: must be one of {', '.join(names)}")
+    _check_scale(options)
+    first, last = options.frames
+    if first < 0 or (last is not None and last <= first):
+        raise InputError(
+            f"‹frames=›{first}:{'' if last is None else last}: counts from 0, the first before the "
+            "last: 25:100, or 25: up to the end"
+        )
+
+
+def _check_scale(options: Options) -> None:
+    """Raise InputError unless one thing tells the scale: markers, which tell more, or a length."""
+    if options.markers is None:
+        if options.marker_mm is not None:
+            raise InputError("‹markers› is not given: leave ‹marker_mm› out")
+        if (options.mm_per_px is None) == (options.length_mm is None):
+            raise InputError(
+                "the scale: give either ‹mm_per_px›, millimetres per pixel, or ‹length›, the length of a walker in mm"
+            )
+        return
+    beside = {
+        "mm_per_px": options.mm_per_px,
+        "length": options.length_mm,
+        "walkers": options.walkers,
+        "threshold": options.threshold,
+        "width": options.width_px,
+        "heading": None if options.heading == Options().heading else options.heading,
+    }
+    for field, value in beside.items():
+        if value is not None:
+            raise InputError(f"‹markers=›{options.markers} tells it: leave ‹{field}› out")
+
+
+def part_of(film: Film, region: tuple[int, int, int, int] | None) -> Box:
+    """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    if region is None and min(film.width, film.height) < SMALLEST:
+        raise InputError(
+            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x {SMALLEST}: film larger"
+        )
+    left, top, width, height = region or (0, 0, film.width, film.height)
+    inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
+    if min(width, height) < SMALLEST or not inside:
+        raise InputError(
+            f"‹region=›{left},{top},{width},{height}: left, top, width, height in pixels must lie "
+            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more "
+            "wide"
+        )
+    return left, top, left + width, top + height

@@ -1,0 +1,219 @@
+"""Tracking by markers on caps: number, place and heading of every walker in every frame it shows.
+
+Reads markers frame by frame, and finds the plane in which they are squares of their size.
+"""
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.files.progress import Progress
+from walkergen.guests.track.film import films, plane
+from walkergen.guests.track.film.films import Box, Clock, Film, Grey
+from walkergen.guests.track.film.heading import unwrapped
+from walkergen.guests.track.film.lens import Lens
+from walkergen.guests.track.film.linking import PART, SHORTEST
+from walkergen.guests.track.film.markers import SMALLEST, Reader, Sighted
+from walkergen.guests.track.film.plane import Plane, Pose
+from walkergen.guests.track.film.result import Array, Options, Outline, Tracked, Walker, Whole
+from walkergen.readers.walkers import caps
+
+MARKER_MM = 7.2
+"""Side of the markers that `plate --caps` prints by default, black frame included."""
+
+EDGES = 0.2
+"""Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
+scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
+
+LOOKED_AT = 8
+"""Number of frames in which markers are looked for in the mirror where there are none."""
+
+TWICE = 0.02
+"""Part of a marker's frames in which it may be seen at two places at once: misread, not printed
+twice."""
+
+
+class LeftOut(NamedTuple):
+    """What was read and is in no track."""
+
+    twice: Mapping[int, int]
+    """Frames in which a number was read at two places, by the number that is left out for it."""
+    rare: Mapping[int, int]
+    """Frames of numbers that were read too rarely."""
+    bent: Mapping[int, int]
+    """Sightings that are no squares in the plane of the others, by number."""
+    mirrored: Sequence[int]
+    """Numbers of markers that are printed mirrored."""
+
+
+class Marked(NamedTuple):
+    """What tracks of walkers with markers rest on."""
+
+    plane: Plane
+    straight: Sequence[Array]
+    """Corners of each walker's marker by a lens that does not bend, shape (n, 4, 2), pixels; see
+    `markers.Sighted`."""
+    left_out: LeftOut
+    empty: Whole
+    """Numbers of the frames in which no marker was read."""
+
+
+def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
+    """Walkers in a part of a film's frames by their markers, and what they rest on, in the order of
+    their numbers. Raises InputError for none.
+    """
+    left, top, right, bottom = part
+    if min(right - left, bottom - top) < 2.0 * SMALLEST:
+        raise InputError(f"{right - left} x {bottom - top} pixels: a marker needs {SMALLEST:g} and a rim: film larger")
+    seen, clock, picture, mirrored = _read(film, part, options, progress)
+    first, side = options.frames[0], options.marker_mm or MARKER_MM
+    empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
+    tracks, twice, rare = _sorted(seen, first)
+    unbent = {number: corners if lens is None else lens.straight(corners) for number, (_, corners) in tracks.items()}
+    flat = plane.fit(np.concatenate([*unbent.values()]), side, film.width, film.height)
+    walkers, straight, bent = list[Walker](), list[Array](), dict[int, int]()
+    poses = {number: plane.pose(flat, corners, side) for number, corners in unbent.items()}
+    sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
+    for number, (frames, corners) in tracks.items():
+        good, sound = np.split(sound, [len(frames)])
+        if not good.all():
+            bent[number] = int((~good).sum())
+        if good.any():
+            pose = Pose(*(values[good] for values in poses[number]))
+            walkers.append(_walker(number, frames[good], corners[good], pose))
+            straight.append(unbent[number][good])
+    scale = flat.mm_per_px
+    scale_se = scale * _scale_error(options, side, float(np.median([walker.size_px for walker in walkers])))
+    tracked = Tracked(film, options, part, picture, clock, len(seen), walkers, scale, scale_se)
+    return tracked, Marked(flat, straight, LeftOut(twice, rare, bent, mirrored), np.array(empty, np.int64))
+
+
+def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
+    """Standard error of all lengths as a share: of the markers' true size, and of their edges."""
+    return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGES / side_px)
+
+
+def _walker(number: int, frames: Whole, corners: Array, pose: Pose) -> Walker:
+    """Walker by the corners of its marker in the picture, and their pose in the plane."""
+    ways = corners - np.roll(corners, 1, axis=1)
+    side_px = float(np.median(np.hypot(ways[..., 0], ways[..., 1])))
+    middles, outlines = corners.mean(axis=1), []
+    for at in (0, -1):
+        square = corners[at]
+        ahead = 0.5 * (square[0] + square[1]) - middles[at]
+        outlines.append(Outline(square[[0, 1, 2, 3, 0]], middles[at] + np.outer((1.4, 2.6), ahead)))
+    theta = unwrapped(pose.headings)
+    ends = (outlines[0], outlines[1])
+    return Walker(number, frames, middles, pose.places, theta, "its marker", side_px, ends)
+
+
+class _Read(NamedTuple):
+    """What was read in a film, frame by frame."""
+
+    seen: list[Sighted]
+    clock: Clock
+    picture: Grey
+    """First of the frames."""
+    mirrored: list[int]
+    """Numbers that are read in the mirror."""
+
+
+def _read(film: Film, part: Box, options: Options, progress: Progress) -> _Read:
+    """Markers of all frames. Raises InputError."""
+    left, top, right, bottom = part
+    reader, seen = Reader(right - left, bottom - top), list[Sighted]()
+    samples: list[Grey] = []
+    with films.play(film, part, options.frames, progress) as reel:
+        for grey in reel.frames:
+            sighted = reader.read(grey)
+            if len(seen) % max(1, reel.expected // LOOKED_AT) == 0 and len(samples) < LOOKED_AT:
+                samples.append(grey)
+            seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
+        films.refuse_few(len(seen), options.frames[0])
+        clock = films.clock(film, reel.stamps, options.fps)
+    upright = {number for sighted in seen for number in sighted.numbers.tolist()}
+    mirrored = [number for number in _mirrored(reader, samples) if number not in upright]
+    if not upright or (mirrored and upright <= caps.symmetric()):
+        raise InputError(_none(mirrored, len(seen)))
+    return _Read(seen, clock, samples[0], mirrored)
+
+
+def _mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
+    """Numbers of markers that are read in the mirror image of most of some frames."""
+    images = (np.ascontiguousarray(grey[:, ::-1]) for grey in samples)
+    counts = Counter(number for image in images for number in reader.read(image).numbers.tolist())
+    return sorted(number for number, count in counts.items() if count > 0.5 * len(samples))
+
+
+def _none(mirrored: list[int], count: int) -> str:
+    """Reason why no marker was read."""
+    if mirrored:
+        return (
+            "the film is mirrored: markers are read in its mirror image only; mirror it back: "
+            "ffmpeg -i FILM -vf hflip RIGHT.mp4"
+        )
+    return (
+        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} "
+        "pixels wide or more, sharp, in a white rim; of walkers without: leave ‹markers› out"
+    )
+
+
+class _Sorted(NamedTuple):
+    """Markers of a film by their numbers."""
+
+    tracks: dict[int, tuple[Whole, Array]]
+    """Frames, ascending, and corners of those that are walkers'."""
+    twice: dict[int, int]
+    """Frames in which a number was read at two places, of those left out for it."""
+    rare: dict[int, int]
+    """Frames of those that were read too rarely."""
+
+
+def _sorted(seen: list[Sighted], first: int) -> _Sorted:
+    """Markers of frames from the first on by their numbers. Raises InputError for no walker."""
+    frames: dict[int, list[int]] = defaultdict(list)
+    corners: dict[int, list[Array]] = defaultdict(list)
+    double: Counter[int] = Counter()
+    for at, sighted in enumerate(seen, first):
+        counts = Counter(sighted.numbers.tolist())
+        # Which of two is the walker's cannot be told
+        double.update(number for number, count in counts.items() if count > 1)
+        for number, square in zip(sighted.numbers.tolist(), sighted.corners, strict=True):
+            if counts[number] == 1:
+                frames[number].append(at)
+                corners[number].append(square)
+    least = max(SHORTEST, PART * len(seen))
+    twice = {
+        number: double[number]
+        for number in sorted(double)
+        if double[number] > TWICE * (double[number] + len(frames[number]))
+    }
+    once = {number: frames[number] for number in sorted(frames) if number not in twice}
+    tracks = {
+        number: (np.array(own, np.int64), np.array(corners[number]))
+        for number, own in once.items()
+        if len(own) >= least
+    }
+    rare = {number: len(own) for number, own in once.items() if 0 < len(own) < least}
+    if not tracks:
+        raise InputError(_no_walker(twice, rare, least, len(seen)))
+    return _Sorted(tracks, twice, rare)
+
+
+def _no_walker(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
+    """Reason why no marker that was read is a walker's."""
+    if twice:
+        return (
+            f"marker {', '.join(map(str, list(twice)[:10]))} is seen at two places at once, in "
+            f"{max(twice.values())} of {count} frames, and no other is left: print each number "
+            "once, or cover what mirrors it"
+        )
+    counts = ", ".join(f"{number} in {own}" for number, own in list(rare.items())[:10])
+    return (
+        f"no marker is read in {least:.3g} of {count} frames ({counts}): give more light, shorter "
+        "exposure or larger markers"
+    )

@@ -1,0 +1,179 @@
+"""Plane of the caps as a camera sees it: from pixels to millimetres, by the shape of squares.
+
+A camera that looks askew at a plane maps it by a homography, which has eight numbers. Three of them
+(where the origin lies, and the direction of x) are free to choose; the other five, scale, tilt and
+perspective, are those with which all markers are squares of the size that they have (least squares
+over corners, each marker turned and moved to where it fits best). Source: Hartley and Zisserman,
+Multiple View Geometry, 2nd ed., section 2.7, with squares in place of circular points.
+Lenses that bend are undone before, by `lens`; what is left of them is in `Plane.residual_px`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+SQUARE = 0.5 * np.array([(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)])
+"""Corners of a marker of side 1 whose front is ahead, along x, y up: upper left one first."""
+
+MOST = 3000
+"""Largest number of sightings that are fitted."""
+
+SMOOTH_PX = 0.5
+"""Residual of a corner beyond which it counts by its size, no more by its square, pixels."""
+
+OFF, LEAST_OFF = 5.0, 0.5
+"""Residual of a marker over the median one, and in pixels, beyond which it is misread or bent."""
+
+PRIOR_PX = 0.1
+"""Distance of one corner that counts as much as perspective of 1, which is a scale that has no end
+at the picture's edge: it holds what one marker in one place leaves open."""
+
+ALIKE = 25.0
+"""Number of sightings that err alike: of one marker in neighbouring frames."""
+
+
+class Plane(NamedTuple):
+    """Map from pixels to the plane of the caps, mm, y up."""
+
+    middle: Array
+    """Middle of the frame, pixels."""
+    half: float
+    """Half of its longer side, pixels."""
+    terms: Array
+    """Scales along x, of y into x, and along y, mm per half; perspective along x and y."""
+    residual_px: float
+    """Root mean square distance of corners from those of squares, along an axis, pixels."""
+    errors: Array
+    """Standard errors of the terms."""
+
+    def to_mm(self, pixels: Array) -> Array:
+        """Places in the plane of points in the picture, shape (..., 2).
+
+        The middle of the picture lies where a camera straight above would see it from the picture's
+        lower left corner.
+        """
+        corner = np.array([self.middle[0], self.middle[1]]) * self.mm_per_px
+        return corner + _mapped(self.terms, self._centred(pixels))
+
+    @property
+    def mm_per_px(self) -> float:
+        """Scale in the middle of the picture: the mean over directions."""
+        a, _, c = self.terms[:3]
+        return math.sqrt(a * c) / self.half
+
+    @property
+    def tilt_deg(self) -> float:
+        """Angle between the camera's axis and the plane's normal, by what it foreshortens there."""
+        a, b, c = self.terms[:3]
+        large, small = np.linalg.svd(np.array([(a, b), (0.0, c)]), compute_uv=False)
+        return math.degrees(math.acos(min(1.0, float(small / large))))
+
+    def scales(self, pixels: Array) -> Array:
+        """Millimetres per pixel at places in the picture, shape (n, 2), mean over directions."""
+        near = 1.0 + self._centred(pixels) @ self.terms[3:]
+        return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
+
+    def _centred(self, pixels: Array) -> Array:
+        return np.asarray((pixels - self.middle) * (1.0, -1.0) / self.half)
+
+
+class Pose(NamedTuple):
+    """Places and headings of markers in the plane."""
+
+    places: Array
+    """Middles, shape (n, 2), mm."""
+    headings: Array
+    """Shape (n,), rad, from x toward y."""
+    off_px: Array
+    """Root mean square distance of corners from those of squares, along an axis, shape (n,)."""
+
+
+def fit(corners: Array, side: float, width: int, height: int) -> Plane:
+    """Plane in which markers are squares of a side, mm; corners of shape (n, 4, 2), pixels.
+
+    Raises InputError when they are squares in no plane.
+    """
+    from scipy.optimize import least_squares
+
+    middle, half = 0.5 * np.array([width, height]), 0.5 * max(width, height)
+    few = corners[np.unique(np.linspace(0, len(corners) - 1, MOST).round().astype(int))]
+    points = (few - middle) * (1.0, -1.0) / half
+    sides = np.hypot(*np.moveaxis(points - np.roll(points, 1, axis=1), -1, 0))
+    start = side / float(np.median(sides))
+
+    def residuals(terms: Array) -> Array:
+        off, sizes = _off_square(_mapped(terms, points), points, side)
+        return np.append((half * off / sizes[:, None, None]).ravel(), PRIOR_PX * terms[3:])
+
+    found = least_squares(
+        residuals,
+        [start, 0.0, start, 0.0, 0.0],
+        loss="soft_l1",
+        f_scale=SMOOTH_PX,
+        x_scale=[start, start, start, 1.0, 1.0],
+    )
+    terms = np.asarray(found.x)
+    size = float(np.sqrt(np.mean(residuals(terms)[:-2] ** 2)))
+    spread = np.linalg.pinv(found.jac.T @ found.jac) * size**2 * min(ALIKE, len(few))
+    plane = Plane(middle, half, terms, size, np.sqrt(np.diag(spread)))
+    if terms[0] <= 0.0 or terms[2] <= 0.0 or (1.0 + points @ terms[3:]).min() <= 0.05:
+        raise InputError(
+            "markers are squares in no plane: caps that are not flat, or a camera that looks along "
+            "the plate: film it from above"
+        )
+    return plane
+
+
+def pose(plane: Plane, corners: Array, side: float) -> Pose:
+    """Places and headings of markers by their corners, shape (n, 4, 2), pixels."""
+    mapped = plane.to_mm(corners)
+    off, sizes = _off_square(mapped, corners, side)
+    centred = mapped - mapped.mean(axis=1, keepdims=True)
+    residual = np.sqrt((off**2).mean(axis=(1, 2))) / sizes
+    return Pose(mapped.mean(axis=1), _turn(centred), residual)
+
+
+def sound(off_px: Array) -> npt.NDArray[np.bool_]:
+    """True for markers that are squares in the plane; others are misread, or lean."""
+    return np.asarray(off_px <= max(OFF * float(np.median(off_px)), LEAST_OFF))
+
+
+def _mapped(terms: Array, points: Array) -> Array:
+    """Points of the picture, (..., 2), in the plane, by the five terms."""
+    a, b, c, right, up = terms
+    near = 1.0 + points[..., 0] * right + points[..., 1] * up
+    x = (a * points[..., 0] + b * points[..., 1]) / near
+    return np.stack([x, c * points[..., 1] / near], axis=-1)
+
+
+def _off_square(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
+    """Ways of corners from those of the nearest square; lengths in the plane over the picture's.
+
+    Both `mapped` and `points` are of shape (n, 4, 2).
+    """
+    centred = mapped - mapped.mean(axis=1, keepdims=True)
+    turn = _turn(centred)
+    c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    x, y = side * SQUARE.T
+    square = np.stack([c * x - s * y, s * x + c * y], axis=-1)
+    sizes = np.sqrt(np.abs(_area(mapped) / _area(points)))
+    return centred - square, sizes
+
+
+def _turn(centred: Array) -> Array:
+    """Angle by which squares about the origin, shape (n, 4, 2), are turned."""
+    cross = centred[..., 1] @ SQUARE[:, 0] - centred[..., 0] @ SQUARE[:, 1]
+    along = centred[..., 0] @ SQUARE[:, 0] + centred[..., 1] @ SQUARE[:, 1]
+    return np.asarray(np.arctan2(cross, along))
+
+
+def _area(corners: Array) -> Array:
+    """Signed areas of quadrilaterals, shape (n, 4, 2)."""
+    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    return np.asarray(0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))

@@ -1,0 +1,153 @@
+"""Report of what was tracked: tracks, walkers, and warnings with their numbers."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.core.files import words
+from walkergen.files import report
+from walkergen.files.report import Column, Report, Table
+from walkergen.guests.track.film import doubts
+from walkergen.guests.track.film.doubts import Told
+from walkergen.guests.track.film.result import Tracked
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from walkergen.guests.track.film.marked import Marked
+    from walkergen.guests.track.film.unmarked import Unmarked
+
+COLUMNS = ("frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px", "mm_per_px_se")
+"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
+
+The last two are the scale, by which places have been multiplied, and its standard error, blank when
+that is not known: every length measured from the tracks is off by them. With markers a particle is
+the number of its marker.
+"""
+
+TRACKS, PICTURE = "tracks.csv", "check.png"
+"""Files of tracks, and to check them by."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TrackReport(Report):
+    """Walkers that were tracked in a film; look at `.picture` before you believe the numbers."""
+
+    tracked: Tracked
+    """Everything that was found, walker by walker."""
+    found: "Unmarked | Marked"
+    """What that rests on: of walkers without markers, or with them."""
+    picture: Path
+    """Picture of what was found, to be looked at."""
+
+
+class Row(NamedTuple):
+    """Track of a walker; the field names are keys of JSON."""
+
+    particle: int
+    first: int
+    """First frame in which it was seen."""
+    last: int
+    lost: int
+    """Frames between these in which it was not seen."""
+    net_mm: float
+    path_mm: float
+    turned_deg: float | None
+    """Change of its heading from the first that is known to the last."""
+    size_px: float
+    """Side of its marker in the picture, or its length."""
+    heading_by: str
+    headings: int
+    """Frames in which its heading is known."""
+
+
+WALKERS = (
+    report.number("walker", "particle"),
+    Column("frames", lambda row: f"{row.first}..{row.last}", right=True),
+    Column("lost", lambda row: str(row.lost), right=True),
+    report.number("net way (mm)", "net_mm", 3),
+    report.number("path (mm)", "path_mm", 3),
+    report.number("turned (deg)", "turned_deg", 3),
+    report.number("size (px)", "size_px", 3, wide=True),
+    report.text("heading by", "heading_by"),
+)
+
+
+def of(tracked: Tracked, found: "Unmarked | Marked", told: Told, folder: Path) -> TrackReport:
+    """Report of a tracked film, to be written into a folder."""
+    walkers, title = _walkers(tracked), tracked.film.path.name
+    warnings = [*doubts.broken_off(tracked.film, tracked.clock, tracked.options.frames), *told.warnings]
+    picture, lines = folder / PICTURE, [*told.notes]
+    if not math.isnan(tracked.jitter_mm):
+        lines.append(
+            f"Places jitter by {words.number(tracked.jitter_mm, 2)} mm between neighbouring frames. It is no "
+            "bound: what stays or changes slowly, as a shadow, the lens or a cap's height, is not in it."
+        )
+
+    def draw() -> "Figure":
+        from walkergen.guests.track.film import figures
+
+        return figures.check_figure(tracked)
+
+    return TrackReport(
+        name="track",
+        title=title,
+        tables=[Table("tracks", rows(tracked), COLUMNS, title=title), report.table("walkers", walkers, WALKERS, title)],
+        facts=_facts(tracked, told) | {"tracks": [row._asdict() for row in walkers], "warnings": warnings},
+        lines=[*lines, f"{picture}: look at it before you believe the numbers"],
+        figures={"check": draw},
+        folder=folder,
+        tracked=tracked,
+        found=found,
+        picture=picture,
+        warnings=warnings,
+    )
+
+
+def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
+    """Rows of tracks.csv, frame by frame."""
+    rows = []
+    for walker in tracked.walkers:
+        for frame, (x, y), theta in zip(
+            walker.frames.tolist(), walker.position.tolist(), walker.theta.tolist(), strict=True
+        ):
+            place = (x, y, None if math.isnan(theta) else theta)
+            scale = (tracked.mm_per_px, tracked.mm_per_px_se)
+            rows.append((frame, walker.number, *place, float(tracked.clock.times[frame]), *place, *scale))
+    return sorted(rows, key=lambda row: row[:2])
+
+
+def _walkers(tracked: Tracked) -> list[Row]:
+    return [
+        Row(
+            walker.number,
+            int(walker.frames[0]),
+            int(walker.frames[-1]),
+            walker.lost,
+            walker.net_mm,
+            tracked.path_mm(walker),
+            walker.turned_deg,
+            walker.size_px,
+            walker.heading_by,
+            sum(not math.isnan(theta) for theta in walker.theta),
+        )
+        for walker in tracked.walkers
+    ]
+
+
+def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
+    """What JSON and the manifest hold beside walkers and warnings, with units in the names."""
+    options, jitter = tracked.options, tracked.jitter_mm
+    return {
+        "film": tracked.film.path.name,
+        **options._asdict(),
+        "lens": None if options.lens is None else options.lens._asdict(),
+        "fps": tracked.clock.fps,
+        "regular_rate": tracked.clock.regular,
+        "mm_per_px": tracked.mm_per_px,
+        "mm_per_px_se": tracked.mm_per_px_se,
+        "frames_looked_at": tracked.looked,
+        "jitter_mm": None if math.isnan(jitter) else jitter,
+        **told.facts,
+    }

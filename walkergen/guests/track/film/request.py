@@ -1,0 +1,128 @@
+"""What `track` is asked for."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator
+
+from walkergen import request
+from walkergen.core.files.progress import Progress
+from walkergen.request import Flag
+
+if TYPE_CHECKING:
+    from walkergen.guests.track.film.report import TrackReport
+
+
+def _frames(value: Any) -> Any:
+    """First frame, and the one after the last."""
+    if not isinstance(value, str):
+        return value
+    first, colon, last = value.partition(":")
+    cells = [cell.strip() for cell in (first, last)]
+    if not colon or any(cell and not _whole(cell) for cell in cells):
+        raise ValueError("must be FIRST:LAST, as 25:100, or 25: or :100")
+    return int(cells[0] or 0), int(cells[1]) if cells[1] else None
+
+
+def _region(value: Any) -> Any:
+    """Left, top, width and height."""
+    if not isinstance(value, str):
+        return value
+    cells = [cell.strip() for cell in value.split(",")]
+    if len(cells) != 4 or not all(map(_whole, cells)):
+        raise ValueError("must be LEFT,TOP,WIDTH,HEIGHT in whole pixels")
+    return tuple(map(int, cells))
+
+
+def _whole(cell: str) -> bool:
+    """True for a whole number of at most seven plain digits."""
+    return cell.isascii() and cell.isdigit() and len(cell) <= 7
+
+
+class TrackRequest(request.Request):
+    """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
+
+    The walkers are of one size, on a ground of another brightness, seen straight from above. Give the scale by
+    --mm-per-px or --length. With --markers they bear caps, whose markers tell number, place and heading, scale and
+    tilt of the camera. What a lens bends is undone by --lens. Needs the extra film: pip install 'walkergen[film]'.
+    """
+
+    by_position: ClassVar = ("film",)
+
+    film: Annotated[
+        Path, request.File, Flag("Film from above, or a folder of its pictures.", "FILM", takes="Name", argument=True)
+    ]
+    mm_per_px: request.MmPerPx = None
+    length: Annotated[
+        request.Measured,
+        BeforeValidator(request.parse_measured),
+        Flag("Length of a walker, mm, for the scale, as 28 or 28±0.1.", "MM", takes="float | str | None"),
+    ] = None
+    fps: Annotated[float | None, Flag("Frames per second when filmed: of slow motion, of pictures.", "N")] = None
+    frames: Annotated[
+        tuple[int, int | None],
+        BeforeValidator(_frames),
+        Flag("Frames to look at, from 0: 25:100, or 25:.", "FIRST:LAST", takes="tuple[int, int | None] | str"),
+    ] = (0, None)
+    region: Annotated[
+        tuple[int, int, int, int] | None,
+        BeforeValidator(_region),
+        Flag(
+            "Left, top, width and height to look at, pixels.", "X,Y,W,H", takes="tuple[int, int, int, int] | str | None"
+        ),
+    ] = None
+    walkers: Annotated[
+        Literal["dark", "light"] | None, Flag("Walkers are dark or light; by default what is wider.", "SIDE")
+    ] = None
+    threshold: Annotated[float | None, Flag("Contrast of a walker with the ground, of 255 steps.", "STEPS")] = None
+    width: Annotated[float | None, Flag("Width of a walker, its shorter side, pixels.", "PX")] = None
+    heading: Annotated[
+        Literal["motion", "mark"], Flag("Front by motion (the way it runs) or mark (a spot on it).", "BY")
+    ] = "motion"
+    markers: Annotated[
+        Literal["aruco"] | None, Flag("Markers that walkers bear, by `plate --caps`: aruco.", "KIND")
+    ] = None
+    marker_mm: Annotated[
+        request.Measured,
+        BeforeValidator(request.parse_measured),
+        Flag("Side of the markers, mm, as 7.2 or 7.2±0.05.", "MM", takes="float | str | None"),
+    ] = None
+    lens: Annotated[
+        Path | None,
+        request.File,
+        Flag(
+            "Calibration of a lens that bends, by OpenCV: image_width, image_height, "
+            "camera_matrix, distortion_coefficients.",
+            "LENS.json",
+            takes="Name | None",
+        ),
+    ] = None
+    out: request.Out = None
+
+    def run(self, progress: Progress) -> "TrackReport":
+        """Track the walkers, by their looks or by their markers."""
+        from walkergen.core.files import output
+        from walkergen.guests.track.film import lens, make
+        from walkergen.guests.track.film.result import Options
+
+        scale, scale_se = self.mm_per_px or (None, None)
+        length, length_se = self.length or (None, None)
+        side, side_se = self.marker_mm or (None, None)
+        options = Options(
+            mm_per_px=scale,
+            mm_per_px_se=scale_se,
+            length_mm=length,
+            length_se_mm=length_se,
+            fps=self.fps,
+            frames=self.frames,
+            region=self.region,
+            walkers=self.walkers,
+            threshold=self.threshold,
+            width_px=self.width,
+            heading=self.heading,
+            lens=None if self.lens is None else lens.read(self.lens),
+            markers=self.markers,
+            marker_mm=side,
+            marker_se_mm=side_se,
+        )
+        return make.track(self.film, options, output.results(self.film, self.out, "track"), progress)

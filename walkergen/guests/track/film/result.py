@@ -1,0 +1,132 @@
+"""Result of tracking a film: what was asked, and its walkers."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.guests.track.film import doubts
+from walkergen.guests.track.film.films import Box, Clock, Film, Grey
+from walkergen.guests.track.film.lens import Lens
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+
+
+class Options(NamedTuple):
+    """Wishes of a person; None is what the film tells."""
+
+    mm_per_px: float | None = None
+    mm_per_px_se: float | None = None
+    """Standard error of `mm_per_px`; None when it is not known."""
+    length_mm: float | None = None
+    """Length of a walker; either this or `mm_per_px` is given."""
+    length_se_mm: float | None = None
+    """Standard error of `length_mm`, beside that of its image."""
+    fps: float | None = None
+    """Frames per second at which the film was taken."""
+    frames: tuple[int, int | None] = (0, None)
+    """First frame, and the one after the last."""
+    region: tuple[int, int, int, int] | None = None
+    """Left and upper edge, width and height of the part that is looked at, pixels."""
+    walkers: str | None = None
+    """One of `make.SIDES`."""
+    threshold: float | None = None
+    """Contrast beyond which a pixel is a walker's, steps of 255."""
+    width_px: float | None = None
+    """Width of a walker, the shorter side."""
+    heading: str = "motion"
+    """One of `heading.BY`."""
+    lens: Lens | None = None
+    """Lens that bends, which is undone; None for one that does not."""
+    markers: str | None = None
+    """Markers that walkers bear, one of `make.MARKERS`, which tell scale, walkers and headings; None:
+    they bear none."""
+    marker_mm: float | None = None
+    """Side of the markers, their black frame included; None: as `plate --caps` prints them."""
+    marker_se_mm: float | None = None
+    """Standard error of `marker_mm`."""
+
+
+class Outline(NamedTuple):
+    """Walker in one frame as the picture shows it, pixels of the whole frame, y downward."""
+
+    rim: Array
+    """Closed, shape (k, 2)."""
+    arrow: Array
+    """Tail and tip of an arrow to its front, shape (2, 2); NaN where its heading is not known."""
+
+
+class Walker(NamedTuple):
+    """One tracked walker, in the frames in which it was seen."""
+
+    number: int
+    """Number of its marker, or of the walker in the order in which they come."""
+    frames: Whole
+    """Ascending, shape (n,)."""
+    pixels: Array
+    """Places in the picture, shape (n, 2), pixels from the frame's upper left corner, y downward."""
+    position: Array
+    """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
+    theta: Array
+    """Headings, shape (n,), rad, from x (to the right) toward y (up); whole turns are counted; NaN
+    where one is not known."""
+    heading_by: str
+    """What the headings rest on, or the reason why there is none."""
+    size_px: float
+    """Median side of its marker in the picture, or length of the walker."""
+    outlines: tuple[Outline, Outline]
+    """As it was first and last seen."""
+
+    @property
+    def lost(self) -> int:
+        """Number of frames between its first and its last in which it was not seen."""
+        return int(self.frames[-1] - self.frames[0] + 1 - len(self.frames))
+
+    @property
+    def net_mm(self) -> float:
+        """Distance from its first place to its last, mm; a full circle has none."""
+        return math.dist(self.position[0], self.position[-1])
+
+    @property
+    def turned_deg(self) -> float | None:
+        """Change of its heading from the first that is known to the last; None for fewer than one."""
+        known = self.theta[~np.isnan(self.theta)]
+        return math.degrees(float(known[-1] - known[0])) if len(known) else None
+
+
+class Tracked(NamedTuple):
+    """What was found in a film."""
+
+    film: Film
+    options: Options
+    part: Box
+    """What was looked at."""
+    picture: Grey
+    """That part of the first frame."""
+    clock: Clock
+    looked: int
+    """Frames looked at."""
+    walkers: Sequence[Walker]
+    mm_per_px: float
+    """Scale; with markers that in the middle of the picture."""
+    mm_per_px_se: float | None
+    """Standard error of `mm_per_px`, and so of all lengths; None where it was given without."""
+
+    @property
+    def jitter_mm(self) -> float:
+        """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
+        return doubts.jitter([self._unbroken(walker) for walker in self.walkers])
+
+    def path_mm(self, walker: Walker) -> float:
+        """Length of a walker's path, mm, its jitter left out."""
+        return doubts.path(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
+
+    def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
+        """Times and places of all frames from a walker's first to its last; NaN where lost."""
+        first, last = walker.frames[[0, -1]]
+        places = np.full((last - first + 1, 2), np.nan)
+        places[walker.frames - first] = walker.position
+        return self.clock.times[first : last + 1], places

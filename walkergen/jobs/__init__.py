@@ -1,1 +1,0 @@
-"""Jobs: what each command makes, in five wings. No job imports another."""

@@ -1,1 +1,0 @@
-"""The wing of jobs that make walkers: their files, plates and designs."""

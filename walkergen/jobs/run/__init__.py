@@ -1,1 +1,0 @@
-"""The wing of jobs that run walkers in a scene."""

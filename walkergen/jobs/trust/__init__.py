@@ -1,1 +1,0 @@
-"""The wing of jobs that say how far walkergen's numbers hold."""

@@ -1,0 +1,155 @@
+"""A walker in a scene as an experiment: a pure function of inputs that a key names.
+
+Whatever needs a simulated speed asks for one: families, sweeps, surveys and the command line.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from walkergen import __version__
+from walkergen.core.drive import Drive
+from walkergen.core.numerics import kernels
+from walkergen.core.numerics.quantity import Quantity
+from walkergen.core.scene import Scene
+from walkergen.core.simulation import ensemble
+from walkergen.core.simulation.batch import OneRun
+from walkergen.core.simulation.ensemble import Summary
+from walkergen.core.simulation.plan import Plan, prepare
+from walkergen.core.simulation.run import RunResult, compile_kernels
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.mass import MassProperties
+from walkergen.points import resolution
+from walkergen.points.resolution import StepError
+
+FINEST_US = 0.05
+"""Step (us) below which none is halved."""
+
+
+class Walker(NamedTuple):
+    """Walker in a scene: an experiment (`points.measure`) whose runs are independent drops of it."""
+
+    scene: Scene
+    design: Design
+    mass: MassProperties
+    impacts: bool = False
+    """True to keep every impact of every run."""
+    sample_interval: float | None = None
+    """Time (s) between samples of every run; None to keep none. Sampled flights end at samples:
+    such runs are others of the same ensemble."""
+
+    @property
+    def shaken(self) -> Drive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.scene.drive.beneath(float(self.mass.total))
+
+    @property
+    def key(self) -> str:
+        """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
+        masses = _plain(self.mass)
+        kept = [self.impacts, self.sample_interval]
+        text = json.dumps([*facts(self.scene, self.design), masses, *kept], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+    def plan(self) -> Plan:
+        """Plan of the scene. Raises InputError where it contradicts itself or the design."""
+        return prepare(self.scene, self.design, self.mass)
+
+    def prepared(self) -> OneRun[RunResult]:
+        """What simulates the run of a number, with its kernels compiled."""
+        plan = self.plan()
+        compile_kernels(plan)
+        return ensemble.runner(plan, self.impacts, self.sample_interval)
+
+    def quantities(self, records: Sequence[RunResult]) -> list[Quantity]:
+        """Observables of runs, with what the step leaves of each as a bias."""
+        plan = self.plan()
+        summary = ensemble.summarise(records, plan.shaken.peak_speed, 0.0)
+        return resolution.quantities(resolution.judge(plan, summary), summary)
+
+    def finer(self) -> "Walker | None":
+        """The same by half the step; None for the finest."""
+        step = _step_us(self.plan())
+        return None if step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
+
+    def with_run(self, **run: float) -> "Walker":
+        """The same with other values in its scene's [run]."""
+        return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
+
+
+class Results(NamedTuple):
+    """Runs of a walker, and what they say."""
+
+    walker: Walker
+    """Walker, with the runs and the step that were taken in its scene."""
+    summary: Summary
+    """Statistics of the runs; the bounds of the speed hold the step's error as well."""
+    results: Sequence[RunResult]
+    """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
+    step_errors: Mapping[str, StepError]
+    """What the step leaves of each observable, by the names of `observables.NAMES`."""
+    warnings: Sequence[str]
+    """Warnings on keys without a part."""
+    step_us: float
+    """Step that was taken."""
+
+    @property
+    def partial(self) -> bool:
+        """Whether Ctrl-C left runs out."""
+        return self.summary.runs < self.walker.scene.run.runs
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Values of all observables, by the names of `observables.NAMES`."""
+        return resolution.values(self.summary)
+
+
+def facts(scene: Scene, design: Design) -> list[Any]:
+    """Inputs of a simulation, for keys: without names and what only theory or printer read.
+
+    Of bodies from files, and of letters, also what the files hold.
+    """
+    shape = design.shape
+    drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
+    return [
+        *([] if design.body.plain else drawn),
+        scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
+        design.model_dump(
+            mode="json",
+            exclude={"name": True, "description": True, "family": True, "material": {"nozzle_deg_c", "bed_deg_c"}},
+        ),
+        __version__,
+        kernels.digest(),
+    ]
+
+
+def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
+    """What finished runs of a walker say, of so many that were asked for, which took `wall_s` seconds."""
+    plan = walker.plan()
+    summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
+    step_errors = resolution.judge(plan, summary)
+    return Results(
+        walker.with_run(runs=runs),
+        resolution.bounded(step_errors, summary),
+        records,
+        step_errors,
+        [plan.resolved.idle] if plan.resolved.idle else [],
+        _step_us(plan),
+    )
+
+
+def _step_us(plan: Plan) -> float:
+    """Step of a plan."""
+    return 1e6 * plan.world.options.step
+
+
+def _plain(value: Any) -> Any:
+    """Named tuples, tuples of them and arrays as what JSON has."""
+    if hasattr(value, "_asdict"):
+        return {name: _plain(item) for name, item in value._asdict().items()}
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value if value is None else np.asarray(value).tolist()

@@ -1,0 +1,129 @@
+"""Poses of one run in space at a fixed rate: what movies and pages show of it.
+
+Axes as in the simulation: x along the lane, y up, z across, to the right of a walker that heads
+along x. A corner is numbered as its point of contact: of every leg in turn left, right.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.kernels import kernel
+from walkergen.core.simulation import run
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.space.pose import locate, place, plate_height
+from walkergen.core.simulation.space.state import (
+    C_X,
+    HEADING,
+    HEIGHT,
+    MODE,
+    OPEN,
+    PHASE,
+    Q_0,
+    Q_Z,
+    ROW,
+    SHOWN_X,
+    SHOWN_Y,
+    first_row,
+    work_for,
+)
+from walkergen.core.walker import names
+
+Array = npt.NDArray[np.float64]
+
+
+class Poses(NamedTuple):
+    """Poses of a run in space, n of them."""
+
+    times: Array
+    """Times of the poses, shape (n,), s, from 0."""
+    places: Array
+    """Places of the body's point O, shape (n, 3), mm; y over the plate's mean, x from 0 and so is
+    z on a plane; in a lane z counts from its middle."""
+    turns: Array
+    """Unit quaternions, body axes to world: scalar, x, y, z, shape (n, 4)."""
+    heading: Array
+    """Heading, counter-clockwise from above, whole turns counted, shape (n,), rad."""
+    corners: Array
+    """Places of the c = 2 x legs corners of the feet, shape (n, c, 3), mm."""
+    gaps: Array
+    """Distances of the corners from the plate, shape (n, c), mm; negative while they press."""
+    closed: npt.NDArray[np.bool_]
+    """Whether the corners press on the plate, shape (n, c)."""
+    plate: Array
+    """Height of the plate over its mean, shape (n,), mm."""
+    phase: Array
+    """Phase of the drive, shape (n,), rad."""
+    landings: Array
+    """Landings of the corners, rows as in `record.Events`, in the order of their times."""
+    outcome: run.Outcome
+    legs: tuple[str, ...]
+    """Names of the legs."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the corners of the feet, in the order of their numbers."""
+        return tuple(f"{leg} {side}" for leg in self.legs for side in ("left", "right"))
+
+    @property
+    def rotations(self) -> Array:
+        """Matrices, body axes to world, shape (n, 3, 3)."""
+        q, i, j, k = self.turns.T
+        rows = [
+            [1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)],
+            [2 * (i * j + q * k), 1 - 2 * (i * i + k * k), 2 * (j * k - q * i)],
+            [2 * (i * k - q * j), 2 * (j * k + q * i), 1 - 2 * (i * i + j * j)],
+        ]
+        return np.moveaxis(np.array(rows), -1, 0)
+
+
+def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
+    """Simulate one run of a plan in space; its poses every `interval` seconds, every landing."""
+    result = run.with_impacts(plan, number, sample_interval=interval)
+    world = run.dropped(plan, number)[0].world
+    samples = result.tally.samples
+    rows = samples.rows[: samples.cursor[0]]
+    states = np.ascontiguousarray(rows[:, 1:])
+    walker = world.walker
+    points, plate = np.empty((len(rows), len(walker.leg), 4)), np.empty(len(rows))
+    _points(world, states, points, plate)
+    first, modes = first_row(walker), slice(MODE, None, ROW)
+    on_plate = np.flatnonzero(walker.place == 0.0)
+    # A run that ended before its first pose has none
+    first_x, first_z = states[:1, SHOWN_X].sum(), -states[:1, SHOWN_Y].sum()
+    start = np.array([first_x, 0.0, first_z if plan.scene.arena.kind == "plane" else 0.0])
+    landings = run.impacts_of(result)
+    landings = landings[np.isin(landings[:, 1], on_plate)]
+    return Poses(
+        times=rows[:, 0],
+        places=np.column_stack([states[:, SHOWN_X], states[:, HEIGHT], -states[:, SHOWN_Y]]) - start,
+        turns=states[:, Q_0 : Q_Z + 1],
+        heading=states[:, HEADING],
+        corners=points[:, on_plate, :3] - start,
+        gaps=points[:, on_plate, 3],
+        closed=states[:, first:][:, modes][:, on_plate] != OPEN,
+        plate=plate,
+        phase=states[:, PHASE],
+        landings=landings[np.argsort(landings[:, 0], kind="stable")],
+        outcome=result.outcome,
+        legs=names.legs(plan.case.design),
+    )
+
+
+@kernel
+def _points(world, states, points, plate):
+    """Fill the points of contact of every state (x, y, z, gap, mm) and the plate's heights."""
+    for i in range(len(states)):
+        state = states[i].copy()
+        work = work_for(world.walker, state)
+        place(world, state, work)
+        locate(world, state, work)
+        plate[i] = plate_height(world, state)
+        for k in range(points.shape[1]):
+            for axis in range(3):
+                total = state[C_X + axis]
+                for j in range(3):
+                    total += work.R[axis, j] * work.points[k].at[j]
+                points[i, k, axis] = total
+            points[i, k, 3] = work.points[k].gap

@@ -1,0 +1,75 @@
+"""Trajectories, states at a fixed rate: of one run, or of all runs one after the other."""
+
+import io
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.scene import Scene
+from walkergen.core.simulation.plan import Plan
+from walkergen.core.simulation.run import RunResult, simulate
+from walkergen.core.simulation.space.state import COLUMNS
+
+Array = npt.NDArray[np.float64]
+
+MOST_SAMPLES = 20_000_000
+
+
+class Trajectory(NamedTuple):
+    """States of one run, or of all runs one after the other, at a fixed interval."""
+
+    columns: tuple[str, ...]
+    """Names with units: t_s, for several runs `particle`, then `space.state.COLUMNS`."""
+    rows: Array
+    """Shape (samples, columns); the time counts from the end of the discarded start."""
+
+
+def check(scene: Scene, interval: float, runs: int = 1) -> None:
+    """Raise InputError when trajectories of so many runs would have too many samples to keep."""
+    wanted = runs * scene.run.seconds / interval
+    if wanted > MOST_SAMPLES:
+        what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
+        fewer = "" if runs == 1 else ", ‹runs›"
+        raise InputError(f"{what} of {wanted:.3g} samples; at most {MOST_SAMPLES}: lower ‹rate_hz›{fewer} or ‹seconds›")
+
+
+def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
+    """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
+    check(plan.scene, interval)
+    result = simulate(plan, number, sample_interval=interval, sample_size=len(COLUMNS))
+    return Trajectory(("t_s", *COLUMNS), sampled(result))
+
+
+def tracks(results: Sequence[RunResult]) -> Trajectory:
+    """Tracks of runs that kept samples of what a trajectory shows; `particle` is the number of the run.
+
+    Runs come by their numbers, each with its own time from the end of its discarded start.
+    """
+    parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
+    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(COLUMNS)))
+    return Trajectory(("t_s", "particle", *COLUMNS), rows)
+
+
+def sampled(result: RunResult) -> Array:
+    """Rows (t in s, then the state's columns) of the samples that a run kept."""
+    samples = result.tally.samples
+    return np.asarray(samples.rows[: samples.cursor[0]])
+
+
+def to_csv(trajectory: Trajectory) -> bytes:
+    """CSV with a header line, every digit kept."""
+    text = io.StringIO()
+    text.write(",".join(trajectory.columns) + "\n")
+    np.savetxt(text, trajectory.rows, fmt="%.17g", delimiter=",")
+    return text.getvalue().encode()
+
+
+def to_npz(trajectory: Trajectory) -> bytes:
+    """NPZ archive with one array per column."""
+    data = io.BytesIO()
+    columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
+    np.savez(data, allow_pickle=False, **columns)
+    return data.getvalue()

@@ -1,0 +1,350 @@
+"""Triangles of a mesh that cross each other, found exactly but for a tolerance, in n log n time.
+
+Triangles are ordered along a Morton curve; a tree of bounding boxes over that order, a binary heap,
+tells which pairs come near each other. Slivers that meet in one corner, as the lid of a cylinder has
+them, are all near each other: they stand together in the order, and the tree knows in which directions
+they are seen from that corner, where only those that are seen alike can meet. Two triangles cross when
+an edge of one passes through the other, and each has corners farther than the tolerance on both sides
+of the other's plane; or when they lie in one plane, face the same way and overlap by more than the
+tolerance. Neighbours along an edge are not compared: where neighbours are turned alike, one can at most
+lie folded upon the other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.numerics.kernels import kernel, lean
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+LEAF = 4
+"""Triangles of a leaf of the tree."""
+
+CROWDED = 32
+"""Triangles in one corner from which on they stand together in the order."""
+
+MORTON_BITS = 16
+SPREAD = ((16, 0x0000FF0000FF), (8, 0x00F00F00F00F), (4, 0x0C30C30C30C3), (2, 0x249249249249))
+"""Shifts and masks that put two zeros between the bits of a number of MORTON_BITS."""
+
+DEEPEST = 128
+"""Size of the stack of a walk down the tree: more than twice the depth for 2^60 triangles."""
+
+
+class Crossings(NamedTuple):
+    """Pairs of triangles that cross each other."""
+
+    number: int
+    pair: tuple[int, int]
+    """One such pair; (-1, -1) without any."""
+
+
+class Shapes(NamedTuple):
+    """Triangles in the order of the tree, as its kernels read them."""
+
+    triangles: Indices
+    """Indices of the vertices, shape (k, 3)."""
+    corners: Array
+    """Places of the vertices, shape (k, 3, 3)."""
+    normals: Array
+    """Unit normals, shape (k, 3); zero for a triangle without area."""
+    low: Array
+    """Least coordinates of each triangle, shape (k, 3), half a tolerance inside."""
+    high: Array
+    """Greatest coordinates of each triangle, shape (k, 3), half a tolerance inside."""
+    apexes: Indices
+    """Crowded corner of each triangle, shape (k,); -1 without any."""
+    vertices: Array
+    """Places of the vertices, shape (n, 3)."""
+
+
+class Tree(NamedTuple):
+    """Heap of boxes: node 1 is all, the leaves follow from `leaves` on."""
+
+    leaves: int
+    low: Array
+    high: Array
+    """Bounds of what is below a node, shape (2 leaves, 6): of places, and of directions seen from its apex."""
+    apexes: Indices
+    """Crowded corner that all triangles below a node share, shape (2 leaves,); -1 without any."""
+
+
+class Scratch(NamedTuple):
+    """Work space of a search."""
+
+    stack: Indices
+    seen: Array
+    """Directions of a triangle's corners, shape (3, 3)."""
+    low: Array
+    high: Array
+    """Bounds of the directions of a triangle, or of a leaf's, shape (3,)."""
+
+
+def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
+    """Find the pairs of triangles that cross by more than a tolerance, in the vertices' unit.
+
+    Vertices of shape (n, 3), finite; triangles of shape (k, 3), neighbours sharing their vertices.
+    Touching within the tolerance is no crossing.
+    """
+    if len(triangles) == 0:
+        return Crossings(0, (-1, -1))
+    apexes = _crowded(triangles)
+    order = np.lexsort((_codes(vertices, triangles), apexes))
+    ordered = triangles[order]
+    leaves = 1
+    while leaves * LEAF < len(ordered):
+        leaves *= 2
+    corners = vertices[ordered]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    first, second, third = corners.transpose(1, 0, 2)
+    low = np.minimum(np.minimum(first, second), third)
+    high = np.maximum(np.maximum(first, second), third)
+    inside = 0.5 * tolerance * (high - low > 2.0 * tolerance)
+    shapes = Shapes(ordered, corners, normals, low + inside, high - inside, apexes[order], vertices)
+    scratch = Scratch(np.empty(DEEPEST, np.int64), np.empty((3, 3)), np.empty(3), np.empty(3))
+    count, one, other = _pairs(shapes, Tree(leaves, *_tree(shapes, leaves, scratch)), scratch, tolerance)
+    found = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
+    return Crossings(int(count), found)
+
+
+def _crowded(triangles: Indices) -> Indices:
+    """Corner of each triangle in which most triangles meet, where it is crowded, else -1; shape (k,)."""
+    valences = np.bincount(triangles.ravel())[triangles]
+    most = valences.argmax(axis=1)
+    rows = np.arange(len(triangles))
+    return np.where(valences[rows, most] > CROWDED, triangles[rows, most], -1)
+
+
+def _codes(vertices: Array, triangles: Indices) -> Indices:
+    """Places of triangles' middles along the Morton curve, shape (k,)."""
+    first, second, third = vertices.T[:, triangles.T].transpose(1, 0, 2)
+    middles = first + second + third  # an axis a row
+    low = middles.min(axis=1, keepdims=True)
+    side = max(float((middles.max(axis=1, keepdims=True) - low).max()), 1e-300)
+    cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
+    for shift, mask in SPREAD:
+        cells = (cells | cells << shift) & mask
+    codes: Indices = cells[0] | cells[1] << 1 | cells[2] << 2
+    return codes
+
+
+@kernel
+def _tree(shapes, leaves, scratch):
+    """Bounds and apexes of the nodes of a `Tree`."""
+    lows = np.full((2 * leaves, 6), np.inf)
+    highs = np.full((2 * leaves, 6), -np.inf)
+    apexes = np.full(2 * leaves, -2)  # -2: empty
+    for number in range(len(shapes.low)):
+        node, apex = leaves + number // LEAF, shapes.apexes[number]
+        apexes[node] = apex if apexes[node] == -2 or apexes[node] == apex else -1
+        if apex >= 0:
+            _seen(shapes, number, apex, scratch, True)
+        for axis in range(3):
+            lows[node, axis] = min(lows[node, axis], shapes.low[number, axis])
+            highs[node, axis] = max(highs[node, axis], shapes.high[number, axis])
+            if apex >= 0:
+                lows[node, 3 + axis] = min(lows[node, 3 + axis], scratch.low[axis])
+                highs[node, 3 + axis] = max(highs[node, 3 + axis], scratch.high[axis])
+    for node in range(leaves - 1, 0, -1):
+        left, right = apexes[2 * node], apexes[2 * node + 1]
+        apexes[node] = left if right == -2 or right == left else -1
+        for axis in range(6):
+            lows[node, axis] = min(lows[2 * node, axis], lows[2 * node + 1, axis])
+            highs[node, axis] = max(highs[2 * node, axis], highs[2 * node + 1, axis])
+    return lows, highs, apexes
+
+
+@lean
+def _pairs(shapes, tree, scratch, tolerance):
+    """Number of crossing pairs, and the first of them in the order of the tree."""
+    total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
+    count, one, other = 0, -1, -1
+    for own in range(leaves, leaves + (total + LEAF - 1) // LEAF):
+        begin, end, apex = LEAF * (own - leaves), min(LEAF * (own - leaves) + LEAF, total), -1
+        stack[0] = 1
+        height = 1
+        while height > 0:
+            height -= 1
+            node = stack[height]
+            if _apart(tree.low, tree.high, own, tree.low, tree.high, node):
+                continue
+            if tree.apexes[node] >= 0:
+                if tree.apexes[node] != apex:
+                    apex = tree.apexes[node]
+                    for first in range(begin, end):
+                        _seen(shapes, first, apex, scratch, first == begin)
+                if _seen_apart(scratch, tree, node):
+                    continue
+            if node < leaves:
+                stack[height] = 2 * node
+                stack[height + 1] = 2 * node + 1
+                height += 2
+            elif node >= own:  # each pair once
+                start = LEAF * (node - leaves)
+                for first in range(begin, end):
+                    for second in range(max(start, first + 1), min(start + LEAF, total)):
+                        if _apart(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
+                            continue
+                        if _cross(shapes, first, second, tolerance):
+                            if count == 0:
+                                one, other = first, second
+                            count += 1
+    return count, one, other
+
+
+@lean
+def _seen(shapes, triangle, apex, scratch, anew):
+    """Set the bounds of the directions (unit vectors) in which a vertex sees a triangle; unless anew, widen them.
+
+    A direction is that of a point w of the flat triangle of the corners' directions, itself w / |w|: no
+    farther from w than 1 - |w|, and |w|^2 is at least the least product of two corners' directions.
+    """
+    seen, count, whole = scratch.seen, 0, False
+    for corner in range(3):
+        if shapes.triangles[triangle, corner] == apex:
+            continue
+        square = 0.0
+        for axis in range(3):
+            seen[count, axis] = shapes.corners[triangle, corner, axis] - shapes.vertices[apex, axis]
+            square += seen[count, axis] * seen[count, axis]
+        whole = whole or square == 0.0
+        for axis in range(3):
+            seen[count, axis] /= np.sqrt(square) if square > 0.0 else 1.0
+        count += 1
+    least = 1.0
+    for i in range(count):
+        for j in range(i):
+            product = seen[i, 0] * seen[j, 0] + seen[i, 1] * seen[j, 1] + seen[i, 2] * seen[j, 2]
+            least = min(least, product)
+    margin = 2.0 if whole or least <= 0.0 else 1.0 - np.sqrt(least) + 1e-14
+    for axis in range(3):
+        if anew:
+            scratch.low[axis], scratch.high[axis] = np.inf, -np.inf
+        for i in range(count):
+            scratch.low[axis] = min(scratch.low[axis], seen[i, axis] - margin)
+            scratch.high[axis] = max(scratch.high[axis], seen[i, axis] + margin)
+
+
+@lean
+def _seen_apart(scratch, tree, node):
+    """True when the directions that were set and those of a node do not meet."""
+    for axis in range(3):
+        if scratch.low[axis] > tree.high[node, 3 + axis] or scratch.high[axis] < tree.low[node, 3 + axis]:
+            return True
+    return False
+
+
+@lean
+def _apart(low, high, one, lows, highs, other):
+    """True when box `one` of the first list and box `other` of the second do not meet."""
+    return (
+        low[one, 0] > highs[other, 0]
+        or high[one, 0] < lows[other, 0]
+        or low[one, 1] > highs[other, 1]
+        or high[one, 1] < lows[other, 1]
+        or low[one, 2] > highs[other, 2]
+        or high[one, 2] < lows[other, 2]
+    )
+
+
+@lean
+def _cross(shapes, one, other, tolerance):
+    """True when two triangles cross each other."""
+    shared = 0
+    for i in range(3):
+        for j in range(3):
+            shared += shapes.triangles[one, i] == shapes.triangles[other, j]
+    if shared > 1:
+        return False
+    parted, level = False, False
+    for first, second in ((one, other), (other, one)):
+        least, most = np.inf, -np.inf
+        for corner in range(3):
+            height = _height(shapes, first, second, corner)
+            least, most = min(least, height), max(most, height)
+        parted = parted or -least <= tolerance or most <= tolerance
+        level = level or max(-least, most) <= tolerance
+    if level:
+        return _overlap(shapes, one, other, tolerance)
+    if parted:
+        return False
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
+        if _pierces(shapes, first, number % 3, second):
+            return True
+    return False
+
+
+@lean
+def _height(shapes, triangle, other, corner):
+    """Height of a corner of another triangle above a triangle's plane."""
+    height = 0.0
+    for axis in range(3):
+        rise = shapes.corners[other, corner, axis] - shapes.corners[triangle, 0, axis]
+        height += rise * shapes.normals[triangle, axis]
+    return height
+
+
+@lean
+def _pierces(shapes, one, edge, other):
+    """True when an edge of a triangle passes through another that has neither of its ends.
+
+    An edge that meets an edge of the other passes: nothing slips between two neighbours.
+    """
+    following = (edge + 1) % 3
+    for corner in range(3):
+        end = shapes.triangles[other, corner]
+        if end == shapes.triangles[one, edge] or end == shapes.triangles[one, following]:
+            return False
+    above, below = _height(shapes, other, one, edge), _height(shapes, other, one, following)
+    if above * below >= 0.0:
+        return False
+    share = above / (above - below)
+    for side in range(3):
+        start = _inside(shapes, other, side, one, edge)
+        end = _inside(shapes, other, side, one, following)
+        if start + share * (end - start) < 0.0:
+            return False
+    return True
+
+
+@lean
+def _inside(shapes, triangle, edge, other, corner):
+    """Distance of another triangle's corner from the line along an edge, positive inside.
+
+    It is measured in the plane of the triangle that has the edge.
+    """
+    following = (edge + 1) % 3
+    length, across = 0.0, 0.0
+    for axis in range(3):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        along = shapes.corners[triangle, following, axis] - shapes.corners[triangle, edge, axis]
+        length += along * along
+        ui = shapes.corners[triangle, following, i] - shapes.corners[triangle, edge, i]
+        uj = shapes.corners[triangle, following, j] - shapes.corners[triangle, edge, j]
+        inward = shapes.normals[triangle, i] * uj - shapes.normals[triangle, j] * ui
+        across += inward * (shapes.corners[other, corner, axis] - shapes.corners[triangle, edge, axis])
+    return across / np.sqrt(length) if length > 0.0 else 0.0
+
+
+@lean
+def _overlap(shapes, one, other, tolerance):
+    """True when two triangles of one plane, facing the same way, overlap: no edge divides them."""
+    facing = 0.0
+    for axis in range(3):
+        facing += shapes.normals[one, axis] * shapes.normals[other, axis]
+    if facing <= 0.0:
+        return False
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
+        deepest = -np.inf
+        for corner in range(3):
+            deepest = max(deepest, _inside(shapes, first, number % 3, second, corner))
+        if deepest <= tolerance:
+            return False
+    return True

@@ -1,0 +1,372 @@
+"""DXF drawings, by ezdxf: closed contours in mm out of people's files, polygons in mm into ours."""
+
+import codecs
+import io
+import itertools
+import math
+import tempfile
+from collections import Counter, deque
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen import extras
+from walkergen.core.errors import InputError
+from walkergen.core.files import reading, words
+from walkergen.readers.drawings import dxf_curves
+from walkergen.readers.drawings.contours import FLATNESS, GAP, MOST_BYTES, Array, Drawing, NoUnitError, Shape, meet
+
+if TYPE_CHECKING:
+    from ezdxf import document as documents
+
+VERSION = "R2000"
+"""Format of what is written: the oldest that states its unit, which every laser cutter reads."""
+
+ANNOTATIONS = {
+    "ARC_DIMENSION",
+    "ATTDEF",
+    "ATTRIB",
+    "DIMENSION",
+    "HATCH",
+    "LEADER",
+    "MTEXT",
+    "MULTILEADER",
+    "POINT",
+    "RAY",
+    "TEXT",
+    "TOLERANCE",
+    "VIEWPORT",
+    "XLINE",
+}
+"""Entities that explain or colour a drawing and are no outline."""
+
+SAID = {"ATTDEF", "ATTRIB", "HATCH", "MTEXT", "TEXT"}
+"""Those that a person may have meant to be cut all the same."""
+
+BINARY = b"AutoCAD Binary DXF"
+"""Beginning of a file that is no text."""
+
+UNPLOTTED = "defpoints"
+"""Layer that no program plots, whatever it says."""
+
+UNITS_MM = {8: 25.4e-6, 9: 25.4e-3, 21: 1200e3 / 3937.0, 22: 100e3 / 3937.0}
+"""Millimetres of units that ezdxf has no size of: microinches, mils, feet and inches of the US survey."""
+
+SHEETS = ((148, 210), (210, 297), (297, 420), (420, 594), (594, 841), (841, 1189), (215.9, 279.4), (279.4, 431.8))
+"""Sides of sheets of paper, mm: A5 to A0, letter, tabloid."""
+
+PAPER_MM = 0.5
+"""Sum of the differences up to which a rectangle is such a sheet, mm."""
+
+BORDER = 0.9
+"""Share of a sheet of paper, along both sides, from which on a rectangle within it is its border."""
+
+LONG_MM = 100.0
+"""Side of a rectangle around all else from which on it is said that it was taken for the body, mm."""
+
+WIDE = 0.01
+"""Width of a polyline over the drawing's longer side from which on it is said that it does not count."""
+
+MENDED = 1e-4
+"""Gap over the drawing's longer side up to which ends are joined with a note: 3 um on 28 mm."""
+
+COMPOSITE = {"LWPOLYLINE", "POLYLINE"}
+"""Entities that are taken apart into others, beside blocks."""
+
+XREF = 4
+"""Flag of a block that is another drawing."""
+
+WHOLE = 1e-9
+"""Share of a turn by which an ellipse may miss its start and be whole."""
+
+MOST_ENTITIES, DEEPEST = 20_000, 16
+"""Entities of a drawing at most, counted as often as blocks repeat them, and blocks in blocks."""
+
+
+def pack(polygons: Sequence[Array]) -> bytes:
+    """DXF file of polygons in mm: a closed polyline each, for laser cutters.
+
+    Equal polygons give equal bytes with one version of ezdxf: no date, no random identifier.
+    Raises InputError where ezdxf is not installed.
+    """
+    extras.require("drawings", "DXF")
+    import ezdxf
+    from ezdxf import units
+
+    with _without_dates():
+        document = ezdxf.new(VERSION, units=units.MM)
+        for polygon in polygons:
+            document.modelspace().add_lwpolyline(polygon.tolist(), close=True)
+        stream = io.StringIO(newline="\n")
+        document.write(stream)
+    return bytes(document.encode(stream.getvalue()))
+
+
+@contextmanager
+def _without_dates() -> Iterator[None]:
+    """Guard in which ezdxf writes fixed dates and identifiers, by a switch of the whole process."""
+    import ezdxf
+
+    options = ezdxf.options
+    before = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        options.write_fixed_meta_data_for_testing = before
+
+
+def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+    """Closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
+
+    Lines and curves that meet within GAP are joined, shorter ones draw nothing; layers that are hidden
+    or do not plot, and ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a
+    sheet. `scale_mm` (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
+    InputError, which begins with `source`, for a file that is no DXF, states no unit while `scale_mm`
+    is None, or holds open or branching lines, or anything else than plane curves.
+    """
+    data = reading.content(path, MOST_BYTES)
+    with reading.by_library(source, "DXF"):
+        return _drawing(data, scale_mm, source)
+
+
+def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
+    """Shape in the bytes of a file; its library raises whatever it likes."""
+    _refuse_ratios(data, source)
+    document = _document(data)
+    scale = _scale(document, data, source) if scale_mm is None else scale_mm
+    entities, notes = _entities(document, source)
+    if not entities:
+        return Drawing([], tuple(notes))
+    size = _size(entities, source)
+    drawn = (dxf_curves.points(entity, FLATNESS * size, source) for entity in entities)
+    visible = [curve for curve in drawn if not np.ptp(curve, axis=0).max() <= GAP * size]  # NaN is told of below
+    curves, doubles = _once(visible, GAP * size)
+    contours, closed = _joined(curves, size, source)
+    contours, frames = _without_frames([scale * contour for contour in contours])
+    if doubles:
+        notes.append(f"left out {words.count(doubles, 'line that is', 'lines that are')} drawn twice")
+    if (wide := max(map(_width, entities))) > WIDE * size:
+        notes.append(f"took lines without their width, up to {wide * scale:.3g} mm: their middle is the outline")
+    return Drawing([Shape(contours, nonzero=False)], (*notes, *closed, *frames))
+
+
+def _refuse_ratios(data: bytes, source: str) -> None:
+    """Raise InputError for an ellipse whose second axis is the longer, which ezdxf would make a circle of."""
+    lines = [] if data.startswith(BINARY) else data.splitlines()
+    kind = b""
+    for code, value in zip(lines[::2], lines[1::2], strict=False):
+        if code.strip() == b"0":
+            kind = value.strip()
+        elif kind == b"ELLIPSE" and code.strip() == b"40" and float(value) > 1.0 + 1e-9:
+            raise InputError(f"{source}: an ELLIPSE has axes of the ratio {float(value):.4g}, at most 1: draw it anew")
+
+
+def _width(entity: Any) -> float:
+    """Width of a polyline, in units of the drawing."""
+    return float(entity.dxf.get("const_width", 0.0)) if entity.dxftype() == "LWPOLYLINE" else 0.0
+
+
+def _once(curves: Sequence[Array], gap: float) -> tuple[list[Array], int]:
+    """Curves without those that lie on an earlier one, drawn either way, and how many these were."""
+    kept: dict[tuple[tuple[float, ...], ...], Array] = {}
+    for curve in curves:
+        loop = meet(curve[0], curve[-1], gap)
+        places = [curve.min(axis=0), curve.max(axis=0)] if loop else sorted([curve[0], curve[-1]], key=tuple)
+        middle = curve[:-1].mean(axis=0) if loop else curve.mean(axis=0)
+        key = tuple(tuple(np.round(place / (10.0 * gap)).tolist()) for place in (*places, middle))
+        kept.setdefault(key, curve)
+    return list(kept.values()), len(curves) - len(kept)
+
+
+def _without_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
+    """Contours without the frame of a sheet of paper that holds all of them, and the border in it."""
+    notes: list[str] = []
+    sheet = np.full(2, np.inf)
+    while (found := _around(contours)) is not None:
+        size = np.ptp(contours[found], axis=0)
+        paper = any(np.abs(np.sort(size) - sides).sum() < PAPER_MM for sides in SHEETS)
+        border = bool((size >= BORDER * sheet).all())
+        if not (paper or border):
+            if size.max() > LONG_MM:
+                notes.append(
+                    f"took the rectangle of {size[0]:.4g} x {size[1]:.4g} mm for the body, and what lies in it for "
+                    "holes; leave it out if it is a frame"
+                )
+            break
+        notes.append(f"left out a frame of {size[0]:.4g} x {size[1]:.4g} mm, {'a' if paper else 'in a'} sheet of paper")
+        contours, sheet = [*contours[:found], *contours[found + 1 :]], size
+    return contours, notes
+
+
+def _around(contours: Sequence[Array]) -> int | None:
+    """Number of the contour that is a rectangle around all others; None where none is."""
+    lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
+    found = int(np.argmax((highs - lows).prod(axis=1)))
+    low, high, others = lows[found], highs[found], np.arange(len(contours)) != found
+    corners = len(contours[found]) == 4 and np.isin(contours[found], [low, high]).all()
+    inside = (low < lows[others]).all() and (highs[others] < high).all()
+    return found if others.any() and corners and inside else None
+
+
+def _document(data: bytes) -> "documents.Drawing":
+    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names.
+
+    Raises InputError where ezdxf is not installed.
+    """
+    extras.require("drawings", "DXF")
+    import ezdxf
+
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "drawing.dxf"
+        copy.write_bytes(data.removeprefix(codecs.BOM_UTF8))
+        try:
+            return ezdxf.readfile(copy)
+        except StopIteration:
+            raise ValueError("it breaks off") from None
+        except OSError:  # names the copy
+            raise ValueError("its first lines are not those of one") from None
+
+
+def _scale(document: "documents.Drawing", data: bytes, source: str) -> float:
+    """Millimetres per unit of the drawing, as $INSUNITS of the file states it."""
+    from ezdxf import units
+
+    # Where a file has no header, ezdxf puts in its own, in metres: ask the file itself.
+    unit = document.units if b"$INSUNITS" in data else 0
+    if unit in UNITS_MM:
+        return UNITS_MM[unit]
+    factor = units.METER_FACTOR[unit] if 0 <= unit < len(units.METER_FACTOR) else None
+    if factor is None:
+        raise NoUnitError(
+            f"{source}: states no unit ($INSUNITS = {unit}): set scale_mm, the mm per unit of the "
+            "drawing (1 for mm, 25.4 for inches)"
+        )
+    return 25.4 if unit == units.IN else units.METER_FACTOR[units.MM] / factor
+
+
+def _entities(document: "documents.Drawing", source: str) -> tuple[list[Any], list[str]]:
+    """Lines and curves of the model space that are seen, blocks and polylines taken apart, and what was left out.
+
+    In a block the layer 0 is that of the block's place; a place on a layer that is off still shows what lies on others.
+    """
+    frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
+    unplotted = {layer.dxf.name.lower() for layer in document.layers if not layer.dxf.get("plot", 1)} | {UNPLOTTED}
+    hidden = frozen | unplotted | {layer.dxf.name.lower() for layer in document.layers if layer.is_off()}
+    waiting = deque((entity, 0, "0") for entity in document.modelspace())
+    found: list[Any] = []
+    left: Counter[str] = Counter()
+    seen = 0
+    while waiting:
+        entity, depth, around = waiting.popleft()
+        kind, seen = entity.dxftype(), seen + 1
+        if seen + len(waiting) > MOST_ENTITIES or depth > DEEPEST:
+            raise InputError(
+                f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than {DEEPEST} deep; simplify it"
+            )
+        layer = around if entity.dxf.layer == "0" else entity.dxf.layer.lower()
+        if entity.dxf.get("invisible", 0) or layer in (frozen if kind == "INSERT" else hidden):
+            left["hidden or not plotted"] += layer != UNPLOTTED
+        elif kind == "INSERT":
+            block = entity.block()
+            left["of another drawing"] += block is not None and bool(block.block.dxf.flags & XREF)
+            copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1) if entity.mcount > 1 else [entity]
+            waiting += [(part, depth + 1, layer) for copy in copies for part in copy.virtual_entities()]
+        elif kind in COMPOSITE and not _straight(entity):
+            if kind == "POLYLINE":
+                _drop_frame(entity)
+            waiting += [(part, depth + 1, layer) for part in entity.virtual_entities()]
+        elif kind not in ANNOTATIONS:
+            found.append(_whole(entity) if kind == "ELLIPSE" else entity)
+        elif kind in SAID:
+            left[kind] += 1
+    counts = [f"{count} {what}" for what, count in sorted(left.items()) if count]
+    return found, [f"left out {', '.join(counts)}"] if counts else []
+
+
+def _whole(ellipse: Any) -> Any:
+    """Ellipse that begins at 0 where it is whole, which programs write from anywhere to there."""
+    turns = (ellipse.dxf.end_param - ellipse.dxf.start_param) / (2.0 * np.pi)
+    if abs(turns - round(turns)) < WHOLE:
+        ellipse.dxf.start_param, ellipse.dxf.end_param = 0.0, 2.0 * np.pi
+    return ellipse
+
+
+def _drop_frame(polyline: Any) -> None:
+    """Leave out of a smoothed polyline the corners that its curve was made of, which no program shows."""
+    from ezdxf.lldxf.const import VTX_SPLINE_FRAME_CONTROL_POINT as FRAME
+
+    polyline.vertices[:] = [vertex for vertex in polyline.vertices if not vertex.dxf.get("flags", 0) & FRAME]
+
+
+def _straight(entity: Any) -> bool:
+    """True for a polyline of straight lines, which is taken as it is."""
+    return entity.dxftype() == "LWPOLYLINE" and not entity.has_arc
+
+
+def _size(entities: Sequence[Any], source: str) -> float:
+    """Longer side of what is drawn, in units of the drawing."""
+    from ezdxf import bbox
+
+    box = bbox.extents(entities, fast=True)
+    size = max(box.size.x, box.size.y) if box.has_data else 0.0
+    if not (np.isfinite(size) and size > 0.0):
+        kinds = ", ".join(sorted({entity.dxftype() for entity in entities})[:5])
+        raise InputError(f"{source}: has no size that can be told; it holds {kinds}")
+    return float(size)
+
+
+def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
+    """Closed contours out of closed curves and of open ones joined end to end; gaps that were closed."""
+    gap, contours, lines = GAP * size, [], []
+    for curve in curves:
+        if not np.isfinite(curve).all():
+            raise InputError(f"{source}: a coordinate is not finite; draw the outline anew")
+        if meet(curve[0], curve[-1], gap):
+            contours.append(curve[:-1])
+        else:
+            lines.append(curve)
+    chains, _ = _chains(lines, gap, source)
+    if all(meet(chain[0], chain[-1], gap) for chain in chains):
+        return [*contours, *(chain[:-1] for chain in chains)], []
+    nearly = [chain for chain in chains if meet(chain[0], chain[-1], MENDED * size)]
+    others = [chain for chain in chains if not meet(chain[0], chain[-1], MENDED * size)]
+    others, gaps = _chains(others, MENDED * size, source)
+    chains = [*nearly, *others]
+    for chain in chains:
+        wide = math.dist(chain[0], chain[-1])
+        if wide > MENDED * size:
+            raise InputError(
+                f"{source}: a line is open: it begins at {_shown(chain[0])} and ends at {_shown(chain[-1])}, "
+                f"{wide:.3g} apart; close it"
+            )
+        gaps.append((chain[-1], wide))
+    notes = [f"closed a gap of {wide:.2g} at {_shown(place)} of the drawing" for place, wide in gaps if wide > gap]
+    return [*contours, *(chain[:-1] for chain in chains)], notes
+
+
+def _chains(curves: Sequence[Array], gap: float, source: str) -> tuple[list[Array], list[tuple[Array, float]]]:
+    """Open curves joined end to end where ends lie within a gap; where they were joined, and how wide apart."""
+    from ezdxf import edgeminer
+
+    if not curves:
+        return [], []
+    edges = [edgeminer.make_edge(tuple(curve[0]), tuple(curve[-1]), payload=curve) for curve in curves]
+    deposit = edgeminer.Deposit(edges, gap_tol=gap)
+    for end in (end for edge in edges for end in (edge.start, edge.end)):
+        if deposit.max_degree > 2 and len(deposit.edges_linked_to(end)) > 2:
+            raise InputError(f"{source}: three lines or more meet in {_shown(end)}; leave the outline alone")
+    chains, joints = [], []
+    for chain in edgeminer.find_all_simple_chains(deposit):
+        # An edge that was turned around in its chain still bears its points as they were drawn.
+        parts = [edge.payload[::-1] if edge.is_reverse else edge.payload for edge in chain]
+        joints += [(one[-1], math.dist(one[-1], other[0])) for one, other in itertools.pairwise(parts)]
+        chains.append(np.vstack([parts[0], *(part[1:] for part in parts[1:])]))
+    return chains, joints
+
+
+def _shown(point: Sequence[float] | Array) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"

@@ -1,0 +1,265 @@
+"""Outlines: shapes of bodies as polygons in mm, from numbers, points and people's drawings.
+
+An outline is a list of polygons, shape (n, 2), mm, without a repeated last point: outer contours
+counter-clockwise, holes clockwise, the outer ones first. The middle of its bounding box is the
+origin. Whatever the outline comes from, it passes `sound`: one piece, no contour that crosses or
+touches itself or another.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import GeometryError, InputError
+from walkergen.readers.drawings import dxf, overlaps, silhouette, svg
+from walkergen.readers.drawings.contours import MOST_POINTS, Shape
+
+Polygon = npt.NDArray[np.float64]
+
+SEGMENTS = 360
+"""Edges of a disc or ellipse: 5.1e-5 of its area is missing, 0.5 micrometres at a disc of 28 mm."""
+
+SMALLEST, LARGEST, FARTHEST = 0.1, 1000.0, 1e9
+"""Limits of an outline's longer side, mm: beyond them a unit was mistaken."""
+
+MOST_CONTOURS = 2000
+"""Contours of an outline at most."""
+
+FLATTEST = 1e-9
+"""Width over length below which the points of a contour lie on a line."""
+
+READERS = {
+    ".svg": svg.read,
+    ".dxf": dxf.read,
+    ".png": silhouette.read,
+    ".jpg": silhouette.read,
+    ".jpeg": silhouette.read,
+}
+
+
+class OverlapError(GeometryError):
+    """Contours that cross or touch."""
+
+
+def disc(diameter: float, source: str = "body.diameter_mm") -> list[Polygon]:
+    """Outline of a disc of this diameter, mm; as an ellipse's. Raises GeometryError."""
+    return ellipse(diameter, diameter, source)
+
+
+def ellipse(length: float, depth: float, source: str = "body.length_mm") -> list[Polygon]:
+    """Outline of an ellipse with these axes along x and y, mm, by SEGMENTS edges.
+
+    The polygon is inscribed, its vertices on the ellipse and its bounding box exact; mirrored in
+    either axis it is the same, bit for bit. Its area is sin(t) / t of the ellipse's, t = 2 pi /
+    SEGMENTS. Raises GeometryError, which begins with `source`.
+    """
+    angles = np.linspace(0.0, 0.5 * np.pi, SEGMENTS // 4 + 1)
+    quarter = np.column_stack([np.cos(angles), np.sin(angles)])
+    quarter[-1] = (0.0, 1.0)
+    left = quarter[-2:0:-1] * np.array([-1.0, 1.0])
+    upper = np.vstack([quarter, left])
+    axes = 0.5 * np.array([length, depth])
+    return sound([Shape([np.vstack([upper, -upper]) * axes], False)], f"{source} = {length:g}")
+
+
+def polygon(points: Sequence[Sequence[float]] | Polygon, source: str = "body.points_mm") -> list[Polygon]:
+    """Outline through a person's points, mm, in either sense; the last is joined to the first.
+
+    Raises GeometryError, which begins with `source`, for fewer than three points, a point that
+    stands twice, or whatever `sound` refuses.
+    """
+    try:
+        corners = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        corners = np.empty(0)
+    where = f"{source} = {len(points)} points"
+    if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
+        raise GeometryError(f"{where}: must be three points [x, y] or more, mm")
+    _, first, number = np.unique(corners, axis=0, return_index=True, return_counts=True)
+    if number.max() > 1:
+        twice = corners[first[number > 1].min()]
+        raise GeometryError(
+            f"{where}: {_shown(twice)} stands there twice; leave one out (the last point is joined "
+            "to the first by itself)"
+        )
+    return sound([Shape([corners], False)], where)
+
+
+class Outline(NamedTuple):
+    """Outline from a file."""
+
+    polygons: list[Polygon]
+    notes: tuple[str, ...]
+    """What was left out of the file or mended, a few words each."""
+
+
+def from_file(
+    path: Path,
+    scale_mm: float | None = None,
+    source: str = "body.outline",
+    length_mm: float | None = None,
+    mend: bool = False,
+    connected: bool = True,
+) -> Outline:
+    """Outline of the closed paths of a drawing, or of a picture's shape, as people see it (SVG has y down).
+
+    Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing, or `length_mm`
+    the length of the whole. Paths inside others are holes, and so on alternately, colours aside; in one SVG path,
+    its fill rule decides. Paths that cross or touch are united where `mend`. Raises InputError for a file that
+    cannot be read as such (shapes/svg.py, dxf.py, silhouette.py), NoUnitError for one that states no unit,
+    GeometryError for a shape that `sound` refuses; all begin with `source` = the name.
+    """
+    where = f"{source} = {path.name!r}"
+    if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
+        raise InputError(f"{where}: scale_mm = {scale_mm:g} must be a number > 0")
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(f"{where}: must be a drawing, .svg or .dxf, or a picture, .png or .jpg")
+    drawing = reader(path, scale_mm if length_mm is None else 1.0, where)
+    shapes, notes = drawing.shapes, drawing.notes
+    if length_mm is not None:
+        shapes = _as_long_as(shapes, length_mm)
+    try:
+        return Outline(sound(shapes, where, connected), notes)
+    except OverlapError as error:
+        if not mend:
+            raise error
+    return Outline(sound([overlaps.united(shapes)], where, connected), (*notes, "united paths that cross or touch"))
+
+
+def _as_long_as(shapes: Sequence[Shape], length: float) -> list[Shape]:
+    """Shapes scaled until all together are so long, mm."""
+    x = np.concatenate([contour[:, 0] for shape in shapes for contour in shape.contours] or [np.zeros(1)])
+    extent = float(np.ptp(x))
+    scale = length / extent if 0.0 < extent < np.inf else 1.0
+    return [Shape([scale * contour for contour in shape.contours], shape.nonzero) for shape in shapes]
+
+
+def sound(shapes: Sequence[Shape], source: str, connected: bool = True) -> list[Polygon]:
+    """Outline of shapes: their contours checked, put in order and centred.
+
+    Raises GeometryError, which begins with `source`, for an outline without contours or area, with
+    a number that is not finite, beyond MOST_POINTS, MOST_CONTOURS or the sizes allowed, with
+    contours that cross or touch, or, where `connected`, of several pieces.
+    """
+    contours = [_distinct(contour) for shape in shapes for contour in shape.contours]
+    try:
+        _check_extent(contours)
+        for contour in contours:
+            _check_simple(contour)
+        _check_apart(contours)
+        levels = _levels(shapes, contours)
+        pieces = [contour for contour, level in zip(contours, levels, strict=True) if level == 0]
+        if connected and len(pieces) > 1:
+            places = " and ".join(_shown(piece.mean(axis=0)) for piece in pieces[:2])
+            raise GeometryError(f"is in {len(pieces)} pieces, as about {places}; join them or keep one")
+    except GeometryError as error:
+        raise type(error)(f"{source}: {error.text}") from None
+    every = np.vstack(pieces)
+    middle = 0.5 * (every.min(axis=0) + every.max(axis=0))
+    return [
+        _turned(contour - middle, counter_clockwise=level == 0)
+        for wanted in (0, 1)
+        for contour, level in zip(contours, levels, strict=True)
+        if level == wanted
+    ]
+
+
+def area(polygon: Polygon) -> float:
+    """Area enclosed by a polygon, mm^2; negative when its points go clockwise."""
+    x, y = (polygon - polygon[:1]).T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def _distinct(contour: Polygon) -> Polygon:
+    """Contour without points that their successor repeats."""
+    kept: Polygon = contour[np.any(contour != np.roll(contour, -1, axis=0), axis=1)]
+    return kept
+
+
+def _check_extent(contours: Sequence[Polygon]) -> None:
+    """Raise GeometryError unless points are finite, their number and the whole size as allowed."""
+    if not contours:
+        raise GeometryError("draws no closed path")
+    number = sum(map(len, contours))
+    if number > MOST_POINTS or len(contours) > MOST_CONTOURS:
+        raise GeometryError(
+            f"has {number} points in {len(contours)} contours, more than {MOST_POINTS} in {MOST_CONTOURS}; simplify it"
+        )
+    every = np.vstack(contours)
+    within = (np.abs(every) <= FARTHEST).all(axis=1)
+    if not within.all():
+        wrong = int(np.flatnonzero(~within)[0]) + 1
+        raise GeometryError(f"point {wrong} is {_shown(every[wrong - 1])}; give finite numbers up to {FARTHEST:g}")
+    size = float(np.ptp(every, axis=0).max()) if len(every) else 0.0
+    if not SMALLEST <= size <= LARGEST:
+        hint = "micrometres" if size > LARGEST else "metres or inches"
+        raise GeometryError(
+            f"is {size:g} mm long, allowed are {SMALLEST:g} to {LARGEST:g} mm; were {hint} taken for millimetres?"
+        )
+
+
+def _check_simple(contour: Polygon) -> None:
+    """Raise GeometryError when a contour encloses nothing, or crosses or touches itself."""
+    from shapely import Polygon as Area
+    from shapely.validation import explain_validity
+
+    centred = contour - contour.mean(axis=0) if len(contour) else contour
+    spread = np.linalg.svd(centred, compute_uv=False) if len(contour) > 2 else np.zeros(2)
+    if len(contour) < 3 or spread[1] <= FLATTEST * spread[0]:
+        raise OverlapError("has points on a line, which enclose no area")
+    enclosed = Area(contour)
+    if not enclosed.is_valid:
+        match = re.search(r"\[(\S+) (\S+)\]", explain_validity(enclosed))
+        place = f" at ({float(match[1]):.6g}, {float(match[2]):.6g}) mm" if match else ""
+        raise OverlapError(f"crosses or touches itself{place}; draw it as one simple loop")
+
+
+def _check_apart(contours: Sequence[Polygon]) -> None:
+    """Raise GeometryError when two contours cross or touch, as where one is drawn twice."""
+    from shapely import STRtree, linearrings
+
+    rings = [linearrings(contour) for contour in contours]
+    for first, second in STRtree(rings).query(rings, predicate="intersects").T:
+        if first < second:
+            common = rings[first].intersection(rings[second]).representative_point()
+            raise OverlapError(
+                f"has two paths that cross or touch at ({common.x:.6g}, {common.y:.6g}) mm; unite "
+                "them, or leave one out if it is drawn twice"
+            )
+
+
+def _levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | None]:
+    """0 for an outer contour, 1 for a hole, None for a line inside what its fill rule fills."""
+    from shapely import STRtree, points, polygons
+
+    owners = [number for number, shape in enumerate(shapes) for _ in shape.contours]
+    turns = [1 if area(contour) > 0.0 else -1 for contour in contours]
+    around: list[list[int]] = [[] for _ in contours]  # contours do not cross: a point will do
+    tree = STRtree([polygons(contour) for contour in contours])
+    starts = points(np.array([contour[0] for contour in contours]))
+    for inner, outer in tree.query(starts, predicate="within").T:
+        around[inner].append(int(outer))
+
+    def drawn(number: int) -> bool:
+        own = owners[number]
+        outside = sum(turns[outer] for outer in around[number] if owners[outer] == own)
+        return not shapes[own].nonzero or (outside == 0) != (outside + turns[number] == 0)
+
+    seen = [drawn(number) for number in range(len(contours))]
+    return [
+        sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None for number in range(len(contours))
+    ]
+
+
+def _turned(contour: Polygon, counter_clockwise: bool) -> Polygon:
+    turned = contour if (area(contour) > 0.0) == counter_clockwise else contour[::-1]
+    return np.ascontiguousarray(turned)
+
+
+def _shown(point: Polygon) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"

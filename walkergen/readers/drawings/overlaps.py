@@ -1,0 +1,109 @@
+"""Drawings whose paths cross or touch, mended: united to contours that do neither, and pieces of an outline."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import manifold3d
+import numpy as np
+
+from walkergen.readers.drawings.contours import Array, Shape
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+TOUCH = 0.02
+"""Radius, over the drawing's longer side, of the disc that joins parts that meet in a point."""
+
+GRID = 1e-7
+"""Grid, over the drawing's longer side, on which contours meet."""
+
+SLIVER = 1e-6
+"""Area over the largest below which a piece or a hole is rounding."""
+
+FINE = 2.0**20
+"""Size to which drawings are brought for manifold3d, which rounds to 1e-8 units."""
+
+
+def united(shapes: Sequence[Shape]) -> Shape:
+    """One shape whose contours neither cross nor touch, from shapes that may.
+
+    Each is filled by its own rule. Of two, the smaller is a hole where it lies within the larger, as in
+    `outlines.sound`, and is united with it where they cross. What meets in a point alone is joined.
+    """
+    import shapely
+
+    regions = sorted(filter(None, map(_region, shapes)), key=lambda region: -_filled(region).area)
+    whole: BaseGeometry = shapely.Polygon()
+    for region in regions:
+        within = whole.contains(region)
+        whole = whole.difference(region) if within else whole.union(region)
+    if whole.is_empty:
+        return Shape([], nonzero=False)
+    left, low, right, high = whole.bounds
+    size = max(right - left, high - low)
+    whole = shapely.set_precision(whole, GRID * size)
+    whole = shapely.union_all([whole, *(point.buffer(TOUCH * size) for point in _touching(whole, GRID * size))])
+    polygons = [polygon for polygon in shapely.get_parts(whole) if polygon.area > 0.0]
+    least = SLIVER * max((polygon.area for polygon in polygons), default=0.0)
+    rings = [
+        np.asarray(ring.coords)[:-1]
+        for polygon in polygons
+        if polygon.area > least
+        for ring in (polygon.exterior, *polygon.interiors)
+        if shapely.Polygon(ring).area > least
+    ]
+    return Shape(rings, nonzero=False)
+
+
+def _region(shape: Shape) -> "BaseGeometry":
+    """What a shape fills, by its rule."""
+    import shapely
+
+    contours = [contour for contour in shape.contours if len(contour) > 2]
+    if not contours:
+        return shapely.Polygon()
+    every = np.vstack(contours)
+    middle, size = every.mean(axis=0), float(np.ptp(every, axis=0).max()) or 1.0
+    rule = manifold3d.FillRule.NonZero if shape.nonzero else manifold3d.FillRule.EvenOdd
+    section = manifold3d.CrossSection([(FINE / size) * (contour - middle) for contour in contours], rule)
+    whole: BaseGeometry = shapely.Polygon()
+    for ring in section.to_polygons():
+        whole = whole.symmetric_difference(shapely.Polygon(np.asarray(ring) * (size / FINE) + middle).buffer(0.0))
+    return whole
+
+
+def _filled(region: "BaseGeometry") -> "BaseGeometry":
+    """Region without its holes."""
+    import shapely
+
+    return shapely.union_all([shapely.Polygon(part.exterior) for part in shapely.get_parts(region)])
+
+
+def _touching(region: "BaseGeometry", gap: float) -> "list[BaseGeometry]":
+    """Points in which contours of a region meet, within a gap."""
+    import shapely
+
+    rings = [ring for part in shapely.get_parts(region) for ring in (part.exterior, *part.interiors)]
+    pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=gap).T
+    meetings = [rings[i].intersection(rings[j].buffer(gap)) for i, j in pairs if i < j]
+    return [part.centroid for meeting in meetings for part in shapely.get_parts(meeting)]
+
+
+def pieces(plan: Sequence[Array]) -> "list[BaseGeometry]":
+    """Pieces of an outline, its outer contours with the holes in each, the largest first."""
+    import shapely
+
+    whole: BaseGeometry = shapely.Polygon()
+    for contour in plan:
+        whole = whole.symmetric_difference(shapely.Polygon(contour))
+    return sorted(shapely.get_parts(whole), key=lambda piece: -piece.area)
+
+
+def contours(region: "BaseGeometry") -> list[Array]:
+    """Contours of a polygon, or of several: the outer ones counter-clockwise, then holes clockwise."""
+    import shapely
+
+    parts = shapely.get_parts(region.normalize()).tolist()
+    outer = [np.asarray(shapely.geometry.polygon.orient(part).exterior.coords)[:-1] for part in parts]
+    holes = [np.asarray(ring.coords)[:-1] for part in parts for ring in shapely.geometry.polygon.orient(part).interiors]
+    return [np.ascontiguousarray(ring) for ring in (*outer, *holes)]

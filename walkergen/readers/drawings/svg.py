@@ -1,0 +1,337 @@
+"""SVG drawings: closed contours in mm out of people's files, and polygons in mm into ours.
+
+A file is read in three steps. XML is taken apart with the standard library, and nothing of it is
+fetched. Style sheets become attributes (`svg_styles`). What somebody sees is found by one walk of the
+tree (`svg_elements`), and flattened here.
+"""
+
+import math
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+from xml.parsers import expat
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import reading, words
+from walkergen.readers.drawings.contours import (
+    FLATNESS,
+    GAP,
+    MOST_BYTES,
+    Array,
+    Drawing,
+    NoUnitError,
+    Shape,
+    flatten,
+    meet,
+)
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+    from walkergen.readers.drawings.svg_elements import Clip, Drawn, Tree
+
+MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0, "pc": 25.4 / 6.0, "q": 0.25}
+"""Units of length with a size of their own, in mm; a pixel has none until someone prints it."""
+
+LONGEST_ENTITY = 200
+"""Characters of an entity at most: drawing programs keep the names of namespaces in them."""
+
+PAGE = 0.99
+"""Share of the page, along both sides, from which on a white rectangle is the paper."""
+
+FULL = 0.9
+"""Share of its box from which on a shape is a rectangle: corners may be round."""
+
+BEYOND = 0.01
+"""Share of the page by which a shape may reach beyond it without a word."""
+
+LINE = 0.01
+"""Width of lines over the drawing's longer side from which on it is said that it does not count."""
+
+TOUCHED = 1e-6
+"""Share of a shape's area by which a clip path may cut it and leave it as it is: rounding."""
+
+
+def pack(polygons: Sequence[Array]) -> bytes:
+    """SVG file of polygons in mm, y up: one path, its size in mm, for laser cutters.
+
+    The page is the polygons' bounding box; nothing is filled, and lines are a hundredth of a
+    millimetre wide, which cutters take for a cut. Equal polygons give equal bytes.
+    """
+    points = np.vstack(polygons)
+    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+    page = f"{float(right - left)!r}", f"{float(top - bottom)!r}"
+    path = " ".join(
+        "M " + " L ".join(f"{float(x - left)!r},{float(top - y)!r}" for x, y in polygon) + " Z" for polygon in polygons
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{page[0]}mm" height="{page[1]}mm" '
+        f'viewBox="0 0 {page[0]} {page[1]}">\n'
+        f'<path fill="none" stroke="#000000" stroke-width="0.01" fill-rule="evenodd" d="{path}"/>\n'
+        "</svg>\n"
+    ).encode()
+
+
+def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
+    """Closed contours of an SVG file, in mm, y up, a shape for every element that somebody sees.
+
+    `scale_mm` (mm per unit of the drawing, that of its viewBox) comes before the size that the file
+    states. Left out, and noted: elements without colour, and a white page. Raises InputError, which
+    begins with `source`, for a file that is no SVG, states no size in mm, cm, in, pt or pc while
+    `scale_mm` is None, shows a picture or text, or an open path.
+    """
+    data = reading.content(path, MOST_BYTES)
+    with reading.by_library(source, "SVG"):
+        return _drawing(data, scale_mm, source)
+
+
+def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
+    """Shapes in the bytes of a file; its libraries raise whatever they like."""
+    from walkergen.readers.drawings import svg_elements, svg_styles
+
+    root = _tree(data, source)
+    svg_elements.refuse_active(root, source)
+    stated = {key: root.attrib[key] for key in ("width", "height") if _length(root.attrib.get(key, "")) is not None}
+    tree = svg_elements.Tree(root, source)
+    try:
+        svg_styles.as_attributes(root, source)
+        root.attrib.update(stated)  # styles of the page are of a window, as 100 %
+        scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
+        page = _page(root, source)
+        drawn = tree.drawn(page[2:])
+        box = _box(drawn)
+        if not np.isfinite(box).all():
+            raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
+        size = float((box[1] - box[0]).max()) if drawn else 0.0
+        shapes = [_shape(one, size, source) for one in drawn]
+    except RecursionError:
+        raise InputError(f"{source}: elements are nested too deeply") from None
+    except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
+        raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
+    shapes, notes = _without_page(drawn, shapes, page)
+    notes = [*_notes(tree), *notes]
+    if beyond := sum(_beyond(shape, page) for shape in shapes):
+        notes.append(f"took {words.count(beyond, 'shape', 'shapes')} whole that the page's edge cuts in a browser")
+    if (line := max((one.line for one in drawn), default=0.0)) > LINE * size:
+        notes.append(f"took lines without their width, up to {line * scale[0]:.3g} mm: their middle is the outline")
+    turned = np.array([scale[0], -scale[1]])  # people see y down; the shape has it up
+    return Drawing([Shape([own * turned for own in shape.contours], shape.nonzero) for shape in shapes], tuple(notes))
+
+
+def _notes(tree: "Tree") -> list[str]:
+    """What is to be said of elements that do not count."""
+    notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
+    if tree.filtered:
+        notes.append(f"left out {words.count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge")
+    return notes
+
+
+def _without_page(
+    drawn: "Sequence[Drawn]", shapes: list[Shape], page: Sequence[float]
+) -> tuple[list[Shape], list[str]]:
+    """Shapes without the paper, and what is to be said of it."""
+    whole = [_covers(shape, page) for shape in shapes]
+    paper = [covers and one.white for covers, one in zip(whole, drawn, strict=True)]
+    if any(paper) and not all(paper):
+        left = [shape for shape, white in zip(shapes, paper, strict=True) if not white]
+        return left, ["left out a white rectangle as large as the page"]
+    if any(whole) and not all(whole):
+        return shapes, ["took a rectangle as large as the page for a body, and what lies in it for holes"]
+    return shapes, []
+
+
+def _beyond(shape: Shape, page: Sequence[float]) -> bool:
+    """Whether a shape reaches beyond the page, where that has a size."""
+    points = np.vstack([np.zeros((0, 2)), *shape.contours])
+    low, size = np.array(page[:2]), np.array(page[2:])
+    over = BEYOND * size if np.isfinite(size).all() else np.full(2, np.inf)
+    return bool(((points < low - over) | (points > low + size + over)).any())
+
+
+def _tree(data: bytes, source: str) -> ET.Element:
+    """Root of the XML; entities from elsewhere, or that could grow, are refused before they act."""
+
+    def refuse(what: str) -> NoReturn:
+        raise InputError(f"{source}: holds {what}; save it as a plain SVG")
+
+    def entity(name: str, parameter: int, value: str | None, *elsewhere: Any) -> None:
+        if parameter or value is None or "&" in value or len(value) > LONGEST_ENTITY:
+            refuse(f"an entity ({name[:40]}) that is more than a few plain letters")
+
+    def instruction(target: str, _: str) -> None:
+        if target == "xml-stylesheet":
+            refuse("a style sheet from elsewhere")
+
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler, parser.ProcessingInstructionHandler = entity, instruction
+    try:
+        parser.Parse(data, True)
+        root = ET.fromstring(data)
+    except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:
+        raise InputError(f"{source}: is no SVG file: {error}") from None
+    name = str(root.tag).rpartition("}")[2]
+    if name != "svg":
+        raise InputError(f"{source}: is no SVG file: its root is <{name[:40]}>")
+    return root
+
+
+def _page(root: ET.Element, source: str) -> tuple[float, float, float, float]:
+    """Left, top, width and height of the page in the drawing's units; infinite without any."""
+    from walkergen.readers.drawings.svg_elements import PIXELS
+    from walkergen.readers.drawings.svg_matrices import view_box
+
+    if "viewBox" in root.attrib:
+        return view_box(root.attrib["viewBox"], source)
+    sides = []
+    for key in ("width", "height"):
+        match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]*)\s*", root.attrib.get(key, ""))
+        unit = PIXELS.get(match[2].lower()) if match else None
+        sides.append(float(match[1]) * unit if match and unit else math.inf)
+    return 0.0, 0.0, sides[0], sides[1]
+
+
+def _scale(root: ET.Element, source: str) -> tuple[float, float]:
+    """Sizes in mm of a unit of the drawing along x and y, from the page's size and its viewBox."""
+    from walkergen.readers.drawings.svg_matrices import fitted, view_box
+
+    page = [_length(root.attrib.get("width", "")), _length(root.attrib.get("height", ""))]
+    for own, (key, length) in enumerate(zip(("height", "width"), page, strict=True)):
+        follows = page[1 - own] is None and root.attrib.get(key, "auto") == "auto" and "viewBox" in root.attrib
+        if length is not None and follows:  # of a page with one side the other is by its viewBox
+            box = view_box(root.attrib["viewBox"], source)
+            page[1 - own] = length * box[3 - own] / box[2 + own]
+    if page[0] is None or page[1] is None:
+        seen = " and ".join(
+            f"{key} = {root.attrib[key][:20]!r}" if key in root.attrib else f"no {key}" for key in ("width", "height")
+        )
+        raise NoUnitError(
+            f"{source}: states no size in mm ({seen}): set scale_mm, the mm per unit of the drawing "
+            "(0.264583 for pixels of 96 to the inch, 0.352778 for those of Illustrator, 72 to the inch)"
+        )
+    if "viewBox" not in root.attrib:
+        return 25.4 / 96.0, 25.4 / 96.0  # CSS: 96 units to the inch
+    box = view_box(root.attrib["viewBox"], source)
+    if not (page[0] / box[2] > 0.0 and page[1] / box[3] > 0.0):
+        raise InputError(f"{source}: a page of {page[0]:g} x {page[1]:g} mm; its width and height must be > 0")
+    matrix = fitted(box, page[0], page[1], root.attrib.get("preserveAspectRatio", ""))
+    return float(matrix[0, 0]), float(matrix[1, 1])
+
+
+def _length(text: str) -> float | None:
+    """Length with a physical unit, in mm; None for any other."""
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
+    try:
+        return float(match[1]) * MM[match[2].lower()] if match else None
+    except (ValueError, KeyError):
+        return None
+
+
+def _box(drawn: "Sequence[Drawn]") -> Array:
+    """Lower and upper corner of what is drawn, in the drawing's units, shape (2, 2)."""
+    corners = [np.zeros((0, 2))]
+    for one in drawn:
+        if (own := one.path.bbox()) is not None:
+            x0, y0, x1, y1 = own
+            around = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], dtype=float)
+            corners.append(around @ one.matrix[:, :2].T + one.matrix[:, 2])
+    every = np.vstack(corners)
+    return np.array([every.min(axis=0), every.max(axis=0)]) if len(every) else np.zeros((2, 2))
+
+
+def _shape(drawn: "Drawn", size: float, source: str) -> Shape:
+    """Contours of a shape in the drawing's units, cut by its clips; chords are for its `size`."""
+    contours = list(_contours(drawn, size, source))
+    for clip in drawn.clips:
+        if contours:
+            contours, nonzero = _cut(contours, drawn.nonzero, clip, size, source)
+            drawn = drawn._replace(nonzero=nonzero)
+    return Shape(contours, drawn.nonzero)
+
+
+def _contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
+    """Contours of a shape that nothing cuts. Raises InputError for an open path."""
+    linear, offset = drawn.matrix[:, :2], drawn.matrix[:, 2]
+    stretch, contours = float(np.linalg.norm(linear, 2)), []
+    for subpath in drawn.path.as_subpaths():
+        own = _points(subpath, FLATNESS * size / max(stretch, 1e-300))
+        if len(own) < 2:
+            continue  # a pen that is moved and draws nothing
+        points = own @ linear.T + offset
+        if meet(points[0], points[-1], GAP * size):
+            points = points[:-1]
+        elif type(list(subpath)[-1]).__name__ != "Close":
+            raise InputError(
+                f"{source}: a path is open: it begins at {_shown(own[0])} and ends at "
+                f"{_shown(own[-1])} of the drawing; close it (Z), leave it out, or make a path of its stroke"
+            )
+        contours.append(points)
+    return contours
+
+
+def _cut(contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str) -> tuple[list[Array], bool]:
+    """What a window leaves of contours, and their fill rule; untouched where it cuts nothing."""
+    from shapely import union_all
+
+    window = union_all([_area(*_shape(one, size, source)) for one in clip.shapes])
+    area = _area(contours, nonzero)
+    left = area.intersection(window)
+    if left.area >= (1.0 - TOUCHED) * area.area:
+        return list(contours), nonzero
+    pieces = [piece for piece in getattr(left, "geoms", [left]) if piece.geom_type == "Polygon" and piece.area > 0.0]
+    rings = [ring for piece in pieces for ring in (piece.exterior, *piece.interiors)]
+    return [np.array(ring.coords)[:-1] for ring in rings], False
+
+
+def _area(contours: Sequence[Array], nonzero: bool) -> "BaseGeometry":
+    """Area that contours fill by a rule."""
+    from shapely import Polygon, union_all
+
+    rings = [Polygon(contour).buffer(0.0) for contour in contours if len(contour) > 2]
+    if nonzero:
+        return union_all(rings)
+    whole: BaseGeometry = Polygon()
+    for ring in rings:
+        whole = whole.symmetric_difference(ring)
+    return whole
+
+
+def _covers(shape: Shape, page: Sequence[float]) -> bool:
+    """Whether a shape is a rectangle as large as the page, at its place, its corners round or not."""
+    if len(shape.contours) != 1 or not all(map(math.isfinite, page)):
+        return False
+    x, y = shape.contours[0].T
+    low, high = shape.contours[0].min(axis=0), shape.contours[0].max(axis=0)
+    full = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) >= FULL * math.prod(high - low)
+    inside = np.minimum(high, np.add(page[:2], page[2:])) - np.maximum(low, page[:2])
+    return bool(full and (inside >= PAGE * np.array(page[2:])).all())
+
+
+def _points(subpath: Any, tolerance: float) -> Array:
+    """Points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
+    points: list[Any] = []
+    for segment in subpath:
+        kind = type(segment).__name__
+        if kind == "Move":
+            points.append(segment.end)
+        elif kind in ("Line", "Close"):
+            points += [segment.start, segment.end]
+        else:
+            points += list(flatten(partial(_at, segment), tolerance))
+    return _array(points)
+
+
+def _at(segment: Any, at: Array) -> Array:
+    return _array(segment.npoint(at))
+
+
+def _array(points: Any) -> Array:
+    return np.array([(point[0], point[1]) for point in points], dtype=np.float64)
+
+
+def _shown(point: Array) -> str:
+    return f"({point[0]:.6g}, {point[1]:.6g})"

@@ -1,0 +1,1 @@
+"""Solids from files of meshes, their faults and repairs."""

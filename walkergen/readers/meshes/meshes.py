@@ -1,0 +1,239 @@
+"""Reading of mesh files of any kind: STL, OBJ, PLY, OFF, 3MF, GLB; bodies as they stand there.
+
+Binary STL is read here, 3MF by lib3mf, everything else by trimesh, from the bytes alone: no other
+file and no address that a file may name is opened. Vertices that coincide become one, to the last bit
+or, on open edges, within ROUNDING. What slicers note as cut away is cut away, and what is not printed
+is left out. All of that is noted.
+"""
+
+import codecs
+import hashlib
+import io
+import re
+import zipfile
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import InputError
+from walkergen.core.files import reading, words
+from walkergen.core.shapes import modeller, stl, threemf
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.shapes.threemf import MOST_TRIANGLES, Part
+from walkergen.readers.meshes import faults, glb, obj, repairs
+
+FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
+
+MOST_BYTES = 2**30
+"""Largest file, and largest content of a compressed one."""
+
+FARTHEST = 1e12
+"""Largest coordinate, in the file's unit."""
+
+ROUNDING = 1e-6
+"""Distance over the size of a part up to which corners on open edges are one: some last bits of the
+32-bit floats of STL and 3MF."""
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+
+class Loaded(NamedTuple):
+    """Contents of a mesh file."""
+
+    parts: tuple[Part, ...]
+    """Objects as they are placed; a file without objects, such as STL, is one."""
+    sha256: str
+    """Hash of the file's bytes."""
+    notes: tuple[str, ...]
+    """What was left out, cut away or merged, a few words each."""
+
+
+def load(path: Path, source: str) -> Loaded:
+    """Read a mesh file. Raises InputError, beginning with `source`, for what is not one."""
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise InputError(f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}")
+    data = reading.content(path, MOST_BYTES)
+    if (count := _promised(data, kind)) > MOST_TRIANGLES:
+        raise _too_many(count, source)
+    with reading.by_library(source, kind.upper()):
+        raw, notes = _raw(data, kind, source)
+        welded = [_welded(_part(source, part)) for part in raw]
+    parts = _printed([part for part, _ in welded], source)
+    notes += _left_out([part for part, _ in welded])
+    if merged_corners := sum(count for _, count in welded):
+        notes.append(
+            f"merged {words.count(merged_corners, 'corner that differs', 'corners that differ')} by rounding alone"
+        )
+    count = sum(len(part.triangles) for part in parts)
+    if count == 0:
+        raise InputError(f"{source}: holds no triangles; export the body as a mesh")
+    if count > MOST_TRIANGLES:
+        raise _too_many(count, source)
+    return Loaded(tuple(parts), hashlib.sha256(data).hexdigest(), tuple(notes))
+
+
+def _too_many(count: int, source: str) -> InputError:
+    return InputError(
+        f"{source}: {count} triangles, at most {MOST_TRIANGLES}; simplify the mesh: 100000 are enough for any print"
+    )
+
+
+def _promised(data: bytes, kind: str) -> int:
+    """Triangles that a file seems to hold, at a glance at its bytes; 0 where only a reader can tell."""
+    if kind == "stl":
+        text = not _is_binary_stl(data) and max(data.count(word) for word in (b"endfacet", b"ENDFACET"))
+        return text or (len(data) - stl.HEADER_BYTES) // stl.TRIANGLE.itemsize
+    if kind == "obj":
+        return data.count(b"\nf ") + data.count(b"\nf\t")
+    if kind == "ply":
+        header = re.search(rb"element\s+face\s+(\d{1,12})", data[: data.find(b"end_header")][:100_000])
+        return int(header[1]) if header else 0
+    if kind == "off":
+        words = re.sub(rb"#[^\n]*", b"", data[:100_000]).split(maxsplit=4)[:3]
+        return int(words[2]) if len(words) == 3 and words[2].isdigit() and len(words[2]) < 13 else 0
+    if kind == "glb":
+        return glb.promised(data)
+    return 0
+
+
+def _raw(data: bytes, kind: str, source: str) -> tuple[list[Part], list[str]]:
+    """Parts of a file as they stand there, and notes; the libraries that read it raise whatever they like."""
+    if kind == "3mf":
+        _refuse_bombs(data, source)
+        return threemf.read(data, source), []
+    if kind == "glb":
+        glb.check(data, source)
+    else:
+        data = data.removeprefix(codecs.BOM_UTF8)
+    if kind == "stl" and _is_binary_stl(data):
+        corners, note = stl.unpack(data, source)
+        vertices = corners.astype(np.float64).reshape(-1, 3)
+        return [Part("mesh", vertices, np.arange(len(vertices)).reshape(-1, 3))], [note] if note else []
+    if kind == "stl":
+        data = data.lower()  # words of the format may be written either way
+    parts = _by_trimesh(obj.triangulated(data, source) if kind == "obj" else data, kind, source)
+    if kind == "glb":  # metres, by its standard
+        return [part._replace(vertices=1000.0 * part.vertices) for part in parts], []
+    return parts, []
+
+
+def _printed(parts: list[Part], source: str) -> list[Part]:
+    """Parts that are printed, less what is cut away from those of their item."""
+    printed = [part for part in parts if part.role == "model"]
+    for number in {part.item for part in parts if part.role == "negative"}:
+        own = [part for part in printed if part.item == number]
+        away = [part for part in parts if part.role == "negative" and part.item == number]
+        for part in own:
+            faults.refuse(Mesh(part.vertices, part.triangles), f"{source}: {part.name}")
+        if not own:
+            continue
+        whole = modeller.solid(Mesh(*joined(tuple(own))[1:3]))
+        for part in away:
+            whole = modeller.evaluated(whole - modeller.solid(Mesh(part.vertices, part.triangles)))
+        mesh = modeller.mesh_of(whole)
+        left = own[0]._replace(vertices=mesh.vertices, triangles=mesh.triangles)
+        printed = [part for part in printed if part.item != number] + [left]
+    return sorted(printed, key=lambda part: part.item)
+
+
+def _left_out(parts: list[Part]) -> list[str]:
+    """What was cut away and what was left out of a file, in words."""
+    roles = Counter(part.role for part in parts)
+    notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
+    if roles["other"]:
+        notes.append(f"left out {words.count(roles['other'], 'part that does not', 'parts that do not')} print")
+    return notes
+
+
+def _welded(part: Part) -> tuple[Part, int]:
+    """Part whose corners along open edges are one within ROUNDING, and the number of those merged."""
+    if not len(part.triangles) or not len(faults.edges(part.triangles).open):
+        return part, 0
+    mesh = Mesh(part.vertices, part.triangles)
+    closer, count = repairs.rims_merged(mesh, ROUNDING * float(np.ptp(part.vertices, axis=0).max()))
+    return part._replace(triangles=closer.triangles), count
+
+
+def joined(parts: tuple[Part, ...]) -> Part:
+    """All parts as one surface; vertices that coincide to the last bit become one."""
+    if len(parts) == 1:
+        return parts[0]
+    starts = np.cumsum([0] + [len(part.vertices) for part in parts])
+    shifted = [part.triangles + start for part, start in zip(parts, starts, strict=False)]
+    vertices = np.concatenate([part.vertices for part in parts])
+    return Part(parts[0].name, *merged(vertices, np.concatenate(shifted)))
+
+
+def merged(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
+    """Vertices that differ, in the order of their coordinates, and the triangles between them."""
+    vertices = vertices + 0.0  # minus zero is zero
+    order = np.lexsort(vertices.T)
+    ordered = vertices[order]
+    fresh = np.ones(len(ordered), bool)
+    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    index = np.empty(len(ordered), np.int64)
+    index[order] = np.cumsum(fresh) - 1
+    return ordered[fresh], index[triangles]
+
+
+def _is_binary_stl(data: bytes) -> bool:
+    """True for STL of the length that its count of triangles makes, or without the words of the text format."""
+    start = stl.HEADER_BYTES + stl.COUNT_BYTES
+    count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
+    whole = len(data) == start + count * stl.TRIANGLE.itemsize
+    words = data[:2000].lstrip().lower()
+    return whole or b"\0" in words or not (words.startswith(b"solid") and (b"facet" in words or b"endsolid" in words))
+
+
+def _part(source: str, part: Part) -> Part:
+    """Part with coinciding vertices merged. Raises InputError for indices and numbers of no use."""
+    vertices, triangles = part.vertices, part.triangles
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise InputError(f"{source}: a triangle has a corner that does not exist; export it anew")
+    bad = int((~np.isfinite(vertices).all(axis=1)).sum())
+    if bad:
+        raise InputError(f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew")
+    if len(vertices) and (far := float(np.abs(vertices).max())) > FARTHEST:
+        raise InputError(f"{source}: a coordinate of {far:.3g}, at most {FARTHEST:g}: export in mm")
+    vertices, triangles = merged(vertices, triangles)
+    return part._replace(vertices=vertices, triangles=triangles)
+
+
+def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
+    """Names, vertices and triangles of all that a file holds, placed as it says."""
+    import trimesh
+
+    try:
+        with np.errstate(all="ignore"):
+            scene: Any = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
+            placed = [(name, *scene.graph[name]) for name in scene.graph.nodes_geometry]
+    except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
+        raise InputError(f"{source}: not a readable {kind} mesh: {reading.reason(error)}") from None
+    parts = []
+    for name, matrix, geometry in placed:
+        mesh = scene.geometry[geometry]
+        if not isinstance(mesh, trimesh.Trimesh):
+            raise InputError(f"{source}: {name[:40]!r} holds points or lines; give a closed mesh")
+        turn, shift = np.asarray(matrix)[:3, :3], np.asarray(matrix)[:3, 3]
+        triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+        if np.linalg.det(turn) < 0.0:  # a mirror image is turned inside out
+            triangles = triangles[:, ::-1]
+        with np.errstate(invalid="ignore"):  # what is not finite is refused by _part
+            vertices = np.asarray(mesh.vertices, np.float64) @ turn.T + shift
+        parts.append(Part(str(name), vertices, triangles))
+    return parts
+
+
+def _refuse_bombs(data: bytes, source: str) -> None:
+    """Raise InputError for what is no archive, or unpacks to more than MOST_BYTES."""
+    try:
+        size = sum(entry.file_size for entry in zipfile.ZipFile(io.BytesIO(data)).infolist())
+    except (zipfile.BadZipFile, ValueError) as error:
+        raise InputError(f"{source}: not a readable 3mf mesh: {error}") from None
+    if size > MOST_BYTES:
+        raise InputError(f"{source}: unpacks to {size} bytes, more than {MOST_BYTES}")

@@ -1,0 +1,66 @@
+"""Faces of OBJ files with more than three corners, cut into triangles as they lie in their plane."""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from walkergen.core.errors import InputError
+from walkergen.core.shapes.mesh import Array
+
+ODD = re.compile(rb"^[^#\n]+#|\t|^ |\\\r?\n", re.MULTILINE)
+"""What trimesh passes over without a word, and with it the line: a comment behind, a tab, a blank before, a line
+that goes on in the next."""
+
+
+def triangulated(data: bytes, source: str) -> bytes:
+    """The same file with corners and triangles alone; a face that is not convex is cut by manifold3d.
+
+    Raises InputError, which begins with `source`, for a face whose corners are not in the file.
+    """
+    text = data.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    lines = [line.partition("#")[0].split() for line in text.splitlines()]
+    if not ODD.search(data) and not any(words[:1] == ["f"] and len(words) > 4 for words in lines):
+        return data
+    corners: list[list[float]] = []
+    cut: list[str] = []
+    for words in lines:
+        if words[:1] == ["v"]:
+            corners.append([_number(word) for word in words[1:4]])
+            cut.append(" ".join(words[:4]))
+        elif words[:1] != ["f"]:
+            cut.append("" if words[:1] in (["vt"], ["vn"], ["vp"]) else " ".join(words))
+        else:
+            # a number from the end counts from the corners so far, as from the start it counts from all
+            places = [int(word.partition("/")[0]) for word in words[1:]]
+            places = [place - 1 if place > 0 else len(corners) + place for place in places]
+            if not all(0 <= place < len(corners) for place in places):
+                raise InputError(f"{source}: a face has a corner that does not exist; export it anew")
+            triangles = [(0, 1, 2)] if len(places) == 3 else _triangles(np.array([corners[at] for at in places]))
+            cut += ["f " + " ".join(str(places[at] + 1) for at in triangle) for triangle in triangles]
+    return "\n".join(cut).encode()
+
+
+def _number(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        return np.nan
+
+
+def _triangles(corners: Array) -> Sequence[Sequence[int]]:
+    """Triangles of a plane polygon in three dimensions, shape (n, 3), turned as it is."""
+    following = np.roll(corners, -1, axis=0)
+    normal = np.cross(corners, following).sum(axis=0)  # Newell's, twice the area
+    turns = np.cross(following - corners, np.roll(corners, -2, axis=0) - following) @ normal
+    count = len(corners)
+    if not np.isfinite(turns).all() or (turns >= 0.0).all():
+        return [(0, at, at + 1) for at in range(1, count - 1)]
+    import manifold3d
+
+    _, _, axes = np.linalg.svd(corners - corners.mean(axis=0))
+    plane = corners @ axes[:2].T
+    if np.linalg.det(np.array([axes[0], axes[1], normal])) < 0.0:
+        plane = plane * np.array([1.0, -1.0])
+    cut: Sequence[Sequence[int]] = manifold3d.triangulate([plane]).tolist()
+    return cut

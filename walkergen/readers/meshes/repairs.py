@@ -1,0 +1,204 @@
+"""Repair of a surface that is not yet a solid: each step does one thing and says what it did.
+
+Vertices along open edges are merged, triangles without area and doubled ones dropped, the turning of
+triangles made one, small holes filled, bodies that overlap united by manifold3d, and
+crumbs beside the largest body dropped. What is still unsound afterwards is for `faults` to refuse;
+a body that crosses itself stays so.
+"""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.files import words
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.readers.meshes import faults
+
+LARGEST_HOLE = 200
+"""Most open edges that are filled: a larger hole is a missing side, not a flaw."""
+
+NEIGHBOURS = 10.0
+"""Distance over the tolerance of crossings up to which vertices of open edges are one."""
+
+CRUMBS = 0.01
+"""Volume of all bodies beside the largest, over the largest, up to which they are dropped."""
+
+
+def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
+    """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
+    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
+        _merged,
+        _without_doubles,
+        _turned,
+        _filled,
+        _turned,
+        _united,
+    )
+    before, changes = mesh, []
+    for step in steps:
+        mesh, change = step(mesh)
+        if change:
+            changes.append(change)
+        if len(mesh.triangles) == 0:
+            break
+    if changes and len(mesh.triangles):
+        changes.append(f"volume {_volume(before)} -> {_volume(mesh)} mm^3")
+    return mesh, tuple(changes)
+
+
+def _volume(mesh: Mesh) -> str:
+    if len(faults.edges(mesh.triangles).open):
+        return "(open)"
+    return f"{faults.shells(mesh).volumes.sum():.6g}"
+
+
+def _merged(mesh: Mesh) -> tuple[Mesh, str]:
+    """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
+    within = NEIGHBOURS * faults.tolerance(mesh)
+    closer, count = rims_merged(mesh, within)
+    return closer, f"merged {count} vertices with others less than {within:.2g} mm away" if count else ""
+
+
+def rims_merged(mesh: Mesh, within: float) -> tuple[Mesh, int]:
+    """Mesh whose vertices along open edges are one where they lie so near, and how many were merged."""
+    from scipy.sparse import coo_matrix, csgraph
+    from scipy.spatial import KDTree
+
+    rim = np.unique(faults.edges(mesh.triangles).open)
+    if not len(rim):
+        return mesh, 0
+    pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
+    links = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
+    groups = coo_matrix(links, (len(rim), len(rim)))
+    number, label = csgraph.connected_components(groups, directed=False)
+    first = np.full(number, len(mesh.vertices))
+    np.minimum.at(first, label, rim)
+    index = np.arange(len(mesh.vertices))
+    index[rim] = first[label]
+    return Mesh(mesh.vertices, index[mesh.triangles]), len(rim) - number
+
+
+def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
+    """Drop triangles without area; of equal ones keep one, of two back to back none."""
+    triangles = mesh.triangles
+    real = ~(triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    triangles = triangles[real]
+    corners = np.sort(triangles, axis=1)
+    start = np.argmin(triangles, axis=1)
+    following = triangles[np.arange(len(triangles)), (start + 1) % 3]
+    turned = np.where(following == corners[:, 1], 1, -1)
+    _, first, index = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    index = index.reshape(-1)
+    net = np.bincount(index, weights=turned, minlength=len(first)).astype(np.int64)
+    # The first of each group that is turned as most of the group are
+    wanted = np.flatnonzero(turned * np.sign(net)[index] > 0)
+    keep = np.sort(wanted[np.unique(index[wanted], return_index=True)[1]])
+    flat, doubled = int((~real).sum()), len(triangles) - len(keep)
+    drops = [f"{flat} triangles without area"] * (flat > 0) + [f"{doubled} doubled"] * (doubled > 0)
+    return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(drops)}" if drops else ""
+
+
+def _filled(mesh: Mesh) -> tuple[Mesh, str]:
+    """Close small holes by fans of triangles, of whose edges none is there already."""
+    rim = faults.edges(mesh.triangles).open
+    if not 0 < len(rim) <= LARGEST_HOLE:
+        return mesh, ""
+    near = mesh.triangles[np.isin(mesh.triangles, rim).any(axis=1)]
+    there = {(a, b) for row in near.tolist() for a, b in zip(row, (*row[1:], row[0]), strict=True)}
+    fans: list[tuple[int, int, int]] = []
+    vertices = mesh.vertices
+    pairs = set(map(tuple, rim.tolist()))
+    for hole in _holes(mesh.vertices, [edge for edge in sorted(there) if (min(edge), max(edge)) in pairs]):
+        for start in range(len(hole)):
+            first, *others = hole[start:] + hole[:start]
+            if not any((first, other) in there or (other, first) in there for other in others[1:-1]):
+                fans += [(first, ahead, behind) for behind, ahead in pairwise(others)]
+                break
+        else:  # about a new vertex in its middle
+            fans += [(len(vertices), ahead, behind) for behind, ahead in pairwise([*hole, hole[0]])]
+            vertices = np.vstack([vertices, mesh.vertices[hole].mean(axis=0)])
+    if not fans:
+        return mesh, ""
+    filled = Mesh(vertices, np.concatenate([mesh.triangles, np.array(fans, np.int64)]))
+    return filled, f"filled holes of {len(rim)} open edges by {words.count(len(fans), 'triangle', 'triangles')}"
+
+
+def _holes(vertices: Array, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
+    """Vertices about each hole, of open edges that run as their triangles do.
+
+    Where holes touch in a vertex the way goes on along the edge that is nearest in direction.
+    """
+    ahead: dict[int, list[int]] = {}
+    for start, end in edges:
+        ahead.setdefault(start, []).append(end)
+    holes = []
+    while ahead:
+        hole = [next(iter(ahead))]
+        while (here := hole[-1]) in ahead:
+            ways = vertices[ahead[here]] - vertices[here]
+            back = vertices[hole[-2]] - vertices[here] if len(hole) > 1 else ways[0]
+            nearest = int(np.argmax(ways @ back / np.linalg.norm(ways, axis=1)))
+            end = ahead[here].pop(nearest)
+            if not ahead[here]:
+                del ahead[here]
+            if end in hole:  # the hole is closed; what led to it goes on
+                holes.append(hole[hole.index(end) :])
+                hole = hole[: hole.index(end) + 1]
+            else:
+                hole.append(end)
+    return holes
+
+
+def _turned(mesh: Mesh) -> tuple[Mesh, str]:
+    """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
+    triangles = mesh.triangles
+    edges = faults.edges(triangles)
+    if len(edges.disagreeing):
+        import trimesh
+
+        agreeing = trimesh.Trimesh(mesh.vertices, triangles, process=False)
+        trimesh.repair.fix_winding(agreeing)
+        triangles = np.asarray(agreeing.faces, np.int64)
+    if not len(edges.open):
+        triangles = _outward(Mesh(mesh.vertices, triangles))
+    ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
+    same = np.any([(mesh.triangles == shifted).all(axis=1) for shifted in ahead], axis=0)
+    number = int((~same).sum())
+    turned = Mesh(mesh.vertices, np.ascontiguousarray(triangles))
+    return turned, f"turned {number} of {len(same)} triangles" if number else ""
+
+
+def _outward(mesh: Mesh) -> faults.Indices:
+    """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
+    pieces = faults.shells(mesh)
+    triangles = mesh.triangles.copy()
+    for number in np.flatnonzero(pieces.volumes < 0.0):
+        mine = pieces.label == number
+        rest = Mesh(mesh.vertices, mesh.triangles[~mine])
+        within = faults.winding(rest, mesh.vertices[triangles[mine][0, 0]])
+        if round(within) % 2 == 0:
+            triangles[mine] = triangles[mine][:, ::-1]
+    return triangles
+
+
+def _united(mesh: Mesh) -> tuple[Mesh, str]:
+    """Unite bodies that overlap; keep the largest if the others are crumbs."""
+    edges = faults.edges(mesh.triangles)
+    if any(len(pairs) for pairs in edges):
+        return mesh, ""
+    pieces = faults.shells(mesh)
+    outward = np.flatnonzero(pieces.volumes > 0.0)
+    if len(outward) < 2 or len(outward) < pieces.number:
+        return mesh, ""
+    solids = [modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number])) for number in outward]
+    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
+    rest = sum(abs(body.volume()) for body in bodies[1:])
+    change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
+    if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
+        dropped = f"dropped {words.count(len(bodies) - 1, 'body', 'bodies')} of {rest:.3g} mm^3 together"
+        return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (change, dropped)))
+    return (modeller.mesh_of(whole), change) if change else (mesh, "")

@@ -1,0 +1,1 @@
+"""Bodies and legs that are found in drawings and meshes; marks and caps."""

@@ -1,0 +1,70 @@
+"""Base plates: a flat plate under a body of any shape, which joins its pieces and gives its legs room."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import joining, modeller
+from walkergen.core.shapes.extrusion import extruded
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.readers.drawings import overlaps
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+THICKNESS_MM = 1.6
+"""Thickness of a plate at most, mm: eight layers. Of a body in plan view it is at most half of the body's."""
+
+RIM_MM = 1.0
+"""Width of a plate beyond the hull of what stands on it, mm."""
+
+LENGTH_MM, WIDTH_MM, GROWTH = 13.0, 7.0, 0.35
+"""Least length and width of a plate, mm, and what they grow by over the height of what stands on it: room
+for legs whose feet stand as far apart as `placing` wants them."""
+
+
+def under_outline(outline: Sequence[Array], thickness: float) -> tuple[list[Array], Mesh]:
+    """Contour of the plate under an outline, its middle at the origin, and both extruded upward from 0, mm."""
+    import shapely
+
+    (contour,) = overlaps.contours(_plate(shapely.union_all(overlaps.pieces(outline)), thickness))
+    middle = 0.5 * (contour.min(axis=0) + contour.max(axis=0))
+    stood = extruded([ring - middle for ring in outline], thickness, pieces=True)
+    plate = extruded([contour - middle], min(THICKNESS_MM, 0.5 * thickness))
+    return [contour - middle], _united([stood, plate])
+
+
+def under_mesh(mesh: Mesh) -> Mesh:
+    """Mesh, y up, with a plate at its lowest level, in which it stands. Raises GeometryError for what floats."""
+    import shapely
+
+    low, high = mesh.vertices[:, 1].min(), mesh.vertices[:, 1].max()
+    plate = _plate(joining.shadow(modeller.solid(mesh)), float(high - low))
+    turned = shapely.affinity.scale(plate, 1.0, -1.0, origin=(0.0, 0.0))  # z to -y
+    x, v, w = (flat := extruded(overlaps.contours(turned), THICKNESS_MM)).vertices.T
+    return _united([mesh, Mesh(np.column_stack([x, low + w, -v]), flat.triangles)])
+
+
+def _plate(shadow: "BaseGeometry", height: float) -> "BaseGeometry":
+    """Plate under what is seen from above as `shadow` and is so high, mm: its hull with a rim.
+
+    About the shadow's centroid it has at least the size that legs need.
+    """
+    import shapely
+
+    x, y = shadow.centroid.x, shadow.centroid.y
+    half = 0.5 * (LENGTH_MM + GROWTH * height), 0.5 * (WIDTH_MM + GROWTH * height)
+    rim = shadow.convex_hull.buffer(RIM_MM)
+    return rim.union(shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])).convex_hull
+
+
+def _united(parts: Sequence[Mesh]) -> Mesh:
+    """One closed mesh of a plate and what stands on it. Raises GeometryError."""
+    solids = [modeller.solid(part) for part in parts]
+    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    if apart := len(modeller.bodies(whole)) - 1:
+        raise GeometryError(f"body.base = true: {apart} pieces float above the plate: lower them onto the others")
+    return modeller.mesh_of(whole)

@@ -1,0 +1,135 @@
+"""Caps: markers on top of walkers, by which a camera above tells place, heading and number.
+
+A cap is a square tile with a marker of OpenCV's ArUco, glued flat onto the middle of the body's
+upper side. The marker's upper edge, on whose side the tile has a notch, points to the front. The
+tile is printed apart, face up: its black cells are pockets to be inked, or stand out to be printed
+in a second colour; or it is paper. Frame of a tile: its middle at the origin, x to the front, y to
+the left, z from 0 up. Source of the bits: OpenCV 5.0, DICT_4X4_100, of which DICT_4X4_50 is the
+first half; Garrido-Jurado et al., Pattern Recognition 47 (2014) 2280.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.extrusion import Engraving, extruded
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker.fittings import MARKER_CELLS, TILE_CELLS, Cap
+
+Array = npt.NDArray[np.float64]
+
+CODES = (
+    "b5320f9a332d9946549e79cd9e2ec4f2fedacf56f99111a70eb72a0f24b1263e466566006c5e76af868bb02bccd5"
+    "dd82fe479471ace4a5542123346f441557b29ecff0cb08ae0929187504ff0df61c5a17182a28328c38b224e82eeb"
+    "2d3f4b64502e5013519455685d415f9768016867612461e96b126fe567df7e1b80a083448ba2937a846c852a859c"
+    "9c899fa1bb7cbc04b65bbfc8b7abca1fc962d958d3d5cc98c7a0c537e95df925fbbbee2af74d35758aad76170acf"
+    "064b2dc149d843f44f364fd369e470c7"
+)
+"""White cells of each marker: four hexadecimal digits, a row each, its left cell highest."""
+
+BORDER = 1
+"""Cells of the black frame around a marker's code."""
+CELLS = MARKER_CELLS - 2 * BORDER
+"""Cells along the side of a marker's code."""
+QUIET = (TILE_CELLS - MARKER_CELLS) // 2
+"""White cells around a marker, without which its edge cannot be found."""
+
+OVERLAP = 0.02
+"""Part of a cell by which black cells of the code overlap those that touch them at a corner only:
+a solid has no edge that four faces share."""
+
+NOTCH = 0.5
+"""Depth of the notch at the front, cells; it is twice as wide."""
+
+HELD = 0.4
+"""Least part of a tile that lies on the body."""
+
+
+def white(number: int) -> npt.NDArray[np.bool_]:
+    """White cells of a whole marker, rows from its upper edge down, shape (6, 6)."""
+    bits = np.array([bit == "1" for bit in f"{int(CODES[4 * number : 4 * number + 4], 16):016b}"])
+    return np.pad(bits.reshape(CELLS, CELLS), BORDER)
+
+
+def symmetric() -> set[int]:
+    """Numbers of markers that are their own mirror images: a mirror shows them turned, no more."""
+    return {
+        number
+        for number in range(len(CODES) // 4)
+        if any((np.rot90(white(number)[:, ::-1], turn) == white(number)).all() for turn in range(4))
+    }
+
+
+def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
+    """Rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
+
+    Cells of the code are larger by a part of a cell on all sides, `overlap`.
+    """
+    half, inner = 0.5 * MARKER_CELLS, 0.5 * CELLS
+    frame = [
+        (-half, inner, half, half),
+        (-half, -half, half, -inner),
+        (-half, -half, -inner, half),
+        (inner, -half, half, half),
+    ]
+    for row, column in np.argwhere(~white(cap.number)[BORDER:-BORDER, BORDER:-BORDER]):
+        x, y = inner - row, inner - column  # the upper left corner of a cell seen from above
+        frame.append((x - 1.0 - overlap, y - 1.0 - overlap, x + overlap, y + overlap))
+    return [
+        cap.cell * np.array([(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y)])
+        for low_x, low_y, high_x, high_y in frame
+    ]
+
+
+def outline(cap: Cap) -> Array:
+    """Outline of a tile with its notch in the middle of the front, counter-clockwise, mm."""
+    half, notch = 0.5 * cap.side, NOTCH * cap.cell
+    return np.array(
+        [(-half, -half), (half, -half), (half, -notch), (half - notch, 0.0), (half, notch), (half, half), (-half, half)]
+    )
+
+
+@lru_cache(maxsize=256)
+def mesh(cap: Cap) -> Mesh:
+    """Closed mesh of a tile as it prints, face up. Raises SolidError."""
+    cells = Engraving(black(cap, OVERLAP), cap.relief_mm)
+    if cap.kind == "engraved":
+        return extruded([outline(cap)], cap.thickness, 0, cells)
+    tile = extruded([outline(cap)], cap.thickness, 0)
+    if cap.kind == "paper":
+        return tile
+    raised = extruded(cells.profiles, cap.thickness + cap.relief_mm, pieces=True)
+    return modeller.mesh_of(modeller.evaluated(modeller.solid(tile) + modeller.solid(raised)))
+
+
+def on_body(cap: Cap, body: Mesh, depth: float) -> Mesh:
+    """Mesh of a cap on the upper side of a body of that depth across the run, in its frame.
+
+    Raises GeometryError for a body whose upper side does not hold it.
+    """
+    top = float(body.vertices[:, 1].max())
+    if (held := _held(cap, body, top, depth)) < HELD:
+        raise GeometryError(
+            f"cap.marker_mm = {cap.marker_mm:g}: {100 * held:.0f} % of the cap's {cap.side:.4g} mm "
+            f"square lie on the middle of the body's upper side, at least {100 * HELD:g} % hold "
+            "it: make it smaller, or the body wider or flat on top",
+            "cap.marker_mm",
+        )
+    x, y, z = mesh(cap).vertices.T  # to the front, to the left, up
+    placed = np.column_stack([x, z + top, 0.5 * depth - y])
+    return mesh(cap)._replace(vertices=placed)
+
+
+def _held(cap: Cap, body: Mesh, top: float, depth: float) -> float:
+    """Part of a tile that lies on what is flat at the top of a body."""
+    import shapely
+
+    corners = body.vertices[body.triangles]
+    flat = corners[(corners[:, :, 1] > top - 1e-6 * max(1.0, abs(top))).all(axis=1)]
+    faces = shapely.union_all([shapely.Polygon(face) for face in flat[:, :, [0, 2]]])
+    half = 0.5 * cap.side
+    tile = shapely.box(-half, 0.5 * depth - half, half, 0.5 * depth + half)
+    return float(faces.intersection(tile).area / tile.area)

@@ -1,0 +1,225 @@
+"""Marks that tell printed parts apart: notches or digits, as rectangles on the body's profile.
+
+Frame: the middle of the body at the origin, x to the front, y up. Both kinds print without
+supports, because the part lies on its side: notches are grooves of the profile and run through the
+whole print, digits are engraved into the flat side that prints last.
+
+Notches count in base two. Every place has its notch, narrow for 0 and wide for 1, so that no place
+has to be guessed from an empty stretch, as where a missing notch means 0; and the mass hardly
+depends on the number, as it would with a tally. The start notch, wider than both, is the
+frontmost: notches are read from there towards the back, highest place first, with the legs down; a
+part seen from its other side has its start on the left and is not misread.
+"""
+
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import NamedTuple
+
+from walkergen.core.walker.fittings import Marks
+
+NARROW, WIDE, START = 1, 2, 3
+"""Widths of notches, in units of two lines; one unit of body stands between two notches."""
+
+SEGMENTS = {
+    "0": "abcdef",
+    "1": "bc",
+    "2": "abdeg",
+    "3": "abcdg",
+    "4": "bcfg",
+    "5": "acdfg",
+    "6": "acdefg",
+    "7": "abc",
+    "8": "abcdefg",
+    "9": "abcdfg",
+    "-": "g",
+    ".": "h",
+}
+"""Lit segments of a seven-segment display: a to f clockwise from the top, g middle, h a point."""
+
+SHORTEST_DIGIT = 5.0
+"""Least height of a digit, in lines: three strokes and two gaps; a lower digit closes up."""
+
+
+class Rectangle(NamedTuple):
+    """Axis-parallel rectangle in the x-y plane, mm."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+
+def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
+    """Mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
+
+    A serial number follows it, or stands alone.
+
+    A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
+    """
+    if marks.kind == "text":
+        return marks.letters
+    if marks.kind != "notches":
+        return _digits(marks, tilt_deg)
+    drawn = " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
+    return drawn if marks.serial is None else f"{drawn} {marks.serial}"
+
+
+def _digits(marks: Marks, tilt_deg: float) -> str:
+    """Digits that are engraved: the tilt's, the serial number, or both as in 10-7; "" without."""
+    numbers = [digits_of(tilt_deg)] if marks.kind == "digits" else []
+    if marks.serial is not None and marks.kind != "text":
+        numbers.append(str(marks.serial))
+    return "-".join(numbers)
+
+
+def digits_of(tilt_deg: float) -> str:
+    """Tilt with all its digits and without an exponent: 10, -7.5."""
+    return format(Decimal(repr(tilt_deg + 0.0)).normalize(), "f")
+
+
+def notches(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
+) -> list[Rectangle]:
+    """Grooves in the upper edge of a body, from front to back; none unless the marks are notches.
+
+    The start lies one unit from the front end. Valid when `problems` reports none.
+    """
+    if marks.kind != "notches":
+        return []
+    unit, top = 2.0 * marks.line_mm, 0.5 * thickness
+    grooves, right = [], 0.5 * length - unit
+    for width in _widths(tilts_deg, tilt_deg):
+        grooves.append(Rectangle(right - width * unit, top - marks.depth_mm, right, top))
+        right -= (width + 1) * unit
+    return grooves
+
+
+def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
+    """Strokes of tilt and serial number about the middle of the body, overlapping where they meet.
+
+    Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
+    Below notches they stand lower by half of those.
+    """
+    line, text = marks.line_mm, _digits(marks, tilt_deg)
+    if not text:
+        return []
+    room = thickness - _notched(marks)
+    height = room - 2.0 * line
+    width = 0.6 * height
+    left = -0.5 * _text_length(text, height, line)
+    bars = []
+    for glyph in text:
+        drawn = _segments(left, height, width, line)
+        bars += [drawn[segment] for segment in SEGMENTS[glyph]]
+        left += _advance(glyph, height, line)
+    down = 0.5 * _notched(marks)
+    return [bar._replace(bottom=bar.bottom - down, top=bar.top - down) for bar in bars]
+
+
+def _notched(marks: Marks) -> float:
+    """Depth of the edge that notches take from digits, mm."""
+    return marks.depth_mm if marks.kind == "notches" else 0.0
+
+
+def problems(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]) -> list[str]:
+    """Reasons why a body of length, thickness, depth (mm) cannot bear its marks, one line each."""
+    length, thickness, depth = body
+    if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
+        return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
+    reasons = []
+    if marks.kind == "notches":
+        reasons += _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
+    if text := _digits(marks, tilt_deg):
+        reasons += _unfit_digits(marks, text, length, thickness - _notched(marks), depth)
+    return reasons
+
+
+def _unfit_notches(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
+) -> list[str]:
+    if tilt_deg not in tilts_deg:
+        return [
+            f"marks.kind = 'notches': they count the tilts in family.tilt_deg, which lack "
+            f"{tilt_deg:g}: add it there, so that its notches never mean another tilt"
+        ]
+    reasons = []
+    widths = [START] + [WIDE] * _places(tilts_deg)
+    room = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
+    if room > length:
+        reasons.append(
+            f"marks.line_mm = {marks.line_mm:g}: notches for {len(tilts_deg)} tilts need "
+            f"{room:.2f} mm, the body is {length:g} mm long: make the line at most "
+            f"{marks.line_mm * length / room:.3f} mm, the family smaller, or use kind = 'digits'"
+        )
+    if marks.depth_mm > thickness / 3.0:
+        reasons.append(
+            f"marks.depth_mm = {marks.depth_mm:g}: must be at most a third of the body's "
+            f"thickness, {thickness / 3.0:.3f} mm, for notches"
+        )
+    return reasons
+
+
+def _unfit_digits(marks: Marks, text: str, length: float, thickness: float, depth: float) -> list[str]:
+    """Reasons why digits do not fit onto a face of length and thickness, mm."""
+    reasons = []
+    serial = marks.serial is not None
+    shallower = "" if marks.kind != "notches" else ", below the notches"
+    instead = "leave out the serial numbers" if serial else "use kind = 'notches'"
+    line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
+    if height < SHORTEST_DIGIT * line:
+        reasons.append(
+            f"marks.line_mm = {line:g}: digits are at least {SHORTEST_DIGIT:g} lines high with "
+            f"one free above and below, {(SHORTEST_DIGIT + 2) * line:.2f} mm; the body is "
+            f"{thickness:g} mm thick{shallower}: make the line at most "
+            f"{thickness / (SHORTEST_DIGIT + 2):.3f} mm or {instead}"
+        )
+    else:
+        room = _text_length(text, height, line) + 2.0 * line
+        if room > length:
+            key = f"marks.serial = {marks.serial}" if serial else "marks.kind = 'digits'"
+            rest = f"or {instead}" if serial else "or use 'notches'"
+            reasons.append(
+                f"{key}: {text[:40]!r} needs {room:.2f} mm, the body is "
+                f"{length:g} mm long: round the tilt, lengthen the body, {rest}"
+            )
+    if marks.depth_mm > depth / 2.0:
+        reasons.append(
+            f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of the body's depth, "
+            f"{depth / 2.0:g} mm, for digits"
+        )
+    return reasons
+
+
+def _places(tilts_deg: Sequence[float]) -> int:
+    """Number of binary places that number all tilts from 1."""
+    return len(tilts_deg).bit_length()
+
+
+def _widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
+    """Widths of a tilt's notches, from the start on, in units."""
+    number = list(tilts_deg).index(tilt_deg) + 1
+    return [START] + [WIDE if bit == "1" else NARROW for bit in f"{number:0{_places(tilts_deg)}b}"]
+
+
+def _advance(glyph: str, height: float, line: float) -> float:
+    """Distance between the left ends of a glyph and of the next, two lines after it, mm."""
+    return (line if glyph == "." else 0.6 * height) + 2.0 * line
+
+
+def _text_length(text: str, height: float, line: float) -> float:
+    return sum(_advance(glyph, height, line) for glyph in text) - 2.0 * line
+
+
+def _segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
+    """Segments of a glyph by letter; neighbours share the square where they meet."""
+    right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
+    return {
+        "a": Rectangle(left, high - line, right, high),
+        "b": Rectangle(right - line, -half, right, high),
+        "c": Rectangle(right - line, low, right, half),
+        "d": Rectangle(left, low, right, low + line),
+        "e": Rectangle(left, low, left + line, half),
+        "f": Rectangle(left, -half, left + line, high),
+        "g": Rectangle(left, -half, right, half),
+        "h": Rectangle(left, low, left + line, low + line),
+    }

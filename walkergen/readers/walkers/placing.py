@@ -1,0 +1,413 @@
+"""Legs that place themselves: rows of them under a body of any outline.
+
+What a person has drawn is taken as it is seen from above. Two rows stand across the walk, their feet as
+far behind the centre of mass as before it, as wide as the outline allows, and in pieces where a hole or
+a notch divides it; between rows that are far apart stand more. What they stand on reaches so far in every
+direction that a walker that leans by LEAN falls back on its feet.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, partial
+from itertools import islice
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.core.errors import GeometryError, InputError, Remedy, SolidError
+from walkergen.core.shapes import joining
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.limbs import Legs, Limb, pair_of
+from walkergen.core.walker.sections import section_of
+from walkergen.readers.drawings import units
+from walkergen.readers.walkers import landing
+from walkergen.readers.walkers.forming import shape_of
+
+if TYPE_CHECKING:
+    from shapely.geometry.base import BaseGeometry
+
+EDGE_MM = 0.2
+"""Distance of a leg from the edge of the outline at least, mm: half a wall that printers draw."""
+
+NARROWEST_MM = 1.0
+"""Least width of a leg, mm."""
+
+SPAN = 13.0 / 28.0
+"""Distance of the rows' feet over the length of the body, that of the paper's walker, where it fits."""
+
+LEAN_DEG = 10.0
+"""Least angle by which a walker may lean, in any direction, and still fall back on its feet, deg."""
+
+STEADY = 2.0 * math.tan(math.radians(LEAN_DEG))
+"""Distance of the feet over the height of the centre of mass at least, by that angle."""
+
+WISHED = 0.5
+"""Distance of the rows' feet over the height of the centre of mass that is wished where the body is short."""
+
+ROWS_APART_MM = 60.0
+"""Distance of neighbouring rows at most: at 60 mm a plate of 3 mm of PLA has its lowest tone between them at
+590 Hz, six times the paper's drive, so that the body counts as rigid."""
+
+LONGEST = 180.0
+"""Length of a body, mm, that fits on the beds of all common printers."""
+
+LARGER = tuple(1.35**step for step in range(1, 8))
+"""Sizes, over a body's own, of which the first that stands is told."""
+
+SHORTER = (0.75, 0.5)
+"""Lengths of legs, over the wished, of which the first that stands is told."""
+
+INCH_MM = units.UNITS["inches"]
+
+SMALL_MM = 3.0
+"""Length of the longest side of a mesh below which it may be in inches, mm."""
+
+STEEP_DEG = 20.0
+"""Tilt of the steepest legs of a family by default, deg."""
+
+TRIES = 61
+"""Distances of the feet that are tried."""
+
+SHIFTS = (0.0, 0.05, -0.05, 0.15, -0.15)
+"""Distances of the middle of the feet from the centre of mass, over theirs, that are tried in turn."""
+
+ROUNDED_MM = 0.01
+"""Distance by which an outline may be simplified, mm."""
+
+Array = npt.NDArray[np.float64]
+
+
+INSETS = (0.0, 0.04, 0.08, 0.12, 0.16, 0.2)
+"""Shares of a mesh's depth by which its outline is drawn in, in turn, until all legs meet the mesh."""
+
+ROUNDING = 1e-9
+"""Largest relative error of a margin."""
+
+DIGITS = 6
+"""Decimals of places and widths, mm: what is symmetric is so to the last bit."""
+
+
+class UnplacedError(GeometryError):
+    """Body under which no legs stand."""
+
+    body: Body
+    legs: Legs
+
+
+class Room(NamedTuple):
+    """Room for legs under a body, seen from above, (along, across), mm."""
+
+    ground: "BaseGeometry"
+    free: "BaseGeometry"
+    """What legs of the least width may cover."""
+    centre: tuple[float, float]
+    """Centre of mass."""
+    radius: float
+    """Distance from it, in every direction, to which feet must reach."""
+
+
+class Reach(NamedTuple):
+    """What a leg takes up along the run, mm, from its foot."""
+
+    back: float
+    """Where it begins: at its foot for a brace, else at the back of its top."""
+    front: float
+
+
+class Row(NamedTuple):
+    """Legs side by side."""
+
+    along: float
+    """Place of their feet along the run, mm."""
+    legs: tuple[tuple[float, float], ...]
+    """Place across and width of each, mm, in the order of their places."""
+
+    @property
+    def width(self) -> float:
+        """Width of all of them, mm."""
+        return sum(width for _, width in self.legs)
+
+    @property
+    def high(self) -> float:
+        """Outer edge of the last, mm."""
+        return self.legs[-1][0] + 0.5 * self.legs[-1][1]
+
+
+class Placement(NamedTuple):
+    """Legs that were found for a body."""
+
+    limbs: tuple[Limb, ...]
+    """The rear row first."""
+    lean_deg: float
+    """Angle by which the walker may lean, in any direction, and still fall back on its feet, deg."""
+
+    @property
+    def words(self) -> str:
+        """What was chosen, in a line."""
+        places = sorted({limb.along for limb in self.limbs})
+        widths = [sum(limb.width for limb in self.limbs if limb.along == place) for place in places]
+        wide = f"{min(widths):.3g}" + (f" to {max(widths):.3g}" if max(widths) - min(widths) > 0.05 else "")
+        return (
+            f"legs found for the body: {len(places)} rows, {wide} mm wide, feet {places[-1] - places[0]:.3g} mm apart; "
+            f"it tips beyond {self.lean_deg:.0f} deg"
+        )
+
+
+@lru_cache(maxsize=4096)
+def find_placement(body_key: str, legs_key: str) -> Placement:
+    """Legs for a body; both as their JSON. They are turned and long as those that are written, at other places.
+
+    Raises UnplacedError where none stand, with what would help.
+    """
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    try:
+        return _placed(body, legs)
+    except GeometryError as error:
+        mistake = UnplacedError(f"legs.place: {error.text}", "legs.place", helps=partial(_remedies, body_key, legs_key))
+        mistake.body, mistake.legs = body, legs
+        raise mistake from None
+
+
+def _placed(body: Body, legs: Legs) -> Placement:
+    """Legs for a body. Raises GeometryError."""
+    import shapely
+
+    size = shape_of(body).size
+    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _ground(body.key)
+    centre, height, reach = (along, across), up - leg.foot_height, _reach(leg)
+    if body.flat:
+        return _placement(leg, rows(ground, centre, height, reach), centre, height)
+    for inset in INSETS:
+        drawn_in = shapely.buffer(ground, -inset * size.depth)
+        if drawn_in.is_empty:
+            break
+        found = _placement(leg, rows(drawn_in, centre, height, reach), centre, height)
+        try:
+            return found._replace(limbs=landing.meet_body(body.key, found.limbs))
+        except GeometryError:  # a leg misses the mesh: farther in there is more of it
+            continue
+    raise GeometryError("its underside is too narrow or too steep for legs")
+
+
+def room(body: Body, legs: Legs) -> Room:
+    """Room for legs under a body. Raises GeometryError for a body that has no shape."""
+    import shapely
+
+    size = shape_of(body).size
+    leg = pair_of(legs, size.depth, -0.5 * size.thickness)[0]
+    ground, (along, up, across) = _ground(body.key)
+    reach = _reach(leg)
+    left, _, right, _ = ground.bounds
+    places = np.linspace(left - reach.front, right - reach.back, 4 * TRIES)
+    covered = _covered(ground.buffer(-EDGE_MM), places + reach.back, places + reach.front)
+    tops = [
+        shapely.box(place + reach.back, low, place + reach.front, high)
+        for place, pieces in zip(places.tolist(), covered, strict=True)
+        for low, high in pieces
+        if high - low >= NARROWEST_MM
+    ]
+    radius = 0.5 * STEADY * (up - leg.foot_height)
+    return Room(ground, shapely.union_all(tops), (along, across), radius)
+
+
+@lru_cache(maxsize=64)
+def _remedies(body_key: str, legs_key: str) -> list[Remedy]:
+    """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
+    body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
+    length = shape_of(body).size.length
+    sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
+    wishes: list[list[tuple[str, dict[str, Any]]]] = [
+        [("read it in inches", {"scale_mm": INCH_MM})] if _tiny(body) else [],
+        [("lay it down", axes) for axes in _other_sides(body)],
+        [("put a plate under it", {"base": True})] if body.sourced and not body.base else [],
+        [(f"make it {size:g} mm long", {"length_mm": size}) for size in sizes if size < LONGEST],
+    ]
+    remedies = []
+    for tries in wishes:
+        helpful = ((words, keys) for words, keys in tries if _stands(body.with_keys(**keys), legs))
+        remedies += [Remedy(words, {f"body.{key}": keys[key] for key in keys}) for words, keys in islice(helpful, 1)]
+    lengths = (float(f"{share * legs.length_mm:.3g}") for share in SHORTER)
+    shorter = (mm for mm in lengths if _stands(body, legs.model_copy(update={"length_mm": mm})))
+    remedies += [Remedy(f"make the legs {mm:g} mm long", {"legs.length_mm": mm}) for mm in islice(shorter, 1)]
+    return [_alone(remedy) for remedy in remedies[:2]] or [Remedy("make the shape wider", {})]
+
+
+def _alone(remedy: Remedy) -> Remedy:
+    """Remedy that leaves out the other key that gives a body's size."""
+    other = {"body.length_mm": "body.scale_mm", "body.scale_mm": "body.length_mm"}
+    return remedy._replace(values={**{other[key]: None for key in remedy.values if key in other}, **remedy.values})
+
+
+def auto(body: Body, legs: Legs) -> list[Remedy]:
+    """That legs place themselves, where they can."""
+    own = legs.model_copy(update={"place": "auto"})
+    return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _stands(body, own) else []
+
+
+def _other_sides(body: Body) -> list[dict[str, Any]]:
+    """How a mesh may lie instead: about the axis that is forward, or on what was its front."""
+    if body.mesh is None or body.legs_below_mm is not None:
+        return []
+    (across,) = set("xyz") - {body.up[-1], body.forward[-1]}
+    return [{"up": across}, {"up": body.forward, "forward": body.up}]
+
+
+def _tiny(body: Body) -> bool:
+    """True for a mesh in a unit that it does not state, too small for one in mm."""
+    unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
+    return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < SMALL_MM
+
+
+def _stands(body: Body, legs: Legs) -> bool:
+    """True for a body under which legs stand, also as steep as a family has them."""
+    try:
+        for tilt in {legs.tilt_deg, max(legs.tilt_deg, STEEP_DEG)}:
+            _placed(body, legs.model_copy(update={"tilt_deg": tilt}))
+    except (InputError, SolidError):
+        return False
+    return True
+
+
+@lru_cache(maxsize=16)
+def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
+    """What a body of its JSON covers, (along, across), and its centre of mass: along, up, across from its middle."""
+    import shapely
+
+    shape = shape_of(Body.model_validate_json(body_key))
+    if shape.plan:
+        outer, *holes = (contour * (1.0, -1.0) for contour in shape.plan)  # the page's up is to the left
+        ground = shapely.Polygon(outer, holes)
+        if shape.mesh is None:
+            return ground, (ground.centroid.x, 0.0, ground.centroid.y)
+    ready = landing.ready(body_key)
+    along, up, across = landing.weighed(body_key).centre.tolist()
+    middle = 0.5 * shape.size.depth
+    if not shape.plan:
+        ground = shapely.affinity.translate(joining.shadow(ready.solid), 0.0, -middle)
+    return ground, (along, up, across - middle)
+
+
+def _reach(leg: Limb) -> Reach:
+    """What a leg takes up along the run, from its foot."""
+    anchor = -leg.anchor_to_foot[0]
+    ends = [anchor - leg.half_width, anchor + leg.half_width]
+    for strut in section_of(leg).struts(leg):
+        ends += [anchor + strut.offset - 0.5 * strut.thickness, anchor + strut.offset + 0.5 * strut.thickness]
+    return Reach(min(ends), max(ends))
+
+
+def _placement(leg: Limb, placed: Sequence[Row], centre: tuple[float, float], height: float) -> Placement:
+    """Legs of rows, each like `leg`."""
+    found = tuple(
+        leg._replace(along=round(row.along, DIGITS), across=round(across, DIGITS), width=round(width, DIGITS))
+        for row in placed
+        for across, width in row.legs
+    )
+    return Placement(found, math.degrees(math.atan2(_margin(placed, centre), height)))
+
+
+def _margin(placed: Sequence[Row], centre: tuple[float, float]) -> float:
+    """Distance, mm, of the centre of mass from the edge of what the feet stand on; 0 outside."""
+    import shapely
+
+    corners = [(row.along, edge) for row in placed for edge in (row.legs[0][0] - 0.5 * row.legs[0][1], row.high)]
+    ground = shapely.MultiPoint(corners).convex_hull
+    point = shapely.Point(centre)
+    return float(ground.boundary.distance(point)) if ground.contains(point) else 0.0
+
+
+def rows(ground: "BaseGeometry", centre: tuple[float, float], height: float, reach: Reach) -> tuple[Row, ...]:
+    """Rows behind and before the centre of mass, (along, across), under a ground seen from above, mm.
+
+    `height` is that of the centre of mass above the plate. Feet stand as far behind it as before it
+    wherever such rows exist, else nearly so. Raises GeometryError where none do.
+    """
+    import shapely
+
+    inner = ground.buffer(-EDGE_MM).simplify(ROUNDED_MM)
+    left, _, right, _ = ground.bounds
+    least, most = STEADY * height, right - left
+    wished = max(SPAN * (right - left), WISHED * height)
+    spans = np.linspace(least, max(most, least), TRIES)
+    for share in SHIFTS:
+        middles = centre[0] + share * spans
+        backs, fronts = (_rows(inner, middles + side * spans, centre[1], reach) for side in (-0.5, 0.5))
+        costs = {}
+        for number, (back, front) in enumerate(zip(backs, fronts, strict=True)):
+            if back is not None and front is not None:
+                narrow = 1.0 - min(back.width, front.width) / (ground.bounds[3] - ground.bounds[1])
+                costs[abs(math.log(spans[number] / wished)) + narrow] = _alike(back, front)
+        for cost in sorted(costs):
+            if _margin(costs[cost], centre) >= 0.5 * STEADY * height * (1.0 - ROUNDING):
+                return _between_rows(costs[cost], inner, centre[1], reach)
+    wide = 2.0 * shapely.maximum_inscribed_circle(ground).length
+    raise GeometryError(
+        f"{right - left:.3g} mm long, {wide:.2g} wide, centre of mass {height:.3g} mm up, it tips from any legs"
+    )
+
+
+def _between_rows(outer: tuple[Row, Row], inner: "BaseGeometry", across: float, reach: Reach) -> tuple[Row, ...]:
+    """Rows with others between them, where these are far apart and there is room."""
+    back, front = outer
+    number = math.ceil((front.along - back.along) / ROWS_APART_MM - ROUNDING)
+    places = np.linspace(back.along, front.along, number + 1)[1:-1]
+    middle = _rows(inner, places, across, reach) if len(places) else []
+    return back, *(row for row in middle if row is not None), front
+
+
+def _rows(inner: "BaseGeometry", places: Array, across: float, reach: Reach) -> list[Row | None]:
+    """Legs whose feet stand at each place along the run, as wide as the ground allows; None for no room.
+
+    They are their own mirror image about the centre of mass, where such pieces are wide enough.
+    """
+    found: list[Row | None] = []
+    for along, pieces in zip(places.tolist(), _covered(inner, places + reach.back, places + reach.front), strict=True):
+        mirrored = [(2.0 * across - high, 2.0 * across - low) for low, high in pieces]
+        both = [(max(a, c), min(b, d)) for a, b in pieces for c, d in mirrored]
+        found.append(_row(along, across, both) or _row(along, across, pieces))
+    return found
+
+
+def _row(along: float, across: float, pieces: Sequence[tuple[float, float]]) -> Row | None:
+    """Legs in those pieces that are wide enough, if the centre of mass lies between the outer ones."""
+    wide = sorted((low, high) for low, high in pieces if high - low >= NARROWEST_MM)
+    if not wide or not wide[0][0] <= across <= wide[-1][1]:
+        return None
+    return Row(along, tuple((0.5 * (low + high), high - low) for low, high in wide))
+
+
+def _covered(inner: "BaseGeometry", backs: Array, fronts: Array) -> list[list[tuple[float, float]]]:
+    """Intervals across the run over which each strip along it is wholly under a ground."""
+    import shapely
+
+    if inner.is_empty:
+        return [[] for _ in backs]
+    _, low, _, high = inner.bounds
+    free = shapely.difference(shapely.box(backs, low, fronts, high), inner)
+    parts, owners = shapely.get_parts(free, return_index=True)
+    shadows: list[list[tuple[float, float]]] = [[] for _ in backs]
+    bounds = shapely.bounds(parts).tolist()
+    for owner, (_, begin, _, end), area in zip(owners, bounds, shapely.area(parts), strict=True):
+        if area > 0.0:
+            shadows[owner].append((begin, end))
+    return [list(_between(sorted(own), low, high)) for own in shadows]
+
+
+def _between(shadows: Sequence[tuple[float, float]], low: float, high: float) -> Iterator[tuple[float, float]]:
+    """Intervals of a range that no shadow, in their order, covers."""
+    for begin, end in shadows:
+        if begin > low:
+            yield low, begin
+        low = max(low, end)
+    if low < high:
+        yield low, high
+
+
+def _alike(back: Row, front: Row) -> tuple[Row, Row]:
+    """Rows of one leg each at one place across: both as wide as the narrower, so that they are equal."""
+    if len(back.legs) != 1 or len(front.legs) != 1 or abs(back.legs[0][0] - front.legs[0][0]) > EDGE_MM:
+        return back, front
+    leg = front.legs[0][0], min(back.width, front.width)
+    return back._replace(legs=(leg,)), front._replace(legs=(leg,))

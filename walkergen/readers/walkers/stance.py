@@ -1,0 +1,113 @@
+"""Stance: walkers turned until they stand on their feet.
+
+A walker stands level unless its design says `stance = "as built"`: then its legs may end at
+different heights of the body's own frame, and the whole is turned in its plane until two feet are
+level. What the rest of the program sees is the walker as it stands: a body that leans, on legs that
+tilt against the plate's normal.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.files.config import Section
+from walkergen.core.shapes.mesh import Array
+from walkergen.core.walker.body import Body
+from walkergen.core.walker.limbs import Leg, Limb, limb_of
+from walkergen.readers.walkers.forming import shape_of
+
+STEEPEST = math.radians(60.0)
+"""Largest lean of a body, rad."""
+
+
+class _Parts(Section):
+    """Tables that are read together, so that a mistake in one is told by its whole key: legs[2].friction."""
+
+    body: Body
+    legs: list[Leg]
+
+
+def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
+    """Data of a design that stands as built, turned until it stands on two feet.
+
+    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands.
+    Raises GeometryError for what does not stand so, and pydantic's errors for wrong keys.
+    """
+    for name in ("motor", "battery"):
+        if data.get(name) is not None:
+            raise GeometryError(f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level")
+    parts = _Parts.model_validate({"body": data.get("body", {}), "legs": _listed(data)})
+    legs, shape = parts.legs, shape_of(parts.body)
+    if shape.side is None:
+        raise GeometryError(
+            "stance = 'as built': is for bodies in side view (a rectangle or profile_mm): make the feet level"
+        )
+    if any(leg.foot == "flat" for leg in legs):
+        raise GeometryError(
+            "stance = 'as built': a flat foot is cut for a level stance; use foot = 'square' or 'round'"
+        )
+    built = [limb_of(leg, follow_deg, shape.size.depth, -0.5 * shape.size.thickness) for leg in legs]
+    back = min(built, key=lambda limb: limb.along)
+    front = max(built, key=lambda limb: limb.along)
+    lean = _lean(back, front)
+    side = _turned(np.asarray(shape.side), lean)
+    low, high = side.min(axis=0), side.max(axis=0)
+    side, middle = side - 0.5 * (low + high), 0.5 * (low + high)
+    table = dict(data.get("body", {}))
+    for key in ("length_mm", "thickness_mm", "profile_mm"):
+        table.pop(key, None)
+    table["profile_mm"] = side.tolist()
+    stood = [
+        _standing(leg, limb, lean, middle, -0.5 * float(high[1] - low[1]))
+        for leg, limb in zip(_listed(data), built, strict=True)
+    ]
+    return {**data, "stance": "level", "body": table, "legs": stood}
+
+
+def _listed(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    legs = data.get("legs")
+    if not isinstance(legs, list) or len(legs) < 2:
+        raise GeometryError("stance = 'as built': needs a list [[legs]] of two legs or more")
+    return legs
+
+
+def _lean(back: Limb, front: Limb) -> float:
+    """Angle (rad, counter-clockwise) by which a body turns until two feet are level."""
+    from scipy.optimize import brentq
+
+    def higher(lean: float) -> float:
+        return float(_foot(front, lean)[1] - _foot(back, lean)[1])
+
+    if higher(-STEEPEST) * higher(STEEPEST) > 0.0:
+        raise GeometryError(
+            "stance = 'as built': the body would lean by more than "
+            f"{math.degrees(STEEPEST):g} deg: make the legs more alike, or put them farther apart"
+        )
+    return float(brentq(higher, -STEEPEST, STEEPEST, xtol=1e-14))
+
+
+def _turned(points: Array, lean: float) -> Array:
+    sin, cos = math.sin(lean), math.cos(lean)
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
+
+
+def _foot(limb: Limb, lean: float) -> Array:
+    """Place at which a leg of a turned walker touches, shape (2,), mm."""
+    turned = limb._replace(tilt=limb.tilt - lean)
+    return _turned(np.array(limb.anchor), lean) + turned.anchor_to_foot
+
+
+def _standing(leg: Mapping[str, Any], limb: Limb, lean: float, middle: Array, bottom: float) -> dict[str, Any]:
+    """Keys of a leg of the walker as it stands; lengths count from its lowest level, `bottom`."""
+    tilt = limb.tilt - lean
+    anchor, foot = _turned(np.array(limb.anchor), lean) - middle, _foot(limb, lean) - middle
+    end = anchor[1] - limb.length * math.cos(tilt)
+    keys = {key: value for key, value in leg.items() if key != "mirrored"}
+    return keys | {
+        "tilt_deg": math.degrees(tilt),
+        "along_mm": float(foot[0]),
+        "length_mm": (bottom - end) / math.cos(tilt),
+    }

@@ -1,0 +1,200 @@
+"""A finished walker from elsewhere: cut at a height into its body and its legs.
+
+Everything below the cut is legs, a closed piece each. The section at the cut gives a leg's anchor,
+thickness and width; its lowest points give the foot. A leg with several struts at the cut, such as
+a brace beside the leg, is measured at the largest of them.
+"""
+
+import math
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+
+from walkergen.core.errors import GeometryError
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Array, Mesh
+from walkergen.core.walker.limbs import Kind, Legs, Limb
+
+FOOT_TOLERANCE = 1e-3
+"""Height above a leg's lowest point up to which points touch the plate, mm: a micrometre."""
+
+MOST_LEGS = 100
+
+SMALLEST_STRUT = 1e-6
+"""Area of a strut's section over the largest of a leg, below which it is rounding."""
+
+
+class CutLeg(NamedTuple):
+    """Leg of a finished walker, measured; places in the mesh's frame, mm."""
+
+    mesh: Mesh
+    """Part below the cut, closed."""
+    anchor: Array
+    """Middle (centroid) of the section at the cut, shape (3,)."""
+    foot: Array
+    """Middle in x and z of the lowest points, within FOOT_TOLERANCE, shape (3,)."""
+    tilt: float
+    """Angle of the line from anchor to foot from the vertical in the x-y plane, rad; positive when
+    the foot lies behind the anchor."""
+    length: float
+    """Distance from anchor to foot in the x-y plane, mm."""
+    thickness: float
+    """Extent of the section along x times the tilt's cosine: across the leg, mm."""
+    width: float
+    """Extent of the section along z, mm."""
+    z: float
+    """Middle of the section along z, mm."""
+    struts: int
+    """Number of separate sections at the cut: 2 for a leg and its brace with air between."""
+
+
+class CutWalker(NamedTuple):
+    """Finished walker, cut."""
+
+    body: Mesh
+    legs: tuple[CutLeg, ...]
+    """Legs from back to front, those at one place from z = 0 on."""
+    whole: Mesh
+    """Walker before the cut."""
+
+    def limbs(self, kind: Kind, depth: float) -> tuple[Limb, ...]:
+        """Return its legs with all their numbers. Raises GeometryError for flexible ones with a brace."""
+        return tuple(_limb_of(leg, kind, number, depth) for number, leg in enumerate(self.legs, start=1))
+
+
+def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> CutWalker:
+    """Cut a sound walker (y up) at a height above its lowest point into body and legs.
+
+    Raises GeometryError, beginning with `key`, when the height is outside of the walker, the body
+    would fall apart, or there are more than MOST_LEGS pieces below.
+    """
+    bottom, top = float(mesh.vertices[:, 1].min()), float(mesh.vertices[:, 1].max())
+    if not 0.0 < below_mm < top - bottom:
+        raise GeometryError(f"{key} = {below_mm:g}: must lie in 0..{top - bottom:.4g} mm, the walker's height")
+    height = bottom + below_mm
+    upper, lower = modeller.solid(mesh).split_by_plane((0.0, 1.0, 0.0), height)
+    tops, pieces = (modeller.bodies(modeller.evaluated(half)) for half in (upper, lower))
+    if len(tops) != 1:
+        raise GeometryError(
+            f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; cut lower or higher"
+        )
+    if not 0 < len(pieces) <= MOST_LEGS:
+        raise GeometryError(
+            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MOST_LEGS} legs; cut elsewhere"
+        )
+    legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
+    ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
+    return CutWalker(modeller.mesh_of(tops[0]), tuple(ordered), mesh)
+
+
+def centred(cut: CutWalker) -> CutWalker:
+    """Walker in the design's frame, that of its body's box."""
+    low, high = cut.body.vertices.min(axis=0), cut.body.vertices.max(axis=0)
+    shift = -0.5 * (low + high)
+    shift[2] = -low[2]
+    return CutWalker(
+        _shifted(cut.body, shift),
+        tuple(
+            leg._replace(
+                mesh=_shifted(leg.mesh, shift),
+                anchor=leg.anchor + shift,
+                foot=leg.foot + shift,
+                z=leg.z + float(shift[2]),
+            )
+            for leg in cut.legs
+        ),
+        _shifted(cut.whole, shift),
+    )
+
+
+def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+    return mesh._replace(vertices=mesh.vertices + shift)
+
+
+def _limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
+    """Return a leg of a finished walker with all its numbers; its foot counts as flat.
+
+    Raises GeometryError for a leg with a brace that is said to be flexible.
+    """
+    if leg.struts > 1 and kind == "flexible":
+        raise GeometryError(
+            f"walker.legs = 'flexible': leg {number} meets the cut in {leg.struts} places, as a "
+            "leg with a brace does: say legs = 'braced', or cut it lower"
+        )
+    plain = Legs(kind=kind)
+    return Limb(
+        kind,
+        leg.tilt,
+        leg.length,
+        leg.thickness,
+        plain.thickness_sd_mm,
+        plain.brace_thickness_mm,
+        "flat",
+        float(leg.foot[0]),
+        leg.z - 0.5 * depth,
+        leg.width,
+        float(leg.anchor[1]),
+        0.0,
+        None,
+        None,
+    )
+
+
+def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
+    """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
+    mesh = modeller.mesh_of(piece)
+    struts = _struts(mesh, height)
+    if not struts:
+        raise GeometryError(f"{source}: a piece below it has no section there; cut elsewhere")
+    points, anchor = struts[0]
+    extent = points.max(axis=0) - points.min(axis=0)
+    foot = _foot(mesh)
+    dx, dy = anchor[0] - foot[0], anchor[1] - foot[1]
+    tilt = math.atan2(dx, dy)
+    return CutLeg(
+        mesh,
+        anchor,
+        foot,
+        tilt,
+        math.hypot(dx, dy),
+        float(extent[0]) * math.cos(tilt),
+        float(extent[2]),
+        float(0.5 * (points[:, 2].max() + points[:, 2].min())),
+        len(struts),
+    )
+
+
+def _foot(mesh: Mesh) -> Array:
+    """Middle in x and z of the lowest points; y of the lowest."""
+    lowest = float(mesh.vertices[:, 1].min())
+    touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE]
+    foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
+    foot[1] = lowest
+    return foot
+
+
+def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
+    """Corners, shape (n, 3), and centroid, shape (3,), of every section at a height, largest first.
+
+    The sections are the flat faces that the cut has left at the top of a leg.
+    """
+    from scipy.sparse import coo_matrix, csgraph
+
+    slack = 1e-9 * max(1.0, float(np.abs(mesh.vertices).max()))
+    top = np.abs(mesh.vertices[:, 1] - height) <= slack
+    lids = mesh.triangles[top[mesh.triangles].all(axis=1)]
+    links = np.ones(2 * len(lids), np.int8), (lids[:, :2].reshape(-1), lids[:, 1:].reshape(-1))
+    size = (len(mesh.vertices), len(mesh.vertices))
+    _, label = csgraph.connected_components(coo_matrix(links, size), directed=False)
+    corners = mesh.vertices[lids]
+    areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
+    struts = []
+    for strut in np.unique(label[lids[:, 0]]):
+        mine = label[lids[:, 0]] == strut
+        area = float(areas[mine].sum())
+        if area > 0.0:
+            centroid = areas[mine] @ corners[mine].mean(axis=1) / area
+            struts.append((area, corners[mine].reshape(-1, 3), centroid))
+    struts.sort(key=lambda strut: -strut[0])
+    return [(points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]]

@@ -1,0 +1,1 @@
+"""Pictures of plates, and sheets of caps."""

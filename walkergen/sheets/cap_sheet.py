@@ -1,0 +1,112 @@
+"""Sheet of markers in true size, to be printed on paper, cut out and glued: PDF, and PNG a page."""
+
+from collections.abc import Sequence
+from io import BytesIO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from walkergen.core.walker.fittings import Cap
+from walkergen.files import figures
+from walkergen.readers.walkers import caps
+
+PAGE_MM = (210.0, 297.0)
+"""Width and height of a page: A4. What is printed fits on US Letter too, but for its lower edge."""
+INCH = 25.4
+DPI = 600
+"""Pixels per inch of the PNG: a cell of 1.2 mm has 28."""
+
+EDGE, TOP, BOTTOM = 15.0, 30.0, 32.0
+"""Free edges of a page at the sides, above (with words) and below (with the rule), mm."""
+APART, BESIDE = 3.0, 6.0
+"""Distance between tiles across and along the page, mm; the second has room for a number."""
+RULE = 100.0
+"""Length of the rule by which a page's size is checked, mm."""
+
+
+def pages(markers: Sequence[Cap]) -> list[Figure]:
+    """Pages with a tile for each cap, all as wide as the widest; fronts point up."""
+    width, height = PAGE_MM
+    side = max(cap.side for cap in markers)
+    across = max(1, int((width - 2 * EDGE + APART) / (side + APART)))
+    down = max(1, int((height - TOP - BOTTOM + BESIDE) / (side + BESIDE)))
+    full = across * down
+    sheets = [markers[first : first + full] for first in range(0, len(markers), full)]
+    return [_page(sheet, number, len(sheets), (side, across)) for number, sheet in enumerate(sheets, 1)]
+
+
+@figures.style({})
+def _page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
+    """One page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
+    width, height = PAGE_MM
+    side, across = grid
+    figure = Figure(figsize=(width / INCH, height / INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_xlim(0.0, width)
+    axes.set_ylim(0.0, height)
+    axes.set_axis_off()
+    for at, cap in enumerate(sheet):
+        row, column = divmod(at, across)
+        x = EDGE + column * (side + APART) + 0.5 * side
+        y = height - TOP - row * (side + BESIDE) - 0.5 * side
+        _tile(axes, cap, (x, y))
+        half = 0.5 * cap.side
+        axes.text(x, y - half - 0.8, str(cap.number), ha="center", va="top", fontsize=6.0)
+    cap = sheet[0]
+    own = "" if count == 1 else f", page {number} of {count}"
+    axes.text(
+        EDGE,
+        height - 12.0,
+        f"walkergen: markers {cap.dictionary} (OpenCV's ArUco), {cap.marker_mm:g} mm wide{own}",
+        fontsize=10.0,
+        va="top",
+    )
+    axes.text(
+        EDGE,
+        height - 17.5,
+        "Print at 100 %, on matt paper. Cut along the grey lines, and glue each flat on its walker "
+        "with the notch to the front.",
+        fontsize=7.5,
+        va="top",
+    )
+    axes.plot([EDGE, EDGE + RULE], [20.0, 20.0], color="black", lw=0.6)
+    for tick in np.arange(0.0, RULE + 1.0, 10.0):
+        axes.plot([EDGE + tick] * 2, [20.0, 22.0], color="black", lw=0.6)
+    axes.text(
+        EDGE,
+        18.5,
+        f"{RULE:g} mm: if yours differ, so do the markers: tell `track` their true size",
+        fontsize=7.5,
+        va="top",
+    )
+    return figure
+
+
+def _tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
+    """Draw a tile about its middle, its front up."""
+
+    def turned(points: caps.Array) -> caps.Array:
+        return np.column_stack([-points[:, 1], points[:, 0]]) + place
+
+    axes.add_patch(Polygon(turned(caps.outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))
+    for cell in caps.black(cap):
+        (left, bottom), (right, top) = turned(cell).min(axis=0), turned(cell).max(axis=0)
+        size = (right - left, top - bottom)
+        axes.add_patch(Rectangle((left, bottom), *size, color="black", linewidth=0.0))
+
+
+def pdf(drawn: Sequence[Figure]) -> bytes:
+    """All pages in one PDF, without the date: equal pages give equal bytes."""
+    buffer = BytesIO()
+    with figures.style(), PdfPages(buffer, metadata={"CreationDate": None, "Title": "walkergen: markers"}) as book:
+        for page in drawn:
+            book.savefig(page)
+    return buffer.getvalue()
+
+
+def pngs(drawn: Sequence[Figure]) -> list[bytes]:
+    """PNG of each page; it says how large it is."""
+    return [figures.png(page, DPI) for page in drawn]

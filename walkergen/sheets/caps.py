@@ -1,0 +1,133 @@
+"""Caps of printed walkers as files: their plates, a list of which is whose, and a paper sheet."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from walkergen.core.errors import InputError
+from walkergen.core.files.tables import csv_text
+from walkergen.core.printing import packing
+from walkergen.core.printing.findings import About, Finding, at, new
+from walkergen.core.printing.packing import Part
+from walkergen.core.printing.printers import Printer
+from walkergen.core.walker import mass
+from walkergen.core.walker.design import Design
+from walkergen.core.walker.fittings import Cap
+from walkergen.readers.walkers import caps
+
+COLUMNS = ("number", "walker", "kind", "dictionary", "marker_mm", "tile_mm", "height_mm", "mass_g")
+"""Columns of caps.csv."""
+
+FINEST_CELL = 2.0
+"""Smallest side of a cell, lines: a white cell between black ones has a line on either side."""
+
+
+class Capped(NamedTuple):
+    """Walker, or copy of one, and the cap that it bears."""
+
+    item: str
+    cap: Cap
+    density_g_cm3: float
+
+    @property
+    def grams(self) -> float:
+        """Mass of the cap, g."""
+        return mass.weigh(caps.mesh(self.cap), 1e-3 * self.density_g_cm3).mass
+
+
+def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
+    """Caps of walkers that have one, numbered on from the first design's number.
+
+    `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
+    for caps that `track` could not read in one film.
+    """
+    bearers = [
+        (design, item, design.cap) for design, item in zip(designs, items, strict=True) if design.cap is not None
+    ]
+    capped: list[Capped] = []
+    for offset, (design, item, own) in enumerate(bearers):
+        first = bearers[0][2]
+        number = first.number + offset
+        if (own.dictionary, own.marker_mm) != (first.dictionary, first.marker_mm):
+            raise InputError(
+                f"{design.name}: cap.dictionary = {own.dictionary!r}, cap.marker_mm = "
+                f"{own.marker_mm:g}: must be those of the other walkers, {first.dictionary!r}, "
+                f"{first.marker_mm:g}: a film has markers of one kind"
+            )
+        if number >= own.count:
+            more = "'4x4_100' has 100" if own.count < 100 else "make fewer copies"
+            raise InputError(
+                f"{design.name}: cap.dictionary = {own.dictionary!r}: has numbers up to "
+                f"{own.count - 1}, and {len(bearers)} caps from {first.number} on need more: {more}"
+            )
+        numbered_cap = own.model_copy(update={"number": number})
+        density = own.density(design.material.density_g_cm3)
+        capped.append(Capped(item, numbered_cap, density))
+    return capped
+
+
+def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
+    """Findings on printed caps: cells against lines, relief against layers."""
+    printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
+    least = FINEST_CELL * printer.line_width_mm
+    what, change = "cells of the caps may close up", "raise cap.marker_mm, or print markers on paper"
+    return [
+        finding
+        for cap, entry in printed.items()
+        if cap.cell < least
+        for finding in at(entry.item, [new(About.CAPS, "warning", what, cap.cell, least, "mm", change)])
+    ]
+
+
+def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes: caps.csv, caps.pdf, caps_PAGE.png, then caps_PRINTER_NUMBER.3mf (or .stl).
+
+    Caps of paper are on the sheet only. Raises PlateError when a cap is too large for a printer.
+    """
+    from walkergen.sheets import cap_sheet  # brings matplotlib
+
+    yield "caps.csv", csv_text(COLUMNS, map(_row, capped)).encode()
+    pages = cap_sheet.pages([entry.cap for entry in capped])
+    yield "caps.pdf", cap_sheet.pdf(pages)
+    for number, data in enumerate(cap_sheet.pngs(pages), start=1):
+        yield f"caps_{number}.png", data
+    printed = [entry.cap for entry in capped if entry.cap.kind != "paper"]
+    meshes = [caps.mesh(cap) for cap in printed]
+    parts = [Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)]
+    for printer in printers if printed else ():
+        for number, plate in enumerate(packing.pack(parts, printer), start=1):
+            name = f"caps_{printer.name}_{number}"
+            suffix, data = packing.plate_file(plate, parts, meshes, printer, name)
+            yield f"{name}{suffix}", data
+
+
+def advice(capped: Sequence[Capped]) -> list[str]:
+    """Lines that say how caps are made, glued, and what they weigh."""
+    first, last = capped[0].cap, capped[-1].cap
+    grams = [entry.grams for entry in capped]
+    how = {
+        "engraved": "print them face up and ink their pockets black",
+        "raised": f"print them face up, and change to black at {first.thickness:g} mm",
+        "paper": "print caps.pdf at 100 % and cut them out",
+    }[first.kind]
+    return [
+        f"caps bear markers {first.number} to {last.number} of {first.dictionary}, "
+        f"{first.marker_mm:g} mm wide: {how}; glue each flat on the middle of the walker that "
+        "caps.csv names, its notch to the front",
+        f"a cap weighs {min(grams):.4f} to {max(grams):.4f} g, which counts in what is predicted "
+        "of a design with this [cap]: weigh walkers with their caps on",
+    ]
+
+
+def _row(entry: Capped) -> tuple[object, ...]:
+    cap = entry.cap
+    height = cap.thickness + (cap.relief_mm if cap.kind == "raised" else 0.0)
+    return (
+        cap.number,
+        entry.item,
+        cap.kind,
+        cap.dictionary,
+        cap.marker_mm,
+        round(cap.side, 6),
+        round(height, 6),
+        round(entry.grams, 7),
+    )

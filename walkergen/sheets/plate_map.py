@@ -1,0 +1,280 @@
+"""Plate map: every part at its place on the bed, from above, with its design, tilt and copy."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.transforms import Bbox
+
+from walkergen.core.printing.packing import Plate
+from walkergen.core.printing.printers import Printer
+from walkergen.core.shapes import modeller
+from walkergen.core.shapes.mesh import Mesh
+from walkergen.core.walker import names, solids
+from walkergen.core.walker.design import Design
+from walkergen.files import figures
+
+Array = npt.NDArray[np.float64]
+
+INCHES = 10.0
+"""Longer side of the bed, or of what is shown of it, in the picture, inches."""
+MARGIN, FLATTEST = 0.03, 0.3
+"""Room around the parts over the longer side of the bed; least height of a map over its width."""
+FULL = 0.6
+"""Share of the bed from which on the map shows all of it."""
+KEY = 0.12
+"""Width of the small picture of the bed over that of the map."""
+LINE_INCHES = 0.175
+"""Height of a line of words below the picture, inches."""
+WORDS = 10.0
+"""Size of the words around a map, points."""
+
+
+class Around(NamedTuple):
+    """Room around a map, inches: for numbers and name of each axis, heading and legend."""
+
+    left: float
+    right: float
+    """Beside that of the small picture of the bed."""
+    below: float
+    """Without the names of designs."""
+    above: float
+
+
+AROUND = Around(0.7, 0.4, 0.6, 0.65)
+MOST_LISTED = 12
+"""Most designs whose names stand below a map; the print sheet names all."""
+LEGS_SHADE = 0.6
+"""Brightness of legs that stand up, over that of their body."""
+CLEAR_MM = 1e-3
+"""Height above the body from which on there are only legs, whatever its mesh's rounding, mm."""
+LETTER = 0.65
+"""Width of a letter over the height of the font."""
+THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
+
+
+@figures.style({})
+def pictures(
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str
+) -> tuple[bytes, bytes]:
+    """Draw the map of one plate and its thumbnail: two PNG files."""
+    view = printer, members, meshes, plate
+    return png(*view, title), thumbnail(*view)
+
+
+def png(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str) -> bytes:
+    """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
+
+    Where `members` are of several designs, labels begin with the design's letter.
+    """
+    letters = names.letters(members)
+    used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
+    named = _named({name: letters[name] for name in used if letters})
+    figure = Figure()
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    _draw_parts(axes, printer, members, meshes, plate)
+    shown = _window(axes, printer)
+    scale = INCHES / max(shown.width, shown.height)
+    labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
+    count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
+    heading = f"{title}: {count}; {labels}"
+    key = 0.0 if shown.x0 < 0.0 else KEY * scale * shown.width
+    _place(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
+    _show(axes, shown, printer)
+    _label_parts(axes, members, meshes, plate, scale)
+    axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=WORDS)
+    axes.set_ylabel("y (mm)", fontsize=WORDS)
+    axes.set_title(heading, fontsize=WORDS)
+    figure.legend(loc="upper right", ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
+    return figures.png(figure, 130)
+
+
+def _place(figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]) -> None:
+    """Give a map its size (inches), and the figure room for everything around it.
+
+    `key` is the width of the small picture beside the map; `lines` are the heading, then the names
+    of designs, which stand below it; all are centred on the map. The room is reckoned here, as the
+    map's shape is given: a layout that matplotlib finds by itself takes the map's own free room for
+    that of the names, and cuts the last one off.
+    """
+    width, height = size
+    overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
+    left = max(AROUND.left, overhang)
+    right = max(AROUND.right + key, overhang)
+    below = AROUND.below + LINE_INCHES * (len(lines) - 1)
+    whole_width, whole_height = left + width + right, below + height + AROUND.above
+    figure.set_size_inches(whole_width, whole_height)
+    axes.set_position((left / whole_width, below / whole_height, width / whole_width, height / whole_height))
+
+
+def _window(axes: Axes, printer: Printer) -> Bbox:
+    """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
+    bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
+    outlines = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
+    points = np.concatenate([np.asarray(outline, float) for outline in outlines])
+    margin = MARGIN * bed.max()
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    room = np.maximum(high - low, FLATTEST * (high - low).max())
+    low = np.clip(0.5 * (low + high - room), 0.0, np.maximum(bed - room, 0.0))
+    high = np.minimum(low + room, bed)
+    if (high - low).prod() > FULL * bed.prod():
+        low, high = -0.01 * bed, 1.01 * bed
+    return Bbox([low, high])
+
+
+def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
+    """Show an area of the bed, and in a small picture beside it which one, if it is not all."""
+    axes.set_xlim(shown.x0, shown.x1)
+    axes.set_ylim(shown.y0, shown.y1)
+    if shown.x0 < 0.0:
+        return
+    bed = printer.bed_width_mm, printer.bed_depth_mm
+    high = KEY * shown.width / shown.height * bed[1] / bed[0]
+    key = axes.inset_axes((1.02, 1.0 - high, KEY, high))
+    key.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
+    key.add_patch(Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2"))
+    key.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
+    key.set_ylim(-0.02 * bed[1], 1.02 * bed[1])
+    key.set_aspect("equal")
+    key.set_axis_off()
+    key.set_title("on the bed", fontsize=8)
+
+
+@figures.style({})
+def thumbnail(printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> bytes:
+    """Draw a small picture of the plate without words: PNG, 256 pixels wide."""
+    size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
+    figure = Figure(figsize=size)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    _draw_parts(axes, printer, members, meshes, plate)
+    axes.set_axis_off()
+    return figures.png(figure, THUMBNAIL_DPI)
+
+
+def _draw_parts(axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate) -> None:
+    views = {part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}}
+    for kind, colour in figures.COLOURS.items():
+        copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
+        corners = [np.array((placed.x, placed.y)) for placed in copies]
+        for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
+            triangles = [
+                getattr(views[placed.part], layer) + corner for placed, corner in zip(copies, corners, strict=True)
+            ]
+            if sum(map(len, triangles)):
+                tone = tuple(shade * part for part in colour)
+                faces = PolyCollection(
+                    list(np.concatenate(triangles)), facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label
+                )
+                axes.add_collection(faces)
+    draw_bed(axes, printer)
+
+
+def draw_bed(axes: Axes, printer: Printer) -> None:
+    """Draw the outline of a printer's bed, and show it whole."""
+    bed = printer.bed_width_mm, printer.bed_depth_mm
+    axes.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
+    axes.set_xlim(-0.01 * bed[0], 1.01 * bed[0])
+    axes.set_ylim(-0.01 * bed[1], 1.01 * bed[1])
+    axes.set_aspect("equal")
+
+
+class _View(NamedTuple):
+    """Walker on the bed seen from above, from its bounding box's corner: triangles, (k, 3, 2)."""
+
+    whole: Array
+    legs: Array
+    """Legs that stand up, on top of the whole; none of a walker on its side."""
+
+
+def _view(design: Design, mesh: Mesh) -> _View:
+    if solids.on_side(design):
+        return _View(_underside(mesh), np.empty((0, 3, 2)))
+    whole, legs = (triangles(section) for section in _silhouettes(design, mesh))
+    return _View(whole, legs)
+
+
+def _silhouettes(design: Design, mesh: Mesh) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
+    """Outline of a walker with its legs up, and that of what stands above the body."""
+    solid = modeller.solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
+    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
+    return solid.project(), legs.project()
+
+
+def triangles(section: manifold3d.CrossSection) -> Array:
+    """Triangles of a flat section, shape (k, 3, 2), mm."""
+    polygons = section.to_polygons()
+    if not polygons:
+        return np.empty((0, 3, 2))
+    corners: Array = np.concatenate(polygons)[manifold3d.triangulate(polygons)]
+    return corners
+
+
+def _underside(mesh: Mesh) -> Array:
+    """Triangles that lie on the bed, shape (k, 3, 2), mm, from the bounding box's corner."""
+    corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.triangles]
+    lying: Array = corners[(corners[:, :, 2] == 0.0).all(axis=1)][:, :, :2]
+    return lying
+
+
+def _named(letters: Mapping[str, str]) -> list[str]:
+    """Lines that say which letter stands for which design (letters by designs' names)."""
+    listed = [f"{letter}: {name}" for name, letter in letters.items()]
+    more = len(listed) - MOST_LISTED
+    return listed[:MOST_LISTED] + ([f"and {more} more: see the print sheet"] if more > 0 else [])
+
+
+def _label_parts(axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float) -> None:
+    """Write a label for each part, as large as fits: between two equal legs, else on the part."""
+    letters = names.letters(members)
+    rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
+    for placed in plate.placements:
+        design = members[placed.part]
+        label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
+        key = placed.part, len(label)
+        if key not in rooms:
+            on_side = design.pair and solids.on_side(design)
+            room = _between_legs if on_side else _on_part
+            rooms[key] = room(design, meshes[placed.part], len(label))
+        x, y, height = rooms[key]
+        axes.text(placed.x + x, placed.y + y, label, ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0))
+
+
+def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+    """Middle of a label between two equal legs, from the box's corner, and its font's height.
+
+    Halfway up, legs that lean are as far to the right of their feet.
+    """
+    left, bottom = mesh.vertices[:, :2].min(axis=0)
+    below = 0.5 * (-bottom - 0.5 * design.size.thickness)
+    middle = below * math.tan(design.limbs[0].tilt) - left
+    return middle, below, min(below, 0.8 * design.foot_span / (LETTER * letters))
+
+
+def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+    """Middle of a label on a part beside its legs, from the box's corner, and its font's height.
+
+    With x shrunk by the label's width over its height the label is a square, and the square in the
+    largest circle that the part holds is the largest label, but for a few percent.
+    """
+    import shapely
+
+    if solids.on_side(design):
+        free = shapely.union_all([shapely.Polygon(corners) for corners in _underside(mesh)])
+    else:
+        whole, legs = (
+            shapely.union_all([shapely.Polygon(corners) for corners in triangles(section)])
+            for section in _silhouettes(design, mesh)
+        )
+        free = whole.difference(legs)
+    squeeze = LETTER * letters
+    narrow = shapely.transform(free, lambda points: points / (squeeze, 1.0))
+    circle = shapely.maximum_inscribed_circle(narrow, 0.01 * math.sqrt(narrow.area))
+    (x, y), _ = circle.coords
+    return squeeze * x, y, math.sqrt(2.0) * circle.length
