@@ -62,7 +62,7 @@ const timer = setInterval(() => {
 
 
 def chromium(profile):
-    """A headless browser that logs its network."""
+    """Start a headless Chromium that logs its network traffic."""
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium")
     for flag in (
@@ -107,7 +107,7 @@ def tilt(browser):
 
 
 def steps(browser, count):
-    """Times of a slider's steps, one after the other, ms: never twice the same place, where nothing is drawn."""
+    """Move a tilt slider `count` times and return the time of each step, ms; no position repeats."""
     places = np.random.default_rng(1).permutation(np.linspace(0.55, 0.85, count + 5))
     key, taken = tilt(browser), []
     for place in places:
@@ -171,7 +171,7 @@ def memory(pid):
 
 
 def worn(server, address, minutes):
-    """Requests that were answered, and memory (MB) after a third of the time and at its end."""
+    """Send requests for some minutes; return how many were answered, and memory (MB) after a third and at the end."""
     host, path = re.fullmatch(r"http://([^/]+)(/.*)", address).groups()
     rng, count, early = random.Random(1), 0, None
     begun = time.monotonic()

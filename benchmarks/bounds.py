@@ -150,7 +150,10 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
 
 
 def bounds(method: str, hidden: Hidden, filmed: Sequence[tuple[float, float]], draws: int) -> Sequence[float | None]:
-    """Ends of 95, 68, 68 and 95 % by a method, mm/s; `filmed` are tilts and speeds for the fit."""
+    """Compute the lower and upper ends of 95 % and 68 % by a method, mm/s, in ascending order.
+
+    `filmed` holds the tilts (deg) and speeds (mm/s) that the fit uses.
+    """
     design, scene = hidden.design, hidden.scene
     if method == "predict":
         row = speed_of.predict(design, solids.mass_of(design), hidden.scene)

@@ -28,7 +28,7 @@ SHORT_S, LONG_S = 0.02, 0.06
 
 
 def card() -> Card:
-    """The paper's walker, with numbers of the size that cards have."""
+    """Create a card of the paper's walker with numbers of typical size."""
     x, y = 0.5 * LENGTH, 0.5 * WIDTH
     measured = {
         "speed_mm_s": 56.0,

@@ -131,7 +131,7 @@ def with_trimesh() -> Maker:
 
 
 def with_openscad() -> Maker:
-    """A generated program, one process a part, which is what OpenSCAD offers; trimesh weighs."""
+    """Return a maker that runs OpenSCAD on a generated program, a process for each part; trimesh weighs."""
     import trimesh
 
     finer = 1024.0  # OpenSCAD's polygons lie on a grid of 2^-16 units: too coarse for 1e-6
@@ -152,7 +152,7 @@ def with_openscad() -> Maker:
 
 
 def with_cadquery() -> Maker:
-    """The documented chain of unions; one fuse of all the pieces would take a third less."""
+    """Return a maker that joins pieces by the documented chain of unions; a single fuse would take a third less."""
     import cadquery
 
     def make(part: Part, folder: Path) -> Weighed:

@@ -65,7 +65,7 @@ def differences(reference: dict[str, Any], rival: dict[str, Any]) -> tuple[float
 
 
 def isolated_python(folder: Path) -> str:
-    """A virtual environment of its own for the modellers that the project does not depend on."""
+    """Create a virtual environment with the modellers that are no dependencies, and return its Python."""
     print(f"installing {' and '.join(ISOLATED)} into {folder} ...", file=sys.stderr)
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")

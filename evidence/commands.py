@@ -74,7 +74,7 @@ class CrowdsPublishedRequest(request.Request):
         return make.make(size, self.out or Path("out") / "crowds-published", progress)
 
     def _size(self) -> "Size":
-        """Runs that are asked for. Raises InputError."""
+        """Return the size of the comparison, with defaults for what was not given. Raises InputError."""
         from evidence.crowds_published import make
         from evidence.crowds_published.cases import QUICK, WHOLE
 

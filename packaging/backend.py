@@ -32,7 +32,7 @@ SIMULATES = {"manifold3d", "numba", "numpy", "platformdirs", "pydantic", "rich",
 
 
 def get_requires_for_build_editable(config_settings: dict[str, Any] | None = None) -> list[str]:
-    """Requirements of hatchling, and of a simulation in the versions that the project asks for."""
+    """List the requirements of hatchling, and those of a simulation in the versions that the project requires."""
     project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = [line for line in project["dependencies"] if re.match(r"[\w-]+", line)[0] in SIMULATES]
     return [*build.get_requires_for_build_editable(config_settings), *needed]

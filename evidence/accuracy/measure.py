@@ -79,7 +79,7 @@ def settings() -> list[Setting]:
 
 
 def walker(setting: Setting, seed: int) -> Walker:
-    """The paper's walker in a shipped scene by a setting."""
+    """Build the paper's walker in a shipped scene with the tilt, restitution and step of a setting."""
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=setting.tilt_deg)
     scene = templates.load(setting.scene, "scenes", Scene)
     contact = scene.contact.model_copy(update={"restitution": setting.restitution})
@@ -118,7 +118,7 @@ def measured(setting: Setting, seed: int) -> Row:
 
 
 def missing(path: Path) -> Iterator[tuple[int, Setting]]:
-    """Settings that a file has no row of, with their seeds."""
+    """Yield the settings without a row in a file, each after its seed."""
     rows = cells.read(path) if path.exists() else ()
     known = {(*row.cell, row.share) for row in rows}
     yield from ((seed, setting) for seed, setting in enumerate(settings(), 1) if setting not in known)

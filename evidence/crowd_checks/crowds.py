@@ -58,7 +58,7 @@ def in_space(
 
 
 def in_plane(size: Size, card: Card, packing: float, number: int) -> Crowd:
-    """The same in the plane, from places drawn alike; where they are as many, from the same."""
+    """Simulate the crowd of `in_space` in the plane; runs of the same number start from the same places."""
 
     def simulate(scene: Scene, starts: Sequence[Array]) -> list[Run]:
         return runs.in_plane(card, scene.crowd.dish, starts, scene.run.seconds, CROWD_RATE_HZ, size.seed)

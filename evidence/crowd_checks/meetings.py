@@ -96,8 +96,9 @@ def _bodies(outline: Array, poses: Array) -> npt.NDArray[np.object_]:
 
 
 def seen(meeting: Meeting, outline: Array, two: Array) -> dict[str, float] | None:
-    """Numbers of one meeting, by the keys of UNITS, from poses of shape (F, 2, 3) at RATE_HZ;
-    None for two that missed each other, or met before they were under way.
+    """Measure one meeting by the keys of UNITS, from poses of shape (F, 2, 3) at RATE_HZ.
+
+    None if the two missed each other, or met before they were at speed.
     """
     apart = gaps(outline, two[:, 0], two[:, 1])
     touched = np.flatnonzero(apart < NEAR)

@@ -23,7 +23,7 @@ class Parts:
         self._folder = folder.with_name(f"{folder.name}.parts-{name}")
 
     def kept(self, name: str, make: Callable[[], Part]) -> Part:
-        """A part: as it was kept, or as it is made now, and kept."""
+        """Load the stored part of this name, or make and store it."""
         path = self._folder / f"{name}.pickle"
         if path.exists():
             part: Part = pickle.loads(path.read_bytes())

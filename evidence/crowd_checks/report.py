@@ -160,7 +160,7 @@ def _counted(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _rubbing(checked: Checked) -> str:
-    """What friction does in space that a plane has not."""
+    """Describe the friction in space, with its share up or down the faces, which a plane lacks."""
     up = sum(one["up"].number for one in checked.rubbed.values()) / len(checked.rubbed)
     return (
         f"friction of {checked.assumed:g} gives {checked.friction:.2g} of the normal impulse along the faces in the "

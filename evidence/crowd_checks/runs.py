@@ -36,8 +36,9 @@ class Run(NamedTuple):
 def in_space(
     scene: Scene, design: Design, mass: MassProperties, places: Sequence[Array], rate_hz: float, endless: bool
 ) -> list[Run]:
-    """Runs in space, one from each of `places` (N, 3) at rest; `endless`: on a plane without the
-    scene's dish. Equal on any number of threads; Ctrl-C is raised again.
+    """Simulate runs in space, one from each of `places` (N, 3), at rest.
+
+    `endless` removes the scene's dish. Results are equal on any number of threads; Ctrl-C is raised again.
     """
     count = len(places[0])
     plan = crowds.prepare(scene, [(design, mass)], [0] * count, np.zeros((count, 3)), endless)
@@ -52,7 +53,7 @@ def in_space(
 
 
 def in_plane(card: Card, dish: Dish, places: Sequence[Array], seconds: float, rate_hz: float, seed: int) -> list[Run]:
-    """Runs in a plane, one from each of `places` (N, 3) at rest."""
+    """Simulate runs in a plane, one from each of `places` (N, 3), at rest."""
 
     def one(number: int, stopped: Stopped, tell: Tell) -> Run:
         def ending(what: str, frames: int, total: int) -> None:

@@ -46,7 +46,7 @@ QUICK = Size(16, 4.0, 4, 5, 3, 3.0, 3.0, 2, 1)
 
 
 def walker() -> Design:
-    """The paper's walker."""
+    """Load the paper's walker."""
     return templates.load(WALKER, "walkers", Design)
 
 

@@ -97,13 +97,13 @@ def _case(
 
 
 def paper_walker() -> Design:
-    """The paper's walker at its fastest tilt."""
+    """Load the paper's walker at its fastest tilt."""
     walker = templates.load("koumakis2016", "walkers", Design)
     return walker.variant(tilt_deg=10.0, kind="flexible")
 
 
 def tapered() -> Design:
-    """The paper's walker with a body that narrows in two steps ahead of its front leg."""
+    """Build the paper's walker with a body that narrows in two steps ahead of its front leg."""
     data = paper_walker().model_dump(exclude_unset=True)
     half = [(-14.0, 4.0), (9.0, 4.0), (9.0, 2.75), (11.5, 2.75), (11.5, 1.5), (14.0, 1.5)]
     points = [(x, -y) for x, y in half] + half[::-1]

@@ -70,7 +70,7 @@ def _of(finding: Finding, claim: Claim, numbers: Numbers) -> Compared:
 
 
 def _alone(finding: Finding, numbers: Numbers) -> Compared:
-    """The paper's walker alone beside one rod: it runs ahead, and prints differ."""
+    """Compare the paper's walker alone with one rod, by speed and by scatter between prints."""
     own = numbers["frequency alone", 90.0]
     forward, spread, stated = own["forward"], own["between prints"], finding.values
     speed, scatter = forward.value or math.nan, spread.value or math.nan

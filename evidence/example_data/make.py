@@ -147,7 +147,7 @@ def put_in(scene: Scene) -> dict[str, float]:
 
 
 def found(place: Path) -> dict[str, Any]:
-    """What the README's commands find in the files of a folder."""
+    """Return the main numbers that the README's commands find in the files of a folder."""
     speed = wg.predict(str(place / "walker.toml"), str(place / "scene.toml")).speed
     film = wg.analyse(place / "film/tracks.csv", fps=FPS, mm_per_px=MM_PER_PX, y_down=True, pictures=False)
     plate = wg.calibrate(plate=place / "plate/acceleration.csv", pictures=False)
@@ -170,7 +170,7 @@ def found(place: Path) -> dict[str, Any]:
 
 
 def rounded(value: float) -> float:
-    """Number to six digits, so that another machine finds the same."""
+    """Round a number to six digits, so that another machine finds the same."""
     return float(f"{value:.6g}")
 
 

@@ -104,7 +104,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
 
 
 def parts_of(job: Job, tilts_deg: Sequence[float], gammas: Sequence[float]) -> Parts:
-    """Simulations of a job at these tilts and drives, by the shipped sweeps."""
+    """Collect the simulations of a job at these tilts and drives, with the values of the shipped sweeps."""
     assumptions = assumptions_of(job)
     flexible, braced = job.design.variant(kind="flexible"), job.design.variant(kind="braced")
     of_flexible = _cases(assumptions, flexible, runs.PAPER, "space")
@@ -139,7 +139,7 @@ def _shares(counts: Mapping[str, int], progress: Progress) -> dict[str, Progress
 
 
 def check(job: Job) -> Parts:
-    """Simulations of a job; refuses those that could not give error bars, peaks or lines. Raises InputError."""
+    """Return the simulations of a job. Raises InputError if they cannot give error bars, peaks or lines."""
     tilts_deg = runs.swept("figure2")[0] if job.tilts_deg is None else job.tilts_deg
     gammas = runs.swept("figure5")[0] if job.gammas is None else job.gammas
     for scene in (job.measured, job.fitted):

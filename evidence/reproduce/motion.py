@@ -38,7 +38,7 @@ class Runs(NamedTuple):
 
 
 def simulated(assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress) -> list[Runs]:
-    """Runs of walkers on a plane under every assumption, but ensembles without two good runs."""
+    """Simulate walkers on a plane under every assumption; ensembles without two good runs are left out."""
     cases = [(assumption, design) for assumption in assumptions for design in designs]
     wanted = [
         Walker(on_plane(assumption.scene, LONGER), design, solids.mass_of(design), sample_interval=INTERVAL)

@@ -192,7 +192,7 @@ def side_by_side(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Tabl
 
 
 def name(fact: str) -> str:
-    """Number and quantity of a fact."""
+    """Return the number and quantity of a fact."""
     return f"{list(FACTS).index(fact) + 1}. {FACTS[fact].quantity}"
 
 

@@ -102,7 +102,7 @@ def right(row: Compared) -> bool:
 
 
 def verdict(rows: Sequence[Compared], asked: int) -> list[str]:
-    """What came out, a line a goal; the direct runs' own 95 % are added in squares."""
+    """Summarize the comparison, a line for each goal; the direct runs' own 95 % are added in squares."""
     speeds = [row for row in rows if row.surrogate_mm_s is not None]
     good = [row for row in speeds if row.direct_mm_s is not None and row.direct_se_mm_s is not None]
     said, half, direct, se = (

@@ -21,10 +21,9 @@ class Scatter(NamedTuple):
     """Over the unevenness."""
 
     def run_sd(self, terms: Array, uneven: Array) -> Array:
-        """Standard deviation of a run, shape (n,).
+        """Compute the standard deviation of a run, shape (n,), by which rows are weighted.
 
-        Rows are weighted by it and not by their own: by chance alike are the prints of slow rows, so that their
-        own would pull speeds down.
+        Their own scatter would pull speeds down, because the prints of slow rows agree by chance.
         """
         between = uneven * networks.smooth(terms, self.between_prints)
         return np.hypot(networks.smooth(terms, self.in_time), between)

@@ -101,7 +101,10 @@ class Case(NamedTuple):
 
 
 def rows(count: int, seed: int, held_out: bool, braced: bool = False) -> Iterator[Row]:
-    """Settings that can be built, about `count`; the first n of more are n. With `braced` all have such legs."""
+    """Yield about `count` settings that can be built; a larger count begins with the same ones.
+
+    With `braced` all have braced legs.
+    """
     for number in range(count):
         row = _drawn(np.random.default_rng([seed, number]))
         row["held_out"] = float(held_out)

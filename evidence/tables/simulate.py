@@ -55,7 +55,7 @@ def read(path: Path = ROWS) -> list[Row]:
 
 
 def sampled(count: int) -> Iterator[Row]:
-    """Settings drawn anew, about so many, held-out ones spread among the others."""
+    """Yield about `count` settings, with held-out ones spread among the others."""
     ratio = settings.ROWS // settings.TESTS
     tests = settings.rows(count // ratio + 1, settings.SEED + 1, held_out=True)
     for number, row in enumerate(settings.rows(count, settings.SEED, held_out=False)):

@@ -68,7 +68,7 @@ class Rows(NamedTuple):
     held_out: Array
 
     def only(self, chosen: Array) -> "Rows":
-        """Some of the rows."""
+        """Select some of the rows."""
         return Rows(*(column[chosen] for column in self))
 
     @property
@@ -147,7 +147,7 @@ def trained(task: Task) -> list[Layer]:
 
 
 def _slopes(numbers: Sequence[Array], task: Task, chosen: Array) -> list[Array]:
-    """Derivatives of the mean loss of some rows by a network's numbers, in their order."""
+    """Compute the derivatives of the mean loss of some rows by a network's numbers, in their order."""
     passed = [task.inputs[chosen]]
     for weights, bias in zip(numbers[:-2:2], numbers[1:-2:2], strict=True):
         passed.append(np.tanh(passed[-1] @ weights + bias))

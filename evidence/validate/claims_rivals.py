@@ -45,7 +45,7 @@ BLOCK = (0.833, 55.07)
 
 
 def installed(name: str) -> bool:
-    """True when a package can be imported."""
+    """Return whether a package can be imported."""
     return importlib.util.find_spec(name) is not None
 
 

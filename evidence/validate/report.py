@@ -77,7 +77,7 @@ def _finite(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def counted(claims: Sequence[Claim]) -> str:
-    """Number of claims by word."""
+    """Format the number of claims for each word."""
     return ", ".join(f"{sum(claim.word == word for claim in claims)} {word}" for word in WORDS)
 
 
@@ -98,7 +98,7 @@ def page(claims: Sequence[Claim], command: str) -> str:
 
 
 def _is_equal(claim: Claim) -> bool:
-    """True for two numbers without errors that agree, of which nothing more is to be said than the value."""
+    """Return whether two numbers without errors agree, so that there is nothing to explain beyond the value."""
     without_errors = not (claim.ours.se or claim.theirs.se or claim.bound)
     return without_errors and claim.verdict == Verdict.AGREE and bool(claim.theirs.value) and not claim.why
 
@@ -183,6 +183,6 @@ def _number(quantity: Quantity) -> str:
 
 
 def _reason(claim: Claim) -> str:
-    """What is to be said of a claim below its table; "" of nothing."""
+    """Return the explanation below a claim's table; empty if it needs none."""
     none = "We know no reason." if claim.verdict == Verdict.DISAGREE else ""
     return claim.missing or claim.why or none

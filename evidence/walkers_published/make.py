@@ -18,7 +18,7 @@ CPU_S = 90.0
 
 
 def choose(words: str | None) -> tuple[str, ...]:
-    """Sets of a comma-separated list, in order; all without one. Raises InputError."""
+    """Parse a comma-separated list of sets, in order; None selects all. Raises InputError."""
     chosen = SETS if words is None else tuple(word.strip() for word in words.split(","))
     for word in chosen:
         if word not in SETS:

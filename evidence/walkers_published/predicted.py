@@ -65,7 +65,7 @@ def draws(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], grid: Seque
 
 
 def predicted(statement: Statement, speeds: Sequence[Speeds]) -> Predicted:
-    """A statement beside the draws of its sweep."""
+    """Compare a statement with the draws of its sweep."""
     if statement.missing:
         return Predicted(statement, note=f"not predicted: {statement.missing}")
     values = [value for each in speeds if (value := _number(statement, each)) is not None]
@@ -79,7 +79,7 @@ def predicted(statement: Statement, speeds: Sequence[Speeds]) -> Predicted:
 
 
 def _errors(numbers: Array) -> tuple[float, float]:
-    """Standard errors of the bounds of 95 %."""
+    """Estimate the standard errors of the bounds of 95 % by resampling."""
     chosen = np.random.default_rng(SEED).integers(len(numbers), size=(RESAMPLED, len(numbers)))
     ends = np.quantile(numbers[chosen], [BOUNDS[0], BOUNDS[2]], axis=1)
     low, high = ends.std(axis=1, ddof=1)
@@ -87,7 +87,7 @@ def _errors(numbers: Array) -> tuple[float, float]:
 
 
 def _number(statement: Statement, speeds: Speeds) -> float | None:
-    """Number of one draw; None where it does not run."""
+    """Compute a statement's number from one draw; None if the walker does not run."""
     if statement.number == "range":
         sizes = _sizes(statement, speeds)
         return None if sizes is None else 100.0 * float(np.ptp(sizes) / sizes.mean())
