@@ -55,7 +55,7 @@ def without(track: Track, rate: float, interval: float, descent: float) -> Track
 
 
 def _sums(track: Track, descent: float) -> Array:
-    """Sums over samples: number; sine before, in the middle; turn, drift to the left; products of the first sine."""
+    """Sum over samples: count; sine before and in the middle; turn, drift to the left; products of the first sine."""
     if track.heading is None or track.position.shape[1] < 2:
         return np.zeros(8)
     heading, moved = track.heading, np.diff(track.position, axis=0)[1:]

@@ -84,11 +84,10 @@ class _Series(NamedTuple):
 
 
 def spread(name: str, values: Array, noise: float, inside: float) -> Quantity:
-    """Standard deviation between walkers, less what the errors of their values make of it.
+    """Estimate the standard deviation between walkers, without the part that errors of their values cause.
 
-    `values`, shape (n,) with n >= 2, have errors within walkers of the mean variance `noise`, known
-    with `inside` degrees of freedom. Values are normally distributed between walkers. Refused with
-    an upper bound where walkers may be alike.
+    `values`, shape (n,) with n >= 2, have errors of mean variance `noise`, known with `inside` degrees of freedom. They
+    are assumed to be normally distributed between walkers. Refused with an upper bound if walkers may be equal.
     """
     free = len(values) - 1
     total = float(values.var(ddof=1))

@@ -27,7 +27,7 @@ a variance, so that chance makes it small, and its error with it, more often tha
 
 
 def over_walkers(within: Quantity, without_one: Sequence[float], surely: bool) -> Quantity:
-    """Number with its error over walkers where these differ, or do `surely`; `without_one` leave out one each."""
+    """Return a number with its error over walkers if these differ, or `surely`; `without_one` leave out one each."""
     few, values = len(without_one) - 1, np.array(without_one)[:, None]
     if few < 1 or not within.se or not np.isfinite(values).all():
         return within
@@ -53,10 +53,10 @@ def of_turns(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity
 
 
 def _as_variance(number: Quantity, power: int) -> Quantity:
-    """Number of which a power goes as a variance, with bounds that say so.
+    """Give a number bounds such that its `power` is distributed as a variance.
 
-    Its degrees of freedom are those with its relative error, fewer where that is itself uncertain, but one. A rate that
-    may be 0 or less keeps its own bounds; a diffusivity that is told is above 0, however few the walkers are.
+    The degrees of freedom match its relative error; fewer if that is itself uncertain, but at least one. A rate that
+    may be 0 or less keeps its own bounds. A diffusivity with a value is above 0, however few the walkers are.
     """
     ends = number.interval()
     if ends is None or not number.se or not (ends[0] > 0.0 or (number.key in SPREADING and number.number > 0.0)):
@@ -86,7 +86,7 @@ def apart(estimates: Mapping[str, Quantity], scatter: Quantity) -> dict[str, Qua
 
 
 def _times(estimates: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Persistence time and length with the relative error of the rate, of which one sample can make 1 over it huge."""
+    """Return persistence time and length with the relative error of the rate; one sample can make 1 / rate huge."""
     rate, speed = estimates["persistence_rate"], estimates["speed"]
     times = {}
     for name, other in (("persistence_time", None), ("persistence_length", speed)):

@@ -33,9 +33,9 @@ def of(tracks: Tracks) -> list[str]:
 
 
 def of_scale(share: float | None) -> str:
-    """What the error of the scale, a share of it, means; '' where it is exact, as in a simulation.
+    """Describe the effect of the scale's error, given as a share of it; '' if it is exact, as in a simulation.
 
-    None is an error that is not known.
+    None is an unknown error.
     """
     if share is None:
         return (
@@ -118,7 +118,7 @@ def _jumps(tracks: Tracks) -> list[str]:
 
 
 def _steps(track: Track) -> tuple[npt.NDArray[np.int64], Array]:
-    """Samples at which a walker was seen, and the steps between them, mm a sample."""
+    """Return the samples at which a walker was seen, and the steps between them, mm per sample."""
     place = moments.planar(track)
     at = np.flatnonzero(~np.isnan(place))
     return at, np.abs(np.diff(place[at])) / np.diff(at)

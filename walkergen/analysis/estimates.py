@@ -134,12 +134,12 @@ class Frame(NamedTuple):
 
 
 def quantity(name: str, value: float, se: float, freedom: float = math.inf) -> Quantity:
-    """Number of UNITS, or of FITS, with its error."""
+    """Create a quantity of UNITS, or of FITS, with its error."""
     return Quantity(name, UNITS.get(name, ""), value, se, freedom)
 
 
 def refusal(name: str, reason: str) -> Quantity:
-    """Number of UNITS, or of FITS, that is not known."""
+    """Create a quantity of UNITS, or of FITS, without a value, and with the reason."""
     return Quantity(name, UNITS.get(name, ""), None, refused=reason)
 
 

@@ -81,7 +81,7 @@ def of(motion: Motion) -> dict[str, Any]:
 
 
 def _keyed(name: str, estimate: Quantity) -> dict[str, float | None]:
-    """An estimate by keys that carry its unit."""
+    """Return an estimate's value, error and bounds under keys that carry its unit."""
     low, high = ends(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
     return {f"{name}_{UNITS[name]}": estimate.value, f"{name}_se_{UNITS[name]}": estimate.se} | bounds

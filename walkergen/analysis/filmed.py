@@ -73,7 +73,7 @@ class _Walker(NamedTuple):
         return self.estimate.refused
 
     def error(self, crowd: int) -> float:
-        """Standard error of the speed, mm/s, with that of the scale that `crowd` rows share."""
+        """Compute the standard error of the speed, mm/s, with the scale's error that `crowd` rows share."""
         value, se = self.estimate.value, self.estimate.se
         assert value is not None
         assert se is not None
@@ -192,7 +192,7 @@ def _unknown(table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker
 
 
 def _notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
-    """What is to be said of a film: walkers left out, doubts, and the error of its scale."""
+    """Yield the notes on a film: its speeds, walkers left out, doubts, and the error of its scale."""
     own = [walker for walker in walkers if walker.film is film]
     refused = [walker for walker in own if walker.speed is None]
     means = [walker for walker in own if len(walker.particles) > 1]

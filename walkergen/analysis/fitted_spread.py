@@ -41,7 +41,7 @@ def refitted(
 
 
 def _over_lags(sums: Sequence[Moments], frame: Frame, count: int) -> tuple[Array, list[Array]]:
-    """The first lags (s), so many, and the mean squared displacements (mm^2) of each of the sums at them."""
+    """Return the first `count` lags (s), and the mean squared displacements (mm^2) of each of the sums at them."""
     lag = frame.interval * frame.grid.square_lags[:count].astype(float)
     return lag, [np.asarray(mean(sample.square, sample.square_pairs), float)[:count] for sample in sums]
 

@@ -45,7 +45,7 @@ EXCLUDED = 0.025
 
 
 def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
-    """Number with its error, refused or not; `numbers`: of all samples, then without each one."""
+    """Return a number with its jackknife error, or a refusal; `numbers`: of all samples, then without each one."""
     value, error = numbers[0][name], _error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
         return refusal(name, TOO_FEW)

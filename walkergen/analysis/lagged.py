@@ -92,7 +92,7 @@ def crossed(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array
 
 
 def squares_from(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array]:
-    """The same as `squares`, of pairs whose first sample may be followed for that lag: `reach` samples or less."""
+    """Sum as `squares` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags)), np.zeros(len(lags))
     for place, lag in enumerate(lags):
         moved = (position[lag:] - position[:-lag])[reach[:-lag] >= lag]
@@ -103,7 +103,7 @@ def squares_from(position: Array, lags: Lags, reach: Lags) -> tuple[Array, Array
 
 
 def products_from(series: Complex, lags: Lags, reach: Lags) -> tuple[Complex, Array]:
-    """The same as `products`, of pairs whose first sample may be followed for that lag: `reach` samples or less."""
+    """Sum as `products` does, over pairs whose first sample has a `reach` (samples) of at least the lag."""
     sums, counts = np.zeros(len(lags), complex), np.zeros(len(lags))
     for place, lag in enumerate(lags):
         each = (np.conj(series[:-lag]) * series[lag:])[reach[: len(series)][:-lag] >= lag]

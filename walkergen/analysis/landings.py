@@ -1,6 +1,4 @@
-"""Landings of feet among their impacts; of corners: which land alone, as an edge, or with the
-other foot.
-"""
+"""Landings of feet among their impacts: corners that land alone, as an edge, or with the other foot."""
 
 import math
 from typing import NamedTuple

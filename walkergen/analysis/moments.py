@@ -80,10 +80,10 @@ def without(whole: Moments, part: Moments) -> Moments:
 
 
 def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Groups of independent samples, and the length at which half of all time is in longer samples.
+    """Group independent samples, and find the length at which half of all time is in longer samples.
 
-    Samples are particles when there are enough, otherwise at least PIECES pieces of their tracks of
-    about equal length. Pieces are independent only if increments decorrelate: `motion` checks it.
+    Samples are particles if there are enough, otherwise at least PIECES pieces of their tracks of about equal length.
+    Pieces are independent only if increments decorrelate, which `motion` checks.
     """
     long = [track for track in tracks if len(track.position) > 1]
     pieces = _cut(long) if in_pieces(tracks) else long
@@ -96,7 +96,7 @@ def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
 
 
 def in_pieces(tracks: Sequence[Track]) -> bool:
-    """True when there are too few particles to be the samples, so that their tracks are cut.
+    """Return whether tracks are cut, because particles are too few to be the samples.
 
     Particles count by the time for which they were seen: many stubs do not make up for few tracks.
     """
@@ -121,7 +121,7 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
 
 
 def _even(track: Track, count: int) -> npt.NDArray[np.int64]:
-    """Samples between so many pieces of a track: of equal length or, between walls, of equal times of free motion."""
+    """Find where to cut a track into `count` pieces of equal length or, between walls, of equal free motion."""
     last, free = len(track.position) - 1, track.free(1)
     if free is None or not free.any():
         return np.linspace(0, last, count + 1).astype(np.int64)
@@ -164,14 +164,14 @@ def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
 
 
 def squares(track: Track, lags: lagged.Lags) -> tuple[Array, Array]:
-    """Sums of squared displacements and numbers of pairs by lag, mm^2, of free motion where there are walls."""
+    """Sum squared displacements, mm^2, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
         return lagged.squares(track.position, lags)
     return lagged.squares_from(track.position, lags, track.reach)
 
 
 def _products(track: Track, series: Complex, grid: Grid) -> tuple[Complex, Array]:
-    """Sums of products of headings, or of displacements, and numbers of pairs by lag, of free motion alike."""
+    """Sum products of headings, or of displacements, and count pairs by lag; between walls those of free motion."""
     if track.reach is None:
         return lagged.products(series, grid.turn_lags)
     span = 0 if track.heading is not None else grid.step
@@ -190,7 +190,7 @@ def planar(track: Track) -> Complex:
 
 
 def direction(track: Track, step: int) -> Complex:
-    """Unit vectors of the heading, or else displacements over `step` (mm); shape (times,)."""
+    """Return unit vectors of the heading or, without one, displacements over `step` (mm); shape (times,)."""
     if track.heading is not None:
         unit: Complex = np.exp(1j * track.heading)
         return unit

@@ -304,9 +304,9 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
 
 
 def _exponents(lags: lagged.Lags, values: Array) -> Array:
-    """Derivative of ln(value) by ln(lag), by parabolas through lags half an octave and more apart.
+    """Compute d ln(value) / d ln(lag) from parabolas through lags half an octave and more apart.
 
-    Closer ones would show noise. NaN where there is no such lag on both sides, or no value > 0.
+    Closer lags would show noise. NaN if there is no such lag on both sides, or no value > 0.
     """
     below = np.searchsorted(lags, lags / HALF_OCTAVE, side="right") - 1
     above = np.searchsorted(lags, lags * HALF_OCTAVE)

@@ -101,7 +101,7 @@ def _at_regular_times(table: Columns) -> tuple[Columns, str]:
 
 
 def _steps(table: Columns) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Times from row to row, and where both are one particle's in neighbouring frames."""
+    """Return the times from row to row, and where both rows are of one particle in neighbouring frames."""
     steps = np.diff(table.values["time"])
     near = (np.diff(table.values["particle"]) == 0) & (np.diff(table.values["frame"]) == 1)
     return steps, near & (steps > 0)
@@ -148,7 +148,7 @@ def _interval(path: Path, times: Array, particle: Array, rounding: float) -> flo
 
 
 def _particles(table: Columns) -> Array:
-    """Number of each row's particle; 0 for all rows when the file does not number particles."""
+    """Return the number of each row's particle; 0 for all rows when the file does not number particles."""
     return table.values.get("particle", np.zeros(len(table.lines)))
 
 

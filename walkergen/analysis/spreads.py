@@ -201,7 +201,7 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -
 
 
 def _fit_smooth(lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None) -> Spread:
-    """The same for a run that sets in smoothly, from the two rates of `start` or from a grid."""
+    """Fit a run that sets in smoothly by least squares, from the two rates of `start` or from a grid."""
     from scipy.optimize import minimize
 
     low, high, most = math.log(1.0 / (BEYOND * lag[-1])), math.log(BEYOND / lag[0]), math.log(BEYOND)

@@ -157,7 +157,7 @@ def of(names: Sequence[str]) -> dict[str, Named]:
 
 
 def _meanings(name: str) -> list[tuple[str, int, str]]:
-    """What a column's name may hold: its kind, rank among names of that kind, and unit."""
+    """List what a column's name may mean: its kind, rank among names of that kind, and unit."""
     text = name.strip().lower()
     marked = re.fullmatch(r"(.*?)\s*[(\[]([^)\]]*)[)\]]", text)
     base, unit = marked.groups() if marked else (text, "")
@@ -177,7 +177,7 @@ def _plain(text: str) -> str:
 
 
 def unit_of(text: str) -> str:
-    """Unit as it is called here; "" for what is none."""
+    """Return the unit's name in this module; "" for a text that is no unit."""
     unit = SPELLINGS.get(text.strip().lower(), text.strip().lower())
     return unit if unit in (*LENGTHS, *TIMES, *ANGLES, PIXEL, "frame") else ""
 

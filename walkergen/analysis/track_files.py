@@ -193,7 +193,7 @@ def _within(field: str, value: float) -> float:
 
 
 def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[float, str]:
-    """Unit of places, mm, and what is to be said of it."""
+    """Return the unit of positions, mm, and a note on it. Raises InputError if the unit is unknown."""
     named, across = source.named["x"], source.named.get("y")
     if across is not None and {named.unit, across.unit} - {""} and named.unit != across.unit and not units.lane:
         raise InputError(f"{path}: {named.name} and {across.name} are of different units; give both one")
@@ -219,7 +219,7 @@ def _length(path: Path, source: Source, units: Units, given: _Given) -> tuple[fl
 
 
 def _angle(path: Path, source: Source, given: _Given) -> tuple[float, str]:
-    """Unit of headings, rad, and what is to be said of it. Raises InputError where nothing tells."""
+    """Return the unit of headings, rad, and a note on it. Raises InputError if the unit is unknown."""
     named = source.named.get("theta")
     unit = given.angle or (named.unit if named else "rad")
     if unit:

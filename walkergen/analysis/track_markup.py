@@ -121,7 +121,7 @@ def _tracker(path: Path, root: ElementTree.Element) -> Source:
 
 
 def _number(element: ElementTree.Element | None, name: str) -> float:
-    """Number that Tracker keeps under a name."""
+    """Read a number that Tracker saves under a name. Raises ValueError."""
     text = None if element is None else element.findtext(f"property[@name='{name}']")
     number = math.nan if text is None else float(text)
     if not math.isfinite(number) or (name.endswith("scale") and number == 0.0):

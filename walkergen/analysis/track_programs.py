@@ -140,7 +140,7 @@ def _of_columns(path: Path, names: list[str], lane: bool, titled: bool) -> Sourc
 
 
 def _number_anew(values: dict[str, Array], clusters: Array) -> str:
-    """Number walkers through all clusters of MTrackJ, each of which counts its own; and say so."""
+    """Renumber walkers across all clusters of MTrackJ, which count their own tracks, and return a note."""
     pairs = np.stack([clusters, values["particle"]], axis=1)
     known = np.isfinite(pairs).all(axis=1)
     of_each, numbers = np.unique(pairs[known], axis=0, return_inverse=True)

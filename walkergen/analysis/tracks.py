@@ -25,7 +25,7 @@ class Track(NamedTuple):
     """Samples after each one within which no wall can be reached, shape (times,); None without walls."""
 
     def free(self, span: int) -> npt.NDArray[np.bool_] | None:
-        """True for samples after which no wall can be reached within `span` more; None without walls."""
+        """Return which samples are followed by at least `span` more without a wall in reach; None without walls."""
         return None if self.reach is None else self.reach >= span
 
 

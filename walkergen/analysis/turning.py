@@ -47,10 +47,10 @@ class Turning(NamedTuple):
 
 
 def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
-    """Turning of each walker whose headings are known in two pieces at least.
+    """Measure the turning of each walker whose headings are known in at least two pieces.
 
-    Samples are `interval` s apart. Turns count as far as they are known: those across a gap where
-    headings are as correlated as BRIDGED over its length.
+    Samples are `interval` s apart. Turns across a gap count only if headings stay correlated by BRIDGED over its
+    length.
     """
     headed = [track for track in tracks if track.heading is not None]
     units = {track.particle: moments.direction(track, 1) for track in headed}
@@ -78,7 +78,7 @@ def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
 
 
 def _turning(track: Track, unit: moments.Complex, size: int, longest: int, interval: float) -> Turning | None:
-    """Turning of one walker by its unit vectors, in pieces of about `size` samples."""
+    """Measure the turning of one walker from its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
     steps = np.diff(seen)
     turns = np.angle(unit[seen[1:]] * np.conj(unit[seen[:-1]]))
@@ -108,10 +108,10 @@ def _turning(track: Track, unit: moments.Complex, size: int, longest: int, inter
 
 
 def scatter(turnings: Sequence[Turning]) -> Quantity:
-    """Standard deviation of the mean turning rates of at least two walkers, rad/s.
+    """Estimate the standard deviation of the mean turning rates of at least two walkers, rad/s.
 
-    It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
-    so that diffusion of the heading alone gives none.
+    The part that the spread between each walker's own pieces explains is subtracted, so that diffusion of the heading
+    alone gives none.
     """
     if len(turnings) < 2:
         reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"

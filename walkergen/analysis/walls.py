@@ -170,7 +170,7 @@ def _stands_still(tracks: Tracks, places: Array) -> bool:
 
 
 def _visits(depth: Array, near: float, away: float) -> int:
-    """Number of times at which a walker comes to a wall after it was away from it."""
+    """Count how often a walker comes to a wall after it was away from it."""
     states = np.where(depth < near, 1, np.where(depth > away, -1, 0))
     states = states[states != 0]
     return int((np.diff(states) > 0).sum())
