@@ -55,7 +55,7 @@ TYPES = (
 
 @cache
 def function(name: str) -> Callable[..., Any]:
-    """Function that runs a request: as its command does, but that it writes a folder where it is told one."""
+    """Return the function of a command; unlike the command, it writes no folder unless one is given."""
     request, signature = request_of(name), signature_of(name)
 
     def call(*given: Any, **named: Any) -> Any:

@@ -84,7 +84,7 @@ def packed(document: Document) -> bytes:
 
 
 def outlook(document: Document) -> dict[str, Any]:
-    """What the printer makes of the walker, and words for a shell and Python.
+    """Check how the walker prints; return the findings, and the same design as shell and Python code.
 
     Raises WalkergenError, as `walker` does.
     """
@@ -98,11 +98,10 @@ def outlook(document: Document) -> dict[str, Any]:
 
 
 def shares(document: Document) -> list[dict[str, Any]]:
-    """What is not known of the walker, each with its part of the spread of its speed, largest first, and the key under
-    which what somebody has measured of it is written, "" without one; nothing where only runs tell the speed.
+    """Return each unknown input's part of the spread of the speed, largest first; none if only runs give the speed.
 
-    Parts are those that knowing the one alone would remove; last is what several make together.
-    Raises WalkergenError, as `walker` does.
+    A part is what knowing that input alone would remove. The last one is what several inputs cause together. Each has
+    the key under which a measured value is entered, "" without one. Raises WalkergenError, as `walker` does.
     """
     design, scene = document.design(), document.ground()
     report = predicting.predict(design, [design], scene, "coulomb", uncertain=True, model="known")
@@ -170,7 +169,7 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
-    """Finding in words; where one number does as it says, this with the key that it sets, and words for a button."""
+    """Return a finding in words, with the key and button text of the one setting that would mend it, if any."""
     setting = finding.setting
     text = sentences.plain(finding.text if setting is None else finding.seen_text)
     does = None if setting is None else setting._asdict() | {"words": sentences.setting(*setting)}
@@ -178,7 +177,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 
 def _of_legs(finding: Finding) -> bool:
-    """True for what is wrong with a leg, not only worth knowing."""
+    """Return whether a finding is a problem of a leg, and not only advice."""
     return finding.level != "advice" and finding.part is About.LEGS
 
 

@@ -108,9 +108,7 @@ def say(event: Event) -> None:
 
 
 async def _end(child: asyncio.subprocess.Process) -> None:
-    """End a child that may run still, and its workers: by Ctrl-C, after which no file is half
-    written, and by force.
-    """
+    """End a child that may still run, and its workers: first by Ctrl-C, which leaves no file half written."""
     try:
         _signal(child, "SIGINT")
         with contextlib.suppress(TimeoutError):
@@ -130,9 +128,9 @@ def _signal(child: asyncio.subprocess.Process, name: str) -> None:
 
 
 async def while_heard(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
-    """Result of work; None where it was ended: nobody waits for it any more, or the server ends.
+    """Run work and return its result; None if the page has gone or the server ends.
 
-    `receive` tells by a message of ASGI that a page has gone.
+    `receive` gives a message of ASGI when a page has gone.
     """
     working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_gone(receive))
     try:
@@ -158,8 +156,9 @@ async def end(running: Running) -> None:
 
 
 def listen() -> Any:
-    """What a child's server sent. From then on the child ends when the server does, whatever it is
-    doing: a pipe closes with the process that holds it.
+    """Return what a child's server sent, and end the child from then on when the server ends.
+
+    The pipe closes with the process that holds it, whatever the child is doing.
     """
     sent = json.loads(sys.stdin.buffer.readline() or b"null")
 

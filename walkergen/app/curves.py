@@ -27,11 +27,11 @@ Curve = dict[str, list[float | None]]
 
 
 def curve(document: Document, rough: bool) -> Curve | None:
-    """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built; of fewer points
-    if `rough`.
+    """Predict speed against tilt, as the figure of a family draws it, as far as it can be built.
 
-    Its numbers are None at tilts that a run has yet to tell, the whole where legs share no tilt or no other can be
-    built. It does not depend on the walker's own tilt: dragging that asks for none anew. Raises InputError.
+    `rough` takes fewer points. Speeds are None at tilts that need a run. The whole is None if legs share no tilt or no
+    other tilt can be built. It does not depend on the walker's own tilt, so dragging that needs no new curve. Raises
+    InputError.
     """
     design, scene = document.design(), document.ground()
     if not design.follows:

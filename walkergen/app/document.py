@@ -244,7 +244,7 @@ def tilt_key(design: Design) -> str | None:
 
 
 def _chosen(design: Design) -> list[str]:
-    """Flags that choose this walker of the family of its design."""
+    """List the flags that choose this walker from the family of its design."""
     tilt = ["--tilt", digits_of(design.tilt_deg)] if design.follows else []
     return [*tilt, "--legs", design.kind] if design.pair else tilt
 

@@ -230,7 +230,7 @@ def _round(value: float) -> float:
 
 @cache
 def _notes(table: type[Section]) -> Mapping[str, str]:
-    """What the text of a table, and of those that it extends, says below its keys, a sentence or two each."""
+    """Return the text below each key of a table, and of those that it extends, a sentence or two each."""
     tables = [each for each in table.__mro__ if issubclass(each, Section) and each is not Section]
     trees = [ast.parse(textwrap.dedent(inspect.getsource(each))) for each in tables]
     bodies = [node.body for tree in trees for node in tree.body if isinstance(node, ast.ClassDef)]

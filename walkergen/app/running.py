@@ -1,5 +1,6 @@
-"""Child of the server that simulates a walker: its prediction by runs of seconds; or, for who lets it run, a first
-number soon, a run to be played, then all that was asked for.
+"""Child of the server that simulates a walker: its prediction by runs of seconds, or all runs of its scene.
+
+If all runs are requested, a first number comes soon, then a run to be played.
 """
 
 import contextlib
@@ -71,7 +72,7 @@ def _simulate(design: "Design", scene: "Scene") -> None:
 
 
 def _measured(design: "Design", scene: "Scene", progress: "Progress") -> dict[str, Any]:
-    """What `simulate` says of a walker, and in a sentence."""
+    """Simulate a walker, and return the facts of `simulate` with a sentence."""
     from walkergen.commands.simulate import make, report
     from walkergen.core.walker import solids
 

@@ -91,7 +91,7 @@ def _size(value: float) -> str:
 
 
 def _between(low: float, high: float) -> str:
-    """Ends of a range of speeds; to the left are those below zero."""
+    """Format a range of speeds; those below zero are to the left."""
     if low >= 0.0:
         return f"between {_size(low)} and {_size(high)}"
     if high <= 0.0:
@@ -100,7 +100,7 @@ def _between(low: float, high: float) -> str:
 
 
 def run(facts: Mapping[str, Any]) -> str:
-    """What runs of a walker say, in a sentence, by the facts of `simulate`."""
+    """Describe the runs of a walker in a sentence, from the facts of `simulate`."""
     value, error = facts["speed_mm_s"], facts["speed_se_mm_s"]
     if value is None:
         return "It came to no end that has a speed."
@@ -112,7 +112,7 @@ def run(facts: Mapping[str, Any]) -> str:
 
 
 def name(key: str) -> str:
-    """What is not known, by its key or by words, without its unit."""
+    """Return the name of an unknown input without its unit; `key` is its key, or words."""
     words = re.sub(r" \([^)]*\)$", "", key_names.label(key)) if "." in key else key
     return re.sub(r"^(.+?) sd\b", r"deviation of \1", words)
 

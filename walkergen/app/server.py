@@ -229,7 +229,7 @@ def _refused(lines: list[str], status: int) -> Response:
 
 
 async def _start(server: Server, request: Request) -> Response:
-    """What a page needs once: the files to start from, and the document that was kept."""
+    """Return what a page needs once: the files to start from, and the stored document."""
     names = {kind: templates.names(kind) for kind in templates.KINDS}
     listed = [row for row in templates.listing().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
@@ -249,9 +249,7 @@ async def _start(server: Server, request: Request) -> Response:
 
 
 def _kept(server: Server) -> Any:
-    """Document that was kept; None for none, where its files are gone, and for another one than
-    that of the command line.
-    """
+    """Load the stored document; None without one, if its files are gone, or if the command line names another."""
     try:
         data = reading.content(server.folder / KEPT, MOST_KEPT, "a JSON file")
         kept = documents.json_of(data).get("document")
@@ -302,7 +300,7 @@ def _folder(name: str) -> Given:
 
 
 async def _answered(work: Callable[..., Result], given: Sequence[Given], server: Server, request: Request) -> Result:
-    """Result of work on a page's walker, and on what is given beside it."""
+    """Run work on a page's walker, and on what `given` adds, and return the result."""
     document, asked = await _asked(server, request)
     return await _worked(server.workers, request, work, document, *(one(server, asked) for one in given))
 
@@ -328,7 +326,7 @@ def _command(words: Callable[..., list[str]], *given: Given) -> Door:
 
 
 async def _worked(workers: Workers, request: Request, work: Callable[..., Result], *given: Any) -> Result:
-    """Result of what takes its time. Raises ClientDisconnect where the page has gone meanwhile."""
+    """Run slow work in a process and return its result. Raises ClientDisconnect if the page has gone meanwhile."""
     result = await children.while_heard(request.receive, workers.answer(work, *given))
     if result is None:
         raise ClientDisconnect

@@ -113,7 +113,7 @@ def _bracketed(host: str) -> str:
 
 
 def _is_away(host: str) -> bool:
-    """True where other machines can reach a host. Raises InputError for one that pages cannot."""
+    """Return whether other machines can reach a host. Raises InputError for one that pages cannot open."""
     if host in LOOPBACK:
         return False
     try:

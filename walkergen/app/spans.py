@@ -19,9 +19,9 @@ PATIENCE_S = 0.6
 
 
 def spans(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Ends of the ranges in which a walker can be built, by the keys of its sliders, all else as it is.
+    """Find the range of each slider in which the walker can be built, with all other keys unchanged.
 
-    Keys of a scene or a printer change no walker. Raises InputError for a document that is not sound.
+    Keys of a scene or a printer change no walker and are left out. Raises InputError for an invalid document.
     """
     controls = {control.key: control for group in form.groups(document) for control in group.controls}
     end, ranges = time.process_time() + PATIENCE_S, {}

@@ -81,7 +81,7 @@ class Workers:
         self._idle.put(_begun())
 
     async def answer(self, work: Callable[..., Result], *given: Any) -> Result:
-        """Result of work in a process; cancelling it ends the work. Raises WalkergenError."""
+        """Run work in a process and return its result; cancelling it ends the work. Raises WalkergenError."""
         gone = threading.Event()
         try:
             running = self._threads.submit(self._answer, work, given, gone)
@@ -141,7 +141,7 @@ def _end(worker: Worker) -> None:
 
 
 def _asked(worker: Worker, work: Callable[..., Any], given: Any, gone: threading.Event) -> Any:
-    """What a process answers, or the error that it raised. Raises InputError where it does not answer, and is lost."""
+    """Send work to a process; return its result, or its error. Raises InputError if it is lost or too slow."""
     late = InputError(f"{SOURCE}: this takes longer than {LONGEST_S:g} s: make the shape simpler, or smaller")
     try:
         if not worker.ready:
@@ -155,7 +155,7 @@ def _asked(worker: Worker, work: Callable[..., Any], given: Any, gone: threading
 
 
 def _heard(worker: Worker, longest: float, late: InputError, gone: threading.Event | None = None) -> Any:
-    """What a process says next. Raises InputError where it takes too long, EOFError where it has ended."""
+    """Receive the next message of a process. Raises InputError if it takes too long, EOFError if it has ended."""
     begun, spent = time.monotonic(), _spent(worker)
     while not worker.connection.poll(LOOK_S):
         passed = time.monotonic() - begun
@@ -213,7 +213,7 @@ def _ready_for_meshes() -> None:
 
 
 def _result(work: Callable[..., Any], given: Any) -> Any:
-    """What work gives, or the error that it raises."""
+    """Run work, and return its result or the error that it raises."""
     try:
         return work(*given)
     except InputError as error:

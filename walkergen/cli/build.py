@@ -66,7 +66,7 @@ def command(name: str) -> Any:
 
 
 def function(name: str, request: "type[Request]") -> Callable[..., None]:
-    """Function of a command, as typer reads it: its parameters are the request's fields."""
+    """Build the function of a command, as typer reads it: its parameters are the request's fields."""
 
     def command(json: bool = False, quiet: bool = False, **values: Any) -> None:
         given = {field: value for field, value in values.items() if value not in (None, [])}

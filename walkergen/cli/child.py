@@ -62,7 +62,7 @@ def _teller(stream: Any) -> Progress:
 
 
 def _told(tell: Progress) -> Callable[[str], Any]:
-    """What stands in place of the lines that say how far a job is."""
+    """Return what replaces the lines of progress on a terminal: it reports to `tell`."""
 
     @contextmanager
     def lines(title: str) -> Iterator[Progress]:
