@@ -70,7 +70,7 @@ def _path() -> Path:
 
 
 def machine() -> str:
-    """Description of the machine on which times were measured."""
+    """Describe the machine on which times were measured."""
     import numba
 
     return (

@@ -181,7 +181,7 @@ def _interpolate(
     restitution: float,
     logarithmic: bool = False,
 ) -> float:
-    """Number of a cell, linear in the tilt and the logarithm of the restitution between cells, constant beyond them."""
+    """Interpolate between cells, linearly in tilt and the logarithm of restitution; constant beyond them."""
     by_cell = {cell[0][1:3]: {row.share: row for row in cell} for cell in step_law.known_rows(rows)}
     tilts, restitutions = (sorted({key[at] for key in by_cell}) for at in (0, 1))
 

@@ -73,7 +73,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
 
 
 def _doubt(side_mm: float) -> list[str]:
-    """What is to be said of a size that no walker has."""
+    """Return a note on a size that no walker has; none for any other."""
     if units.SMALLEST < side_mm <= units.LARGEST:
         return []
     return [f"the longest side is {side_mm:.4g} mm: in another unit? ‹scale› is its length, mm: 25.4 for inches"]

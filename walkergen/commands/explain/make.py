@@ -126,7 +126,7 @@ def _rows(effects: Sequence[Effect], changes: Sequence[Change]) -> list[Row]:
 
 
 def _accepted(simple: Simplest, measured: bool) -> list[str]:
-    """What runs leave out where an error is accepted."""
+    """List what runs leave out if an error is accepted."""
     if simple.accepted is None:
         return []
     key = f"run.accepted_error = {simple.accepted:g}"

@@ -75,19 +75,19 @@ def factor(value: float | None, se: float | None) -> str:
 
 
 def in_words(value: float | None, se: float | None) -> str:
-    """Number with its standard error."""
+    """Format a number with its standard error."""
     if value is None:
         return "-"
     return words.fixed(value, 2) if se is None else words.with_error(value, se)
 
 
 def priced(walker: Walker, progress: Progress) -> Measured:
-    """What the scene without each effect that is on changes, by a few runs."""
+    """Measure from a few runs what the scene changes without each effect that is on."""
     return _measured(walker, tuple(variants.every(walker, also_on=False)), Runs(PRICED), progress)
 
 
 def measure(walker: Walker, progress: Progress) -> Measured:
-    """What each effect changes, off or on at its usual size, and what the two largest change together."""
+    """Measure what each effect changes, off or on at its usual size, and what the two largest change together."""
     told = _by_the_clock(progress)
     every = tuple(variants.every(walker, also_on=True))
     alone = _measured(walker, every, Budget(SINGLY * BUDGET_S, FEWEST), told)
@@ -129,7 +129,7 @@ def _size(change: Change) -> float:
 
 
 def _largest(every: Sequence[Variant], alone: Measured) -> list[Variant]:
-    """The two variants of the model itself that change the speed most."""
+    """Find the two variants of the model itself that change the speed most."""
     sizes = {change.effect: _size(change) for change in alone.changes}
     own = sorted((variant for variant in every if variant.values), key=lambda variant: -sizes[variant.effect])
     return own[:2]

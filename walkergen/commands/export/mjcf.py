@@ -166,7 +166,7 @@ def _text(name: str, plan: Plan) -> str:
 
 
 def _leg(number: int, called: str, mass: MassProperties, walker: Walker, place: int) -> str:
-    """A free leg on its hinge, with the corners of its foot."""
+    """Write the MJCF of a free leg on its hinge, with the corners of its foot."""
     leg, row = mass.legs[place], int(np.flatnonzero(walker.leg == number)[0])
     assert leg.tensor is not None
     centre = np.array([*leg.c_A, leg.across - walker.centre[2] - walker.root[row, 2]])
@@ -200,7 +200,7 @@ def _corners(walker: Walker, leg: int) -> str:
 
 
 def _plate(drive: Drive, walker: Walker, height: float) -> str:
-    """The plate on its spring, and walls that ride on it, twice as high as the body's middle, or a lid."""
+    """Write the MJCF of the plate on its spring, with walls twice as high as the body's middle, or a lid."""
     place, lid, walls = float(walker.place.max()), -float(walker.place.min()), ""
     for side in (-1, 1) if place > 0.0 else ():
         walls += f"""
@@ -238,8 +238,9 @@ def _pairs(mass: MassProperties, walker: Walker, free: Sequence[int], springs: A
 
 
 def _inverse_masses(mass: MassProperties, walker: Walker, free: Sequence[int]) -> Array:
-    """Inverse mass (1/g) of the body of each contact as MuJoCo has it, shape (k,): the mean over
-    three directions at its own centre of mass.
+    """Compute the inverse mass (1/g) of each contact's body as MuJoCo has it, shape (k,).
+
+    It is the mean over three directions at the body's own centre of mass.
     """
     root, reach, side = walker.root.copy(), 0.0 * walker.reach, 0.0 * walker.side
     for k, number in enumerate(walker.leg):

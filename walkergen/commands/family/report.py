@@ -67,7 +67,7 @@ def of(
 
 
 def _figure(design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData) -> "Callable[[], Figure]":
-    """What draws speed against tilt."""
+    """Return a function that draws speed against tilt."""
     drive, contact = scene.drive, scene.contact
     shaken = drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g"
     title = (

@@ -17,7 +17,7 @@ SMALL = 0.5
 
 
 def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:
-    """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
+    """Simulate an ensemble of each member, as the scene's [run] sets, and return the members with these speeds."""
     from walkergen.core.simulation.ensemble import listed
     from walkergen.points import walkers
     from walkergen.points.experiments import Walker

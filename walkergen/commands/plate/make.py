@@ -176,7 +176,7 @@ def _report(order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps:
 
 
 def _loads(rows: Sequence[Place]) -> Iterator[Load]:
-    """Copies of each walker on each plate, a row each."""
+    """Yield the number of copies of each walker on each plate, a row each."""
     marks: dict[tuple[str, int, str], list[str]] = {}
     for row in rows:
         marks.setdefault((row.printer, row.plate, row.name), []).append(row.mark)

@@ -47,7 +47,7 @@ def predict(
 
 
 def _shares(member: Member, scene: Scene) -> tuple[Share, ...]:
-    """What the bounds of a walker are made of: nothing without any. Raises InputError for one that was simulated."""
+    """Return the shares of a walker's bounds; none without bounds. Raises InputError if it was simulated."""
     if member.row.speed_mm_s is None:
         return ()
     try:

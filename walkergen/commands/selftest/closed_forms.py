@@ -46,9 +46,9 @@ def leg(design: Design) -> Shape:
 
 
 def cut_off(design: Design, segments: int) -> Shape:
-    """What the polygon of a round foot lacks of its half circle, to leading order in its edges.
+    """Return what the polygon of a round foot lacks of its half circle, to leading order in its edges.
 
-    That is the same all along the arc, whose mean lies 2 r / pi from the circle's middle. Nothing of other feet.
+    It lacks the same all along the arc, whose mean lies 2 r / pi from the circle's middle. Zero for other feet.
     """
     if design.limbs[0].foot != "round":
         return Shape(0.0, 0.0, 0.0, 0.0)
@@ -58,7 +58,7 @@ def cut_off(design: Design, segments: int) -> Shape:
 
 
 def without(whole: Shape, part: Shape) -> Shape:
-    """A figure without a part of it, by parallel axes."""
+    """Subtract a part from a figure, by parallel axes."""
     area = whole.area - part.area
     x, y = whole.x - part.area * (part.x - whole.x) / area, whole.y - part.area * (part.y - whole.y) / area
     second = whole.second - part.second

@@ -34,7 +34,7 @@ def _relative(what: str, value: float, expected: float, limit: float, reason: st
 
 
 def _defects(mesh: Mesh) -> int:
-    """Number of edges that are not shared by exactly two triangles, one in each direction."""
+    """Count edges that are not shared by exactly two triangles, one in each direction."""
     edges = np.concatenate([np.roll(mesh.triangles, -k, axis=1)[:, :2] for k in range(3)])
     keys, counts = np.unique(edges @ np.array([len(mesh.vertices), 1]), return_counts=True)
     backward = np.unique(edges @ np.array([1, len(mesh.vertices)]))
@@ -42,7 +42,7 @@ def _defects(mesh: Mesh) -> int:
 
 
 def _bodies(mesh: Mesh) -> int:
-    """Number of connected pieces, by spreading the least number of a vertex over triangles."""
+    """Count connected pieces, by spreading the least number of a vertex over triangles."""
     label, before = np.arange(len(mesh.vertices)), None
     while before is None or (label != before).any():
         before = label.copy()

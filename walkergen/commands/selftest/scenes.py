@@ -70,7 +70,7 @@ def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
 
 
 def plan_of(tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any) -> Plan:
-    """The plan of the paper's walker at a tilt on a scene of the given tables."""
+    """Prepare the plan of the paper's walker at a tilt, in a scene of the given tables."""
     design = design_of(tilt_deg)
     return prepare(Scene.model_validate(tables), design, masses(design, leg_mass))
 
@@ -105,7 +105,7 @@ Limit = tuple[float, str]
 
 
 def endures(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit, deepest: Limit) -> Iterator[Check]:
-    """Checks of any motion, however extreme: it ends as physics may, finite, over the plate, its energy accounted for.
+    """Yield checks of any motion, however extreme: a physical end, finite, over the plate, its energy balanced.
 
     Failed convergence and energy from nowhere are not among the ends of ENDS_OF_PHYSICS. `tolerance`: share of the
     exchanged energy that may be unaccounted for; `deepest`: depth of a foot below the plate, mm.

@@ -42,14 +42,14 @@ def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
 
 
 def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
-    """A drop with everything moving."""
+    """Return the state of a drop with everything moving."""
     state = plan.start(gap, 4e-3, 1.0, roll)
     state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
     return state
 
 
 def settled(plan: Plan) -> Array:
-    """A walker that was put down on its feet, and came to rest."""
+    """Return the state of a walker that was put down on its feet and came to rest."""
     state = plan.start(0.0, 0.0, 0.0)
     advance(plan, state, CALM)
     return state
@@ -118,7 +118,7 @@ def unslowed(plan: Plan, seconds: float) -> Check:
 
 
 def survives(plan: Plan, state: Array, seconds: float, about: str, tolerance: Limit) -> Iterator[Check]:
-    """Checks of a motion in space: those of `endures`, with the depth that its fall explains."""
+    """Return the checks of `endures` for a motion in space, with the depth that its fall explains."""
     fallen = max(plan.energy(state) - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
     speed = plan.scene.drive.peak_speed + math.sqrt(2.0 * fallen / plan.world.walker.mass)
     reason = "all of the walker on one corner's spring, at twice the speeds of plate and drop"

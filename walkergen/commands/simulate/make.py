@@ -78,7 +78,7 @@ def measure(
 
 
 def measured(point: Results, progress: Progress = silent) -> Simulated:
-    """What a simulated point says of shared orbits, of motion and landings."""
+    """Find shared orbits, motion and landings in the runs of a simulated point."""
     walker = point.walker
     errors = resolution.errors(point.step_errors, point.summary)
     shared = orbit.of(point, progress)

@@ -41,8 +41,9 @@ BY_MOTOR = {"from_plate": "from_motor", f"{observables.POWERS}.from_plate": f"{o
 
 
 def of_drive(data: Any, scene: Scene) -> Any:
-    """Data or a name, in which power comes from the motor where a motor drives: the tally's row of
-    the plate's work holds a motor's.
+    """Rename power as the motor's in data or a name, if a motor drives.
+
+    The tally's row of the plate's work holds a motor's.
     """
     if scene.drive.kind == "plate":
         return data

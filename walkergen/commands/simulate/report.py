@@ -158,9 +158,9 @@ def _speed_of(simulated: Simulated) -> Speed:
 
 
 def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":
-    """What draws the runs: way against time in a lane, on a plane as seen from above.
+    """Return what draws the runs: distance against time in a lane, the view from above on a plane.
 
-    Nothing where no run ended well.
+    Empty if no run ended well.
     """
     good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
 

@@ -106,7 +106,7 @@ def of(rows: Sequence[Row], scene: Scene, found: Sequence[Simplest]) -> Report:
 
 
 def _left_out(found: Sequence[Simplest]) -> Iterator[str]:
-    """What was left out of each walker's scene, and what was kept, in words."""
+    """Yield in words what was left out of each walker's scene, and what was kept."""
     for simple in found:
         for name, value in simple.lines:
             yield f"{names.part(simple.walker.design)}, {name}: {value}"

@@ -78,7 +78,7 @@ def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
 
 
 def step_as_dict(simulated: Simulated) -> dict[str, Any]:
-    """What the step leaves of each observable, for JSON: its error, or the reason of none."""
+    """Return the step's error of each observable for JSON, or the reason why there is none."""
     errors = {name: simulated.point.step_errors[name].error for name in observables.NAMES}
     errors = {name: error for name, error in errors.items() if error is not None}
     reasons: dict[str, list[str]] = {}

@@ -73,7 +73,7 @@ def to_npz(written: Written) -> bytes:
 
 
 def to_xyz(written: Written) -> bytes:
-    """Extended XYZ for OVITO: a frame for each time, in it the runs that had not ended."""
+    """Write extended XYZ for OVITO: a frame for each time, with the runs that had not ended."""
     own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
     size = written.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
