@@ -219,7 +219,7 @@ def thing_of(key: str) -> str:
 
 
 def _within(key: str, table: str) -> bool:
-    """True for a key in a table, or in an entry of a list."""
+    """Return whether a key is in a table, or in an entry of a list."""
     return key.startswith((f"{table}.", f"{table}["))
 
 
@@ -255,7 +255,7 @@ def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
 
 
 def filled_forms(folder: Path, members: "Sequence[Design]") -> list[str]:
-    """What is to be said of forms for masses that were left as somebody had changed them."""
+    """Return notes on mass forms that were not replaced, because a user has written in them."""
     from walkergen.core.walker import names, weights
 
     paths = [folder / weights.form(members, name) for name in names.by_design(members)]

@@ -96,7 +96,7 @@ class Request(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _plain(cls, value: Any) -> Any:
-        """Number of numpy as one of Python."""
+        """Convert a NumPy scalar to a Python number."""
         return value.item() if type(value).__module__ == "numpy" and not value.shape else value
 
     @classmethod
@@ -214,7 +214,7 @@ def _listed(value: Any) -> list[Any]:
 
 
 def ground(scene: Any, designs: Sequence["Design"], usual: str = LANE) -> Any:
-    """The scene that is named, or the template where such walkers run: a table if one has a motor of its own."""
+    """Return the given scene, or the template for these walkers: a table if one has a motor of its own."""
     if scene is not None:
         return scene
     return TABLE if any(design.motor is not None for design in designs) else usual
@@ -251,7 +251,7 @@ def _kinds(value: Any) -> list[Any] | None:
 
 
 def _copies(value: Any) -> int | dict[float, int]:
-    """Copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
+    """Parse the copies of each walker, or by tilt: 8, or 10:20,15:40, or {10: 20, 15: 40}."""
     if isinstance(value, Mapping):
         pairs = list(value.items())
     elif isinstance(value, str) and ":" in value:
@@ -335,7 +335,7 @@ def parse_effects(value: Any) -> float | None:
 
 
 def parse_measured(entry: Any) -> Measured:
-    """Number above 0, and its standard error in the same unit where it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
+    """Parse a number above 0, with its standard error if it has one: 0.05, "0.05±0.001", "0.05+-0.001"."""
     if entry is None:
         return None
     value, *errors = map(words.value, SIGN.split(str(entry)))

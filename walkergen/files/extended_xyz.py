@@ -41,7 +41,7 @@ class Bodies(NamedTuple):
 
 
 def text(bodies: Bodies, box: str) -> str:
-    """The file: a frame for each number, in it its bodies by theirs; `box` as `box_of` makes it."""
+    """Write the file's text: a frame for each number, with its bodies by theirs; `box` is from `box_of`."""
     ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
     lines = [f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)]
     table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])
@@ -65,10 +65,10 @@ def box_of(low: Array, span: Array, periodic: bool = False) -> str:
 
 
 def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
-    """Unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
+    """Compute unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
 
-    Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each:
-    a turn by the roll about the body's length, then by the pitch, then by the heading about up.
+    Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each: a turn by the roll
+    about the body's length, then by the pitch, then by the heading about up.
     """
     (a, b, c), (i, j, k) = ([trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin))
     return np.column_stack([a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k])

@@ -121,7 +121,7 @@ def style(settings: Any = STYLE) -> Iterator[None]:
 
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:
-    """The figure as PNG: equal figures give equal bytes."""
+    """Render the figure as PNG; equal figures give equal bytes."""
     buffer = io.BytesIO()
     with style():  # also of what matplotlib makes as late as here, as ticks
         figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
@@ -129,7 +129,7 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 
 
 def pdf(figure: Figure) -> bytes:
-    """The figure as PDF, with its title and without the date: equal figures give equal bytes."""
+    """Render the figure as PDF, with its title and without the date; equal figures give equal bytes."""
     buffer = io.BytesIO()
     metadata = {"CreationDate": None, "Title": words(figure)}
     with style():
@@ -165,7 +165,7 @@ def logarithmic(axis: Axis) -> None:
 
 
 def _power(value: float, _: float | None = None) -> str:
-    """Number of a logarithmic axis: plain from 0.001 to 1000, beyond as a power of ten."""
+    """Format a number of a logarithmic axis: plain from 0.001 to 1000, beyond as a power of ten."""
     if 0.999e-3 < value < 1001.0:
         return f"{value:g}"
     power = math.floor(math.log10(value) + 1e-9)
@@ -175,14 +175,14 @@ def _power(value: float, _: float | None = None) -> str:
 
 
 def axes_of(title: str) -> tuple[Figure, Axes]:
-    """An empty figure of the size of a column, with its title."""
+    """Create an empty figure of the size of a column, with its title."""
     figure, (axes,) = panels_of(title, (2.6,))
     return figure, axes
 
 
 @style()
 def panels_of(title: str, heights: Sequence[float], width: float = COLUMN) -> tuple[Figure, list[Axes]]:
-    """An empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
+    """Create an empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
     figure = Figure(figsize=(width, sum(heights)), layout="constrained")
     grid = {"height_ratios": heights}
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
@@ -194,7 +194,7 @@ def panels_of(title: str, heights: Sequence[float], width: float = COLUMN) -> tu
 def grid_of(
     title: str, count: int, across: int, height: float, width: float = PAGE, share_y: bool = False
 ) -> tuple[Figure, list[Axes]]:
-    """An empty figure of so many panels, `across` of them side by side, each row as high (inches)."""
+    """Create an empty figure of `count` panels, `across` of them side by side, each row as high (inches)."""
     rows = -(-count // across)
     figure = Figure(figsize=(width, rows * height), layout="constrained")
     panels = list(figure.subplots(rows, across, squeeze=False, sharey=share_y).flat)

@@ -52,7 +52,7 @@ def known(kind: str) -> list[str]:
 
 
 def find(name: str) -> Path:
-    """The template of a name, whatever its kind."""
+    """Find the template of a name in any of the kinds. Raises InputError."""
     for kind in KINDS:
         if name in known(kind):
             return _file(name, kind)
@@ -99,16 +99,16 @@ def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
 
 
 def written_as_path(text: str) -> bool:
-    """True for a text that names a file, not a template: one with an ending or /, but for published/NAME."""
+    """Return whether a text names a file, not a template: it has an ending or /, but is not published/NAME."""
     if re.fullmatch(rf"{PUBLISHED}/[\w-]+", text):
         return False
     return bool(re.search(r"\.[A-Za-z0-9]{2,5}$", text)) or "/" in text or "\\" in text
 
 
 def dump(model: Section, comment: str, every: bool = True) -> str:
-    """A TOML file that `load` reads back, led by a comment of one line.
+    """Write a TOML file that `load` reads back, with a comment of one line at its head.
 
-    With every key, or those alone that were written: some exclude each other's defaults.
+    It has every key, or without `every` those alone that were set, because some exclude each other's defaults.
     """
     line = "".join(letter if letter.isprintable() else "?" for letter in comment)
     data = model.model_dump(mode="json", exclude_none=True, exclude_unset=not every)

@@ -43,7 +43,7 @@ class Part(NamedTuple):
 
 
 def script() -> str:
-    """The viewer's bundle, built from viewer/: it defines walkergenViewer."""
+    """Read the viewer's bundle, built from viewer/; it defines walkergenViewer."""
     return web_page.read_asset("viewer.min.js")
 
 

@@ -66,7 +66,7 @@ def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
 
 
 def findings(capped: Sequence[Capped], printer: Printer) -> list[Finding]:
-    """Findings on printed caps: cells against lines, relief against layers."""
+    """Return the findings on printed caps whose cells are too small for the printer's lines."""
     printed = {entry.cap.model_copy(update={"number": 0}): entry for entry in capped if entry.cap.kind != "paper"}
     least = FINEST_CELL * printer.line_width_mm
     what, change = "cells of the caps may close up", "raise cap.marker_mm, or print markers on paper"
