@@ -28,10 +28,10 @@ LOOK_S = 0.2
 def run(
     one: OneRun[Made], numbers: Iterable[int], progress: Progress = silent, threads: int | None = None
 ) -> dict[int, Made]:
-    """Runs by their numbers, in their order, on `threads` threads (None: every core).
+    """Make runs by their numbers, and return them in order, on `threads` threads (None: every core).
 
-    Progress is in percent. Ctrl-C stops the runs under way and returns the finished ones; without
-    any it is raised again, as is whatever else a run raises.
+    Progress is in percent. Ctrl-C stops the runs under way and returns the finished ones; without any it is raised
+    again, as is whatever else a run raises.
     """
     stop: list[bool] = []
     shares = dict.fromkeys(numbers, 0.0)

@@ -72,18 +72,19 @@ def run(
 
 
 def runner(plan: Plan, impacts: bool = False, sample_interval: float | None = None) -> OneRun[RunResult]:
-    """What simulates the run of a number.
+    """Return a function that simulates the run of a number.
 
-    With `impacts` each keeps all its impacts; with a `sample_interval` (s) also samples of the
-    entries of its state that a trajectory shows, `space.state.COLUMNS`.
+    With `impacts` each run keeps all its impacts. With a `sample_interval` (s) it also keeps samples of the entries of
+    its state that a trajectory shows, `space.state.COLUMNS`.
     """
     simulate_one = with_impacts if impacts else simulate
     return lambda number, stopped, tell: simulate_one(plan, number, stopped, sample_interval, len(COLUMNS))
 
 
 def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:
-    """Statistics of finished runs on a plate of this peak speed (mm/s), which together took
-    `wall_s` seconds. Runs that share a periodic orbit tell no errors.
+    """Summarize finished runs on a plate of this peak speed (mm/s), which together took `wall_s` seconds.
+
+    Runs that share a periodic orbit have no statistical errors.
     """
     outcomes = Counter(result.outcome.value for result in results)
     good = [result for result in results if result.outcome in ENDED_WELL]

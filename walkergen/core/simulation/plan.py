@@ -65,7 +65,7 @@ class Plan(NamedTuple):
         return self._replace(world=model.drawn(self.case, self.resolved, self.world, rng))
 
     def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0, heading: float = 0.0) -> State:
-        """A state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
+        """Create a state at rest, its lowest corner `clearance` (mm) over the plate; angles in rad."""
         return model.start(self.world, clearance, pitch, phase, roll, heading)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
@@ -73,7 +73,7 @@ class Plan(NamedTuple):
         return int(steps.advance(self.world, state, seconds, tally))
 
     def advancer(self, state: State, tally: Tally) -> Callable[[float], int]:
-        """Function that advances a state in place by seconds, as `advance`, without looking up its machine code."""
+        """Return a function that advances a state by seconds, as `advance`; its machine code is looked up once."""
         code = kernels.entry(steps.advance, self.world, state, 1.0, tally)
         return lambda seconds: int(code(self.world, state, seconds, tally))
 

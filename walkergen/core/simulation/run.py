@@ -199,7 +199,7 @@ def impacts_of(result: RunResult) -> Array:
 
 
 def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
-    """What advances a state by so many seconds and says how that ended."""
+    """Return a function that advances a state by some seconds and returns its outcome."""
     move = plan.advancer(state, tally)
     arena = plan.scene.arena
     half = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]

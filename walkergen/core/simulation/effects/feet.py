@@ -36,7 +36,7 @@ class Foot(NamedTuple):
 
 
 def axial_stiffness(limb: Limb, modulus: float) -> float:
-    """Normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any.
+    """Compute the normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any.
 
     `modulus`: Young's, Pa.
     """

@@ -123,7 +123,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def _across(n: Vector) -> Vector:
-    """Unit vector across a unit vector: upright if it can be, else forward."""
+    """Return a unit vector across a unit vector: upright if possible, otherwise forward."""
     up = (-n[1] * n[0], 1.0 - n[1] * n[1], -n[1] * n[2])
     ahead = (1.0 - n[0] * n[0], -n[0] * n[1], -n[0] * n[2])
     chosen = up if 1.0 - n[1] * n[1] > 0.25 else ahead

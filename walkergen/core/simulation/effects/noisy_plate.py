@@ -42,7 +42,7 @@ RULE = Rule(judge, SWITCH, away={KEY: 0.0}, usual={KEY: 0.3})
 
 
 def _grid(case: Case) -> tuple[int, float, int, int]:
-    """Number of samples, their interval (s), and first and last line of the band."""
+    """Return the number of samples, their interval (s), and the first and last line of the band."""
     low, high = case.scene.plate.noise_band_hz
     interval = 1.0 / (PER_PERIOD * high)
     count = int(min(PERIOD_S / interval, MOST_SAMPLES))

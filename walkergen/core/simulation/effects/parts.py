@@ -39,7 +39,7 @@ def pitch(case: Case) -> Effect:
 
 
 def _number(case: Case) -> str:
-    """Number of feet in words."""
+    """Return the number of feet in words."""
     count = len(case.design.limbs)
     return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
 

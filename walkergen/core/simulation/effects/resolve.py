@@ -20,7 +20,7 @@ class Resolved(NamedTuple):
     """Line on keys that the scene gives and that have no part in it; "" where all have."""
 
     def on(self, name: str) -> bool:
-        """True when the effect `name` is simulated. Raises KeyError for an unknown name."""
+        """Return whether the effect `name` is simulated. Raises KeyError for an unknown name."""
         return _verdicts(self.effects)[name]
 
 

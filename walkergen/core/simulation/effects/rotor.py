@@ -34,7 +34,7 @@ OFF = Rotor(0.0, 1.0, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0
 
 @lean
 def acts(rotor):
-    """True where there is a motor."""
+    """Return whether there is a motor."""
     return rotor.moment > 0.0
 
 
@@ -100,8 +100,9 @@ def _at(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
 
 @lean
 def strongest(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
-    """Largest acceleration (mm/s^2) along the unit vector d of a point r of a body that its rotor
-    shakes, body axes from C, mm.
+    """Compute the largest acceleration (mm/s^2) along unit vector d of point r of a body that its rotor shakes.
+
+    Both are in body axes, from C, mm.
     """
     c = _at(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
     s = _at(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)

@@ -28,7 +28,7 @@ OFF = Sway(False, (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 @lean
 def moves(sway):
-    """True where points of the plate do not only move up and down alike."""
+    """Return whether points of the plate do more than move up and down together."""
     return sway.moves
 
 
@@ -41,8 +41,9 @@ def at(sway, phase):
 
 @lean
 def motion(sway, omega, phase, x, z):
-    """Velocity along x, y and z (mm/s), then acceleration (mm/s^2), of the plate's point (x, z), mm, beside what its
-    middle moves up and down.
+    """Compute velocity (mm/s), then acceleration (mm/s^2), along x, y, z of the plate's point (x, z), mm.
+
+    Both are relative to the vertical motion of the plate's middle.
     """
     p, q, s, c = sway.with_sine, sway.with_cosine, math.sin(phase), math.cos(phase)
     v_x, v_z, t_x, t_z = c * p[0] - s * q[0], c * p[1] - s * q[1], c * p[2] - s * q[2], c * p[3] - s * q[3]

@@ -59,8 +59,9 @@ def pass_time(world, state, t):
 
 @lean
 def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
-    """Speed (mm/s) by which the legs' swing may bring contact k faster to its surface than now: to
-    the plate (`side` 1), or to the lid (-1).
+    """Bound the speed (mm/s) by which the legs' swing may bring contact k faster to its surface than now.
+
+    The surface is the plate (`side` 1), or the lid (-1).
     """
     n, speed = shift.shape[1], 0.0
     for j in range(n):
@@ -95,8 +96,9 @@ def _thrown(walker, motor, points, k, d_x, d_y, d_z):
 
 @lean
 def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
-    """Torque on leg coordinate j by which it is left behind, as the body is thrown with the
-    acceleration (x, y, z), mm/s^2, and turned by a torque t; or the momenta that both stand for.
+    """Compute the torque by which leg coordinate j lags behind as the body is accelerated and turned.
+
+    The acceleration is (x, y, z), mm/s^2, the torque on the body t; momenta may replace both.
     """
     shift, lock = walker.shift, walker.lock
     moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
@@ -125,8 +127,9 @@ def _turning_energy(walker, state):
 
 @lean
 def _swept(world, state, work, k, side, speed):
-    """Upper bounds of what a plate that sways adds to the velocity (mm/s) and to the acceleration (mm/s^2) at which
-    contact k, which moves at `speed`, and the surface on its `side` close, in the longest flight.
+    """Bound what a swaying plate adds to the velocity (mm/s) and acceleration (mm/s^2) at which contact k closes.
+
+    It closes on the surface on its `side`, moves at `speed`, and the bounds hold for the longest flight.
     """
     R, at, omega, sway = work.R, work.points[k].at, world.drive.omega, world.acting.sway
     far, slope = _sway_bounds(sway)

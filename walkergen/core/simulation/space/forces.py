@@ -66,7 +66,7 @@ def _depth_in_middle(near, i, h):
 
 @lean
 def _push_at_start(near, i):
-    """Normal force (g mm/s^2) by the tangent of contact i at the depth with which its share of the step begins."""
+    """Return contact i's linearized normal force (g mm/s^2) at the depth where its share of the step begins."""
     contact = near[i]
     return contact.share * (contact.push + contact.k_n * (max(-contact.gap[0], 0.0) - contact.about))
 
@@ -178,7 +178,7 @@ def aim(near, i, u_1, u_2, press, h):
 
 @lean
 def _jams(near, H, i, h):
-    """True when sliding in the contact's direction would press it on faster than the step."""
+    """Return whether the friction of a sliding contact would press it on faster than a step can follow."""
     b = 3 * i
     turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
     return 1.0 + 0.5 * h * near[i].b_n * (H[b, b] - near[i].friction * turned) < JAMMED

@@ -149,8 +149,9 @@ def _thrown_about(now, thrown):
 
 @lean
 def _directions(world, state, work, near, lifted, t, m):
-    """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
-    and the rates alone give to their velocities and accelerations.
+    """Fill Jacobians and spring constants of the m near contacts.
+
+    Fill also what the surfaces and the rates alone give to their velocities and accelerations.
     """
     walker, R, J, points = world.walker, work.R, work.J, work.points
     lifting = plate_acceleration(world, state)
@@ -201,8 +202,9 @@ def _directions(world, state, work, near, lifted, t, m):
 
 @lean
 def _sweep(world, state, work, tilted, i, p, t, d_x, d_y, d_z):
-    """Take off, along direction d (world) of near contact i, what the place under it moves beside the plate's middle
-    in a frame of t seconds.
+    """Subtract from contact i, along direction d (world), how the plate under it moves relative to its middle.
+
+    The frame has t seconds.
     """
     near, R, at = work.near, work.R, work.points[work.near[i].number].at
     x = state[C_X] + R[0, 0] * at[0] + R[0, 1] * at[1] + R[0, 2] * at[2] - tilted[0]

@@ -113,7 +113,7 @@ def _rub(near, i, h):
 
 @lean
 def _press_at_end(near, i):
-    """Normal force of a contact at the end of a step, g mm/s^2, by its tangent; its gap is that at the end."""
+    """Return the linearized normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
     u = 2.0 * near[i].middle[0] - near[i].speed[0]
     force = near[i].k_n * (-near[i].gap[0] - near[i].about) + near[i].push
     return max(force - near[i].c_n * u, 0.0)

@@ -54,10 +54,10 @@ Array = npt.NDArray[np.float64]
 def start(
     world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0, heading: float = 0.0
 ) -> State:
-    """A state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
+    """Create a state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
 
-    The body is rolled about its own x axis, then pitched, then turned; angles in rad. A walker that is
-    held in its plane does not roll.
+    The body is rolled about its own x axis, then pitched, then turned; angles in rad. A walker that is held in its
+    plane does not roll.
     """
     roll = roll if world.walker.inverse_mass[2] > 0.0 else 0.0
     state = np.zeros(size_of(world.walker))
@@ -125,8 +125,9 @@ def energy(world, state):
 
 
 def feet(world: World, state: State) -> Array:
-    """Middles of the feet, shape (legs, 4): x along the lane (mm), height over the plate (mm), v_x and v_y over the
-    plate (mm/s).
+    """Compute the middles of the feet, shape (legs, 4): x (mm), height (mm), v_x and v_y (mm/s).
+
+    x is along the lane; height and velocities are over the plate.
     """
     work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms

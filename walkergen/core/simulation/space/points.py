@@ -33,7 +33,7 @@ NONE = np.zeros(2)
 
 
 def axis_of(limb: Limb) -> Array:
-    """Unit vector anchor -> foot along a relaxed leg's centre line, shape (3,)."""
+    """Return the unit vector anchor -> foot along a relaxed leg's centre line, shape (3,)."""
     return np.array([-math.sin(limb.tilt), -math.cos(limb.tilt), 0.0])
 
 

@@ -62,8 +62,9 @@ def swayed(world, state):
 
 @lean
 def turned_by(square):
-    """sin(a) / a and (1 - cos(a)) / a^2 of the square of an angle a (rad): by series where it is small, as turns in a
-    step are, which take a tenth of the time.
+    """Compute sin(a) / a and (1 - cos(a)) / a^2 from the square of an angle a (rad).
+
+    Small angles, such as turns in a step, take series, which need a tenth of the time.
     """
     if square < SMALL:
         s = 1.0 + square * (-1 / 6 + square * (1 / 120 + square * (-1 / 5040 + square * (1 / 362880))))
@@ -183,9 +184,9 @@ def locate(world, state, work):
 
 @lean
 def normal_of(roughness, swayed, place, state, R, points, k):
-    """Normal of the surface at contact k, in the world; vertical part 1 on a plate that is rough or tilts.
+    """Return the normal of the surface at contact k, in the world; vertical part 1 on a rough or tilted plate.
 
-    `place` is that of its walls (0: none), as in `Walker`; `swayed` what the function of this name gives.
+    `place` is that of its walls (0: none), as in `Walker`; `swayed` is what the function of this name returns.
     """
     s_x, s_z, t_x, t_z = swayed
     if place < 0.0:

@@ -259,5 +259,5 @@ def first_row(walker):
 
 
 def size_of(walker: Walker) -> int:
-    """Number of entries of a state."""
+    """Return the number of entries of a state."""
     return LEGS + 2 * len(walker.stiffness) + ROW * len(walker.leg)

@@ -146,8 +146,9 @@ def _move_contacts(state, near, m, first, upward, t, h, lifted, tally):
 
 @lean
 def _touched_late(state, near, H, ML, n, m, h):
-    """Take back what a force from the step's start on would have moved, of contacts that touched
-    within it: their force began later, and moved contacts and legs for a shorter time.
+    """Undo the motion by forces before their contact, for contacts that touched within a step.
+
+    Their force began later, and moved contacts and legs for a shorter time.
     """
     for i in range(m):
         late = 0.5 * h * h * (1.0 - near[i].share)
@@ -282,7 +283,7 @@ def _level(world, state, clear):
 
 @lean
 def _folded(walker, state):
-    """True when a leg has turned by 90 deg against the body, or a foot has twisted as far."""
+    """Return whether a leg has turned by 90 deg against the body, or a foot has twisted as far."""
     largest = 0.0
     for j in range(len(walker.stiffness)):
         largest = max(largest, abs(state[LEGS + j]))

@@ -301,8 +301,9 @@ def _flights(walker: Walker, step: float, n: int, period: float) -> Array:
 
 
 def exponential(matrix: Array) -> Array:
-    """Exponential of a small square matrix, by its series for a part of it and by squares: as scipy.linalg's, which
-    takes a tenth of a simulation's start to import.
+    """Compute the exponential of a small square matrix by a series and repeated squares, as scipy.linalg does.
+
+    Importing scipy.linalg takes a tenth of a simulation's start.
     """
     size = float(np.abs(matrix).sum(axis=0).max())
     squares = max(math.frexp(size / LARGEST_TERM)[1], 0)
