@@ -37,9 +37,7 @@ the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed witho
 def of_batch(
     designs: Sequence[Design], meshes: Sequence[Mesh], parts: Sequence[Part], plates: Sequence[Plate], printer: Printer
 ) -> list[Finding]:
-    """Findings on a whole print; designs, meshes (as they lie on the bed) and parts are in the same
-    order.
-    """
+    """Return the findings on a whole print; designs, meshes (as they lie on the bed) and parts are in one order."""
     return [
         *of_printer(printer),
         *_materials(designs, parts),
@@ -61,7 +59,7 @@ BRIM = ("set brim_width_mm, and cut it off every leg", Setting("printer.brim_wid
 
 
 def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
+    """Return the findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
 
     The mesh is as it lies on the bed (solids.as_printed).
     """
@@ -83,9 +81,9 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
 
 
 def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
+    """Return the findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
 
-    Its masses are not predicted: only walls that fail or print otherwise than drawn count.
+    Its mass is not predicted, so that walls count only if they fail or print otherwise than drawn.
     """
     of_walls = [of_wall(wall, printer, TOLERATED_DEVIATION) for wall in upright]
     findings = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
@@ -95,7 +93,7 @@ def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -
 
 
 def of_printer(printer: Printer) -> list[Finding]:
-    """Findings on a printer's settings, whatever it prints."""
+    """Return the findings on a printer's settings, whatever it prints."""
     layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
     findings = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
@@ -109,7 +107,7 @@ def of_printer(printer: Printer) -> list[Finding]:
 
 
 def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
-    """Findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
+    """Return the findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
     boxes = np.array(
         [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
     ).reshape(-1, 4)
@@ -123,7 +121,7 @@ def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
-    """Finding on a wall; None when it is good.
+    """Return the finding on a wall; None if it is good.
 
     `mass_sd` is the relative deviation of masses that the prediction allows for.
     """
@@ -157,7 +155,7 @@ def of_wall(wall: Wall, printer: Printer, mass_sd: float) -> Finding | None:
 
 
 def _good(thickness: float, printer: Printer) -> bool:
-    """True when a wall neither fails nor prints another mass than predicted."""
+    """Return whether a wall neither fails nor prints another mass than predicted."""
     lines = thickness / printer.line_width_mm
     return (
         thickness > walls.vanishes_below(printer)
@@ -203,7 +201,7 @@ def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
-    """Findings on what the bed's plane cuts into layers: depth and widths, or the thickness."""
+    """Yield the findings on lengths that are cut into layers: depth and widths, or the thickness."""
     height, size = printer.layer_height_mm, design.size
     if solids.on_side(design):
         yield from _whole(About.BODY, "depth", size.depth, height, "body.depth_mm")
@@ -216,7 +214,7 @@ def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
 
 
 def _whole(part: About, what: str, length: float, height: float, key: str) -> Iterator[Finding]:
-    """Findings on a length, mm, that prints as layers of `height`, mm."""
+    """Yield the findings on a length, mm, that prints as layers of `height`, mm."""
     layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)

@@ -80,17 +80,17 @@ def new(
     change: str,
     setting: Setting | None = None,
 ) -> Finding:
-    """Finding whose place is not known yet."""
+    """Create a finding whose place is not set yet."""
     return Finding(level, "", what, float(seen), float(limit), unit, change, part, setting)
 
 
 def at(where: str, findings: Iterable[Finding]) -> list[Finding]:
-    """Findings with their place."""
+    """Return findings with their place set."""
     return [finding._replace(where=where) for finding in findings]
 
 
 def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
-    """Findings of printers, by their names, in one list; those of several name their printer."""
+    """Join the findings of printers, by their names, in one list; those of several name their printer."""
     return [
         finding._replace(where=f"{printer}: {finding.where}") if len(named) > 1 else finding
         for printer, findings in named
@@ -99,10 +99,9 @@ def of_printers(named: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]
 
 
 def listed(findings: Sequence[Finding], levels: Collection[Level] = LEVELS) -> list[Finding]:
-    """Findings as people read them: each kind once, as the part shows it that is farthest from its limit, with the
-    number of others.
+    """Merge findings of a kind into the worst one, with the number of others, and list errors first.
 
-    A kind is what has one limit and one remedy. Errors come first; of some levels alone.
+    A kind has one limit and one remedy. Its worst finding is the farthest from the limit. Only `levels` are listed.
     """
     kinds: dict[Finding, list[Finding]] = {}
     for finding in findings:

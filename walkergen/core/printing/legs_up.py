@@ -31,7 +31,7 @@ is called less certain than that. Assumed, from the spread of printed bars pulle
 
 
 def of_part(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
-    """Findings on one walker whose `mesh` lies upside down on the bed, z = 0."""
+    """Yield the findings on one walker whose `mesh` lies upside down on the bed, z = 0."""
     yield from _steep(design)
     yield from _stairs(design, printer)
     yield from _soft(design)

@@ -82,7 +82,7 @@ def spacing(printer: Printer) -> float:
 
 
 def capacity(part: Part, printer: Printer) -> int:
-    """Number of copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
+    """Count the copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
     if _micrometres(part.height) > _micrometres(printer.height_mm):
         return 0
     (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)

@@ -26,7 +26,7 @@ SLICES = 8
 
 
 def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
-    """Findings on the pockets of one walker, in whichever way it lies."""
+    """Yield the findings on the pockets of one walker, whichever way it lies."""
 
     def warning(what: str, seen: float, limit: float, change: str) -> Finding:
         return new(About.POCKETS, "warning", what, seen, limit, "mm", change)

@@ -62,7 +62,7 @@ class Printer(Section):
 
     @classmethod
     def of_file(cls, path: Path) -> dict[str, Any] | None:
-        """What a slicer's profile says of its printer; None for a TOML file."""
+        """Read the printer of a slicer's profile; None for a TOML file."""
         return profile_file.read(path) if path.suffix.lower() in profile_file.ENDINGS else None
 
     @model_validator(mode="before")
@@ -85,7 +85,7 @@ class Printer(Section):
         return self
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Data in which lines keep their width over that of a nozzle set anew."""
+        """Return data in which lines keep their width relative to the nozzle, if only the nozzle was set."""
         nozzle = data.get("nozzle_mm")
         if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):
             return {**data, "line_width_mm": round(self.line_width_mm / self.nozzle_mm * nozzle, 3)}

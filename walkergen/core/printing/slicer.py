@@ -112,10 +112,10 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
 
 
 def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
-    """Settings of printer and filament by PrusaSlicer's keys, for who has no profile of his own.
+    """Return settings of printer and filament by PrusaSlicer's keys, for users without a profile.
 
-    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3; its end
-    code leaves the bed hot. Start code, speeds and retraction keep its defaults.
+    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3; its end code leaves the bed
+    hot. Start code, speeds and retraction keep its defaults.
     """
     (left, front), width, depth = printer.bed_corner, printer.bed_width_mm, printer.bed_depth_mm
     corners = ((0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth))

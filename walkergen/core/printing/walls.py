@@ -153,7 +153,7 @@ def deviation(thickness: float, printer: Printer) -> float:
 
 
 def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
-    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE_UPRIGHT.
+    """Compute the expected plastic in a leg, with its brace if any, over its mesh; see TOLERANCE_UPRIGHT.
 
     `side` is True for a leg that prints on its side, False for one that prints upright.
     """

@@ -35,7 +35,7 @@ def ready(mesh: Mesh) -> Body:
 
 
 def shadow(solid: manifold3d.Manifold) -> "BaseGeometry":
-    """What a solid covers, (x, z), seen from above."""
+    """Return the region that a solid covers, (x, z), seen from above."""
     import shapely
 
     covered: BaseGeometry = shapely.Polygon()
@@ -116,7 +116,7 @@ def _over(corners: Array, half: Array) -> tuple[float, float] | None:
 
 
 def _cut(polygons: Array, axis: int, far: float, side: float = 1.0) -> Array:
-    """What of convex polygons, shape (k, n, 3), is no farther along an axis; they end with their first point, repeated.
+    """Clip convex polygons, shape (k, n, 3), beyond `far` along an axis; their first point is repeated at the end.
 
     Source: Sutherland and Hodgman (1974).
     """
@@ -174,7 +174,7 @@ def _first(corners: Array, start: Array, direction: Array) -> float | None:
 
 
 def _by_line(mesh: Mesh, start: Array, sides: Array, half: Array) -> npt.NDArray[np.bool_]:
-    """True for triangles whose box, along two directions across a line, comes as near to it as `half`, shape (k,)."""
+    """Return which triangles have a box that comes as near to a line as `half`, shape (k,), in k directions."""
     slack = 1e-6 * float(np.ptp(mesh.vertices, axis=0).max())
     met = np.ones(len(mesh.triangles), bool)
     for side, far in zip(sides, half + slack, strict=True):

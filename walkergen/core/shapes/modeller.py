@@ -20,14 +20,14 @@ def solid(mesh: Mesh) -> manifold3d.Manifold:
 
 
 def evaluated(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
-    """The same solid, once its operations are done. Raises SolidError when one of them failed."""
+    """Carry out the operations of a solid and return it. Raises SolidError if one of them failed."""
     if manifold.status() != manifold3d.Error.NoError:
         raise SolidError(f"the solid modeller gave no body: {manifold.status().name}")
     return manifold
 
 
 def mesh_of(manifold: manifold3d.Manifold) -> Mesh:
-    """Closed mesh of a solid, vertices as float64."""
+    """Return the closed mesh of a solid, vertices as float64."""
     raw = manifold.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))

@@ -52,7 +52,7 @@ def unpack(data: bytes, source: str) -> tuple[Corners, str]:
 
 
 def _unit_normals(corners: Array) -> Array:
-    """Normals of length 1, shape (triangles, 3); zero for a triangle without area."""
+    """Compute normals of length 1, shape (triangles, 3); zero for a triangle without area."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)

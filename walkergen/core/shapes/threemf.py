@@ -99,12 +99,12 @@ class Part(NamedTuple):
 
 @cache
 def available() -> bool:
-    """True where lib3mf is installed; nobody makes it for Linux or Windows on ARM."""
+    """Return whether lib3mf is installed; it does not exist for Linux or Windows on ARM."""
     return importlib.util.find_spec("lib3mf") is not None
 
 
 def library() -> Any:
-    """Module lib3mf. Raises InputError where it is not installed."""
+    """Import lib3mf. Raises InputError if it is not installed."""
     if not available():
         raise InputError(
             "3MF: lib3mf is not installed (it is made for x86-64 and Macs, this is "
@@ -277,7 +277,7 @@ class _Package:
                 raise InputError(f"requires {space[:90]!r}, which walkergen does not read; export plain meshes")
 
     def _notes(self) -> Callable[[str, Attributes], None]:
-        """Function that takes in the elements of a slicer's notes."""
+        """Return a function that reads the elements of a slicer's notes."""
         number = 0
 
         def begin(tag: str, attributes: Attributes) -> None:
@@ -310,7 +310,7 @@ class _Package:
             raise InputError(f"places {triangles} triangles, at most {self.most_triangles}; simplify the mesh")
 
     def _count(self, place: Place, depth: int) -> tuple[int, int]:
-        """Number of meshes and of triangles of an object. Raises InputError for one too deep, or none."""
+        """Count the meshes and triangles of an object. Raises InputError if it is nested too deeply, or has none."""
         if depth > DEEPEST:
             raise InputError(f"components lie more than {DEEPEST} deep; join them")
         if place not in self.objects:
@@ -357,7 +357,7 @@ def _object(attributes: Attributes) -> _Object:
 
 
 def _placed(attributes: Attributes, path: str) -> _Placed:
-    """What an item or a component places: of the model itself, or of another that it names the path of."""
+    """Read what an item or a component places: an object of this model, or of another whose path it gives."""
     paths = [value for name, value in attributes.items() if name.endswith(" path")]
     place = (paths[0].lstrip("/").lower() if paths else path), int(attributes["objectid"])
     numbers = [float(word) for word in attributes.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()]

@@ -71,9 +71,7 @@ class Design(WalkerSpec):
 
     @property
     def tilt_deg(self) -> float:
-        """Tilt by which members of a family are told apart, deg: of all legs that follow it, or of
-        the first leg.
-        """
+        """Tilt that identifies a member of a family, deg: of all legs that follow it, or of the first leg."""
         return resolve.tilt_deg_of(self)
 
     @property

@@ -39,7 +39,7 @@ class SolidMass(NamedTuple):
         return float(self.tensor[2, 2])
 
     def times(self, factor: float) -> "SolidMass":
-        """The same shape, so many times as dense."""
+        """Return the same shape, `factor` times as dense."""
         return self._replace(mass=factor * self.mass, tensor=factor * self.tensor)
 
 

@@ -98,7 +98,7 @@ def _legend_of_marks(members: Sequence[Design]) -> str:
 
 
 def span(marks: Sequence[str], quote: str = "") -> str:
-    """Marks of copies in words: one, or the first to the last of serial numbers."""
+    """Format the marks of copies: one, or the first to the last of serial numbers."""
     ends = dict.fromkeys((marks[0], marks[-1]))
     return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
 

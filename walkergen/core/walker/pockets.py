@@ -81,10 +81,10 @@ def solids_of(design: Design) -> dict[str, Mesh]:
 
 
 def weigh_carried(design: Design) -> list[SolidMass]:
-    """Mass properties of what a body carries: its parts, each with its share of the glue, and the
-    wires, a thin rod from the middle of the one to that of the other.
+    """Compute the mass properties of a body's parts, each with its share of the glue, and of the wires.
 
-    With one part alone the wires are within it. The centres are in the design's frame.
+    The wires are a thin rod between the middles of both parts, or within the only one. Centres are in the design's
+    frame.
     """
     cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
     extra = design.fit.glue_g / len(cylinders)
@@ -220,9 +220,7 @@ def _refuse_leg(name: str, tool: manifold3d.Manifold, legs: Sequence[manifold3d.
 
 
 def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: Design) -> None:
-    """Raise GeometryError unless a layer of the body lies below a part, or above one that is put
-    in from below.
-    """
+    """Raise GeometryError unless a layer of the body lies below a part, or above one put in from below."""
     points = _points(part.cylinder, design, design.fit.clearance_mm)
     below = np.array(OUT["up" if part.opens == "down" else "down"])
     layer = _hull(points + FLOOR_MM * below) - _hull(points)

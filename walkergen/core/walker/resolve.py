@@ -91,7 +91,7 @@ def refuse_unbuildable(spec: WalkerSpec) -> None:
 
 
 def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
-    """What helps two equal legs that do not stand where they were put: that they place themselves."""
+    """Suggest that two equal legs which do not stand where they were put place themselves."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
     return load_readers().suggest_placement(spec.body, spec.legs)

@@ -233,10 +233,9 @@ def _left_side(limb: Limb, depth: float) -> float:
 
 
 def on_side(design: Design) -> bool:
-    """True for a walker that prints lying on its side: a prism whose legs all begin at that side.
+    """Return whether a walker prints lying on its side: a prism whose legs all begin at that side.
 
-    All others print upside down with their legs up: legs narrower than the body would hang over
-    the bed.
+    All others print upside down with their legs up: legs narrower than the body would hang over the bed.
     """
     if not (design.body.plain or design.body.profile_mm is not None):
         return False
@@ -340,7 +339,7 @@ def assemble(design: Design, body: SolidMass, legs: Sequence[Mesh], cap: Mesh | 
 
 
 def has_window(limb: Limb) -> bool:
-    """True when there is air between a braced leg and its brace, as at all but small tilts."""
+    """Return whether there is air between a braced leg and its brace, as at all but small tilts."""
     return window_width(limb) > NARROWEST_WINDOW * limb.length
 
 
@@ -373,9 +372,9 @@ def clearance(limbs: Sequence[Limb]) -> float:
 
 
 def bodies(mesh: Mesh) -> int:
-    """Number of closed bodies of a mesh once its coordinates are 32-bit floats, as in a file; cavities are none.
+    """Count the closed bodies of a mesh with coordinates as 32-bit floats, as in a file; cavities are none.
 
-    Zero when it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
+    Zero if it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
     """
     rounded = mesh.vertices.astype(np.float32)
     vertices, index = np.unique(rounded, axis=0, return_inverse=True)

@@ -131,7 +131,7 @@ class WalkerSpec(Section):
 
     @classmethod
     def of_file(cls, path: Path) -> dict[str, Any] | None:
-        """Data of a walker whose body is a drawing, a picture or a mesh. Raises InputError for files of CAD."""
+        """Return data of a walker from a drawing, picture or mesh; None for others. Raises InputError for CAD files."""
         ending, endings = path.suffix.lower(), {"outline": OUTLINES, "mesh": MESHES}
         if ending in CAD:
             raise InputError(f"{path}: save it as a mesh in the program that made it: Export, STL (or 3MF), in mm")

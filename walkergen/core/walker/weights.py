@@ -80,10 +80,7 @@ def template(parts: Iterable[str]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """True for a file that is not byte for byte a `template` of walkers: work to keep.
-
-    Raises InputError.
-    """
+    """Return whether a file differs from every `template` of walkers, so that it is kept. Raises InputError."""
     parts = _blank(path)
     return parts is None or not all(names.is_part(part) or part in CARRIED for part in parts)
 
@@ -199,7 +196,7 @@ def _drawn(design: Design, parts: Solids) -> tuple[float, float]:
 
 
 def _far(weighed: float, drawn: float) -> bool:
-    """True for masses that are FACTOR times apart, either way."""
+    """Return whether masses differ by more than FACTOR, either way."""
     return not drawn / FACTOR <= weighed <= drawn * FACTOR
 
 
@@ -236,7 +233,7 @@ def meshed(design: Design) -> Design:
 
 
 def total_error(weighed: Weighings, legs: int) -> float | None:
-    """Standard error of a whole walker's mass, g, by its number of legs; None when not known."""
+    """Compute the standard error of a whole walker's mass, g, with this number of legs; None if unknown."""
     if weighed.grams is not None:
         return weighed.grams.error
     body, leg = (weighing and weighing.error for weighing in (weighed.body_g, weighed.leg_g))
@@ -299,7 +296,7 @@ def _part_of(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> 
 
 
 def _another(name: str, members: Sequence[Design]) -> bool:
-    """True for the name that a member's design gives to its walker of another tilt or kind."""
+    """Return whether a member's design gives this name to its walker of another tilt or kind."""
     match = PART.fullmatch(name)
     if match is None:
         return False

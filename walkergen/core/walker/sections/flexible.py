@@ -33,7 +33,7 @@ def profile(limb: Limb, segments: int) -> list[Polygon]:
 
 
 def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Unit half circle below a leg, counter-clockwise, a vertex exactly at its lowest point."""
+    """Return the unit half circle below a leg, counter-clockwise, with a vertex exactly at its lowest point."""
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
