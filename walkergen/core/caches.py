@@ -153,7 +153,7 @@ def checked_files(plain: Any) -> Any:
 
 
 def _whole(path: Path) -> bool:
-    """True for a regular file that fits the sum at its end, or has none."""
+    """Return whether a path is a regular file that matches the checksum at its end, or has none."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             return False

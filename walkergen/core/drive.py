@@ -190,8 +190,9 @@ class Drive(Section):
         return self.eccentric_g_mm or 0.0
 
     def direction(self, own: str) -> tuple[float, float, float]:
-        """Unit vector along, across (to the right) and up about which a rotor turns by the right
-        hand; `own` is the axis of the motor that the design carries.
+        """Return the unit vector (along, across to the right, up) of a rotor's axis, by the right-hand rule.
+
+        `own` is the axis of the motor that the design carries.
         """
         axis = self.axis or own
         x, y, z = AXES[axis] if isinstance(axis, str) else axis
@@ -199,8 +200,9 @@ class Drive(Section):
         return x / size, y / size, z / size
 
     def beneath(self, mass: float) -> "Drive":
-        """Drive of the plate that would move under a walker of this mass (g) as far as its motor
-        moves the walker; of a plate the drive itself.
+        """Return the drive of a plate that would move under a walker of this mass (g) as its motor moves it.
+
+        The drive of a plate is returned as it is.
         """
         if self.kind == "plate":
             return self
@@ -215,10 +217,10 @@ class Drive(Section):
         return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}"
 
     def set_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-        """Data of this drive in which these of its keys were set: what contradicts them is gone.
+        """Return this drive's data after some keys were set, without those that contradict them.
 
-        Of a plate's four numbers one that is set leaves the frequency, and the frequency leaves the
-        peak acceleration; a motor keeps its moment at another frequency.
+        Setting one of a plate's four numbers keeps the frequency. Setting the frequency keeps the peak acceleration. A
+        motor keeps its moment at another frequency.
         """
         if data.get("kind", "plate") == "motor":
             return self._motor_anew(data, keys)

@@ -60,7 +60,7 @@ class Remedy(NamedTuple):
     """Values by dotted keys; None leaves a key out, which a command line does by itself."""
 
     def __str__(self) -> str:
-        """What it does, and how that is written on a command line."""
+        """Describe what the remedy does, and how to write it on a command line."""
         keys = [f"{key} = {_written(value)}" for key, value in self.values.items() if value is not None]
         return ", ".join([self.words, *filter(None, [" and ".join(keys)])])
 
@@ -118,7 +118,7 @@ class InputError(WalkergenError):
         return tuple(self.helps())
 
     def found_out(self) -> Self:
-        """The same, once it is known what would help: for another process."""
+        """Find the remedies now, and return the error in a form that another process can receive."""
         self.helps = partial(tuple, self.remedies)
         return self
 

@@ -34,16 +34,16 @@ class Experiment(Protocol):
     """What runs: its runs are independent, and each the same bits whenever it is made."""
 
     def prepared(self) -> OneRun[Any]:
-        """What makes the run of a number, whose random stream that number begins, and returns its record.
+        """Return a function that makes the run of a number, the seed of its random stream, and returns its record.
 
-        Whatever all runs share is made first, on this thread: kernels are compiled, inputs refused.
+        Whatever all runs share is made first, on this thread: kernels are compiled, invalid input is refused.
         """
 
     def quantities(self, records: Sequence[Any]) -> list[Quantity]:
-        """What records of one run or more say, each number with its error."""
+        """Compute the quantities that one or more records give, each with its error."""
 
     def finer(self) -> Self | None:
-        """The same with smaller biases; None where there are none, or no smaller ones."""
+        """Return the experiment with smaller biases; None if it has none, or no smaller ones."""
 
 
 AnExperiment = TypeVar("AnExperiment", bound=Experiment)
@@ -72,7 +72,7 @@ class Measured(NamedTuple, Generic[AnExperiment]):
         return {quantity.column: quantity for quantity in self.experiment.quantities(self.records)}
 
     def more(self, runs: int) -> "Measured[AnExperiment]":
-        """The same, of which so many runs in all are asked for."""
+        """Return the measurement with a request for `runs` in all."""
         return self._replace(runs=runs)
 
 
@@ -84,7 +84,7 @@ class Until(Protocol):
         """Number of runs to begin with."""
 
     def further(self, measured: Measured[Any]) -> Measured[Any] | None:
-        """The same with more runs, or a finer experiment; None where these are enough."""
+        """Return the measurement with more runs, or a finer experiment; None if it is good enough."""
 
 
 class Runs(NamedTuple):

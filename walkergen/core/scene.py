@@ -409,7 +409,7 @@ class Scene(Section):
     effects: Effects = Effects()
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Data of this scene with values set anew, of which some of the drive exclude others."""
+        """Return data of this scene after values were set, without keys of the drive that they exclude."""
         keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
         if keys and isinstance(data.get("drive"), dict):
             data["drive"] = self.drive.set_anew(data["drive"], keys)

@@ -100,10 +100,10 @@ def _mended(
 
 
 def changed(section: Model, values: Mapping[str, Any], source: str = "‹set›", prefix: str = "") -> Model:
-    """Validated copy of a file's contents with other values of these keys.
+    """Return a validated copy of a file's contents with other values of these keys.
 
-    Raises InputError, or GeometryError, with a line for every mistake, which begins with `source`
-    and tells keys after a prefix.
+    Raises InputError, or GeometryError, with a line for every mistake, which begins with `source` and names the key
+    after `prefix`.
     """
     if not values:
         return section
@@ -111,9 +111,9 @@ def changed(section: Model, values: Mapping[str, Any], source: str = "‹set›"
 
 
 def assigned(section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = "") -> Model:
-    """Validated data in which keys are set to values; `section` is what the data stood for.
+    """Set keys of data to values, in place, and validate the result; `section` is what the data held before.
 
-    The data hold the values afterwards. Raises as `changed` does.
+    Raises as `changed` does.
     """
     for key, value in values.items():
         _check_form(key, f"{source}: {prefix}")

@@ -167,7 +167,7 @@ def whole(text: str, most: int) -> int | None:
 
 
 def summary(bad: dict[int, str], most: int = NAMED) -> str:
-    """Number of the rows that were left out and the reasons for the first few; '' without any."""
+    """Describe how many rows were left out, with the reasons for the first few; '' without any."""
     if not bad:
         return ""
     named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:most])

@@ -71,18 +71,16 @@ class Section(BaseModel):
 
     @classmethod
     def of_file(cls, path: Path) -> dict[str, Any] | None:
-        """Data that stand for a file of another kind than TOML, as a drawing; None for any other."""
+        """Return data that replace a file of another kind than TOML, such as a drawing; None for any other."""
         return None
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Data of a file in `folder`, in which tables that name other files say where they are."""
+        """Return a file's data in which tables that name other files give their path from `folder`."""
         return data
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Data of this table in which `values`, by dotted keys, have been set anew: tables whose
-        keys depend on one another drop or add others.
-        """
+        """Return this table's data after `values`, by dotted keys, were set; tables drop keys that contradict them."""
         return data
 
 
@@ -99,7 +97,7 @@ def read(path: Path, model: type[Model]) -> Model:
 
 
 def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
-    """Data of a TOML file, not validated yet, and its text. Raises InputError."""
+    """Read the data of a TOML file, not validated yet, and its text. Raises InputError."""
     own = model.of_file(path)
     data, text = load(path) if own is None else (own, "")
     if not data:

@@ -122,7 +122,7 @@ def _opened(path: Path, new: bool) -> int | None:
 
 
 def flags(mode: int) -> int:
-    """Flags to open a file with: no link is followed, nothing waits, bytes are bytes."""
+    """Return flags to open a file without following links or waiting, and with bytes unchanged."""
     for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
         mode |= getattr(os, name, 0)  # each system has some of them
     return mode
@@ -172,7 +172,7 @@ def hash_of(path: Path) -> str | None:
 
 
 def sealed(data: bytes) -> bytes:
-    """Data whose last value, or comment, is BLANK, with its own hash there: any change shows."""
+    """Put the data's own hash into their last value, or comment, which is BLANK, so that any change shows."""
     match = SEAL.search(data)
     assert match is not None
     assert match[0] == BLANK
@@ -181,7 +181,7 @@ def sealed(data: bytes) -> bytes:
 
 
 def is_sealed(data: bytes) -> bool:
-    """True for what `sealed` returned, byte for byte."""
+    """Return whether data are what `sealed` returned, byte for byte."""
     match = SEAL.search(data)
     if match is None:
         return False

@@ -119,7 +119,7 @@ def check_ours(path: Path) -> None:
 
 
 def _is_empty(status: os.stat_result) -> bool:
-    """True for a plain file without contents: nothing that could be lost."""
+    """Return whether a file is regular and empty, so that nothing could be lost."""
     return stat.S_ISREG(status.st_mode) and status.st_size == 0
 
 
@@ -263,25 +263,25 @@ class Folder:
         return facts
 
     def untouched(self) -> bool:
-        """True when every file of an earlier run is as it was left."""
+        """Return whether every file of an earlier run is unchanged; False without any."""
         listed = _files_of(self.earlier())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
     def as_left(self, name: str) -> bool:
-        """True for a file that is as an earlier run left it, or was growing when that was ended."""
+        """Return whether a file is unchanged since an earlier run, or was growing when that run was ended."""
         self.claim()
         assert self._ledger is not None
         growing = GROWING in self._ledger.digests.get(name, ())
         return growing or self._listed.get(name) == self._hash(name)
 
     def _ours(self, name: str) -> bool:
-        """True for a file in the folder that we wrote and nobody changed since."""
+        """Return whether this program wrote a file in the folder and nobody changed it since."""
         assert self._ledger is not None
         digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
         return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
 
     def _may(self, name: str, digest: str) -> bool:
-        """True where nothing is lost by writing a file of this hash: none there, or ours."""
+        """Return whether writing a file of this hash loses nothing: there is none, an equal one, or one of ours."""
         path = self.path / name
         try:
             status = path.lstat()
@@ -317,7 +317,7 @@ def _distrusted(path: Path, why: str) -> OutputError:
 
 
 def _is_inside(folder: Path, name: str) -> bool:
-    """True for a name that leads to a place inside the folder, by whatever links."""
+    """Return whether a name leads to a path inside the folder, by whatever links."""
     try:
         return folder.resolve() in (folder / name).resolve().parents
     except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL

@@ -101,7 +101,7 @@ def by_library(source: str, kind: str) -> Iterator[None]:
 
 
 def reason(error: Exception) -> str:
-    """What a library says of a file, in a few words; not what Python says of the library's insides."""
+    """Describe a library's error on a file in a few words, without what concerns the library's insides."""
     inside = isinstance(error, (AttributeError, LookupError, NameError, TypeError)) or "unpack" in str(error)
     text = " ".join(str(error).split())[:100]
     return "its parts do not fit together, or it breaks off" if inside or not text else text
@@ -131,7 +131,7 @@ def lines(path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | 
 
 
 def named_soundly(path: Path) -> bool:
-    """True for a path that stays itself in text files: without controls and halves of letters."""
+    """Return whether a path can be written in text files: it has no control characters or halves of letters."""
     return not CONTROLS.search(str(path))
 
 

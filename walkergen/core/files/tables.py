@@ -173,7 +173,7 @@ def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
 
 
 def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
-    """A table's chosen columns, of given widths, as a table of its own, without its title."""
+    """Copy chosen columns of a table, with given widths, into a table without its title."""
     from rich.table import Table
 
     piece = Table(

@@ -33,7 +33,7 @@ def fixed(value: float, digits: int) -> str:
 
 
 def count(number: int, one: str, many: str) -> str:
-    """Number of things with their name, in the singular for one."""
+    """Format a number of things with their name, in the singular for one."""
     return f"{number} {one if number == 1 else many}"
 
 

@@ -58,8 +58,9 @@ if _sums:
 
 
 def _register_without_blas() -> None:
-    """Let numba load its mathematics as where there is no SciPy: no kernel of ours multiplies matrices by a library,
-    and to look for one takes a fifth of a simulation's start.
+    """Let numba load its mathematics without SciPy, which saves a fifth of a simulation's start.
+
+    No kernel of ours multiplies matrices by a library.
     """
     sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
     try:

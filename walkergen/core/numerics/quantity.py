@@ -188,5 +188,5 @@ def mean(key: str, unit: str, values: "Sequence[float] | npt.NDArray[np.float64]
 
 
 def exact(key: str, unit: str, value: float) -> Quantity:
-    """Number without chance: a definition, a closed form."""
+    """Create a quantity without error, such as a definition or a closed form."""
     return Quantity(key, unit, value, 0.0)

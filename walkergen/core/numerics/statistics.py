@@ -109,10 +109,10 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 
 
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
-    """Standard error of the mean over all series, sampled every `interval` seconds.
+    """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES.
-    For series that are too few to give their spread: changes rarer than the series are long escape.
+    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES. For series that are too
+    few to give their spread. Changes rarer than the series are long are missed.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)
@@ -122,7 +122,7 @@ def error_of_mean(series: Sequence[Array], interval: float, correlation: float) 
 
 
 def jackknife_error(replicates: Array) -> Array:
-    """Standard errors, shape (k,), from leave-one-out values of shape (n, k) with n >= 2.
+    """Compute standard errors, shape (k,), from leave-one-out values of shape (n, k) with n >= 2.
 
     Efron and Stein (1981); the n groups left out must be independent and of similar size.
     """

@@ -1,7 +1,7 @@
-"""Tails of Student's t and of Fisher's F, by the incomplete beta function: importing scipy.special takes a quarter of
-a second, more than most of what asks for one quantile.
+"""Tails of Student's t and of Fisher's F, from the incomplete beta function.
 
-Within 1e-12 of scipy's for up to 10^4 degrees of freedom, 1e-11 beyond (tests/core/numerics/test_tails.py).
+Importing scipy.special takes a quarter of a second, more than most commands that need one quantile. Within 1e-12 of
+scipy's for up to 10^4 degrees of freedom, 1e-11 beyond (tests/core/numerics/test_tails.py).
 """
 
 import math
@@ -82,8 +82,9 @@ def _fraction(a: float, b: float, x: float) -> float:
 
 
 def _edge(a: float, b: float, x: float, y: float) -> float:
-    """x^a y^b over the beta function B(a, b): by deviations from its largest value, which lose no digits (Loader
-    2000, "Fast and accurate computation of binomial probabilities").
+    """Compute x^a y^b / B(a, b), B the beta function, from deviations that lose no digits.
+
+    They are from its largest value (Loader 2000, "Fast and accurate computation of binomial probabilities").
     """
     whole, log = a + b, 0.0
     for part, share, off in ((a, x, b * x - a * y), (b, y, a * y - b * x)):
@@ -94,7 +95,7 @@ def _edge(a: float, b: float, x: float, y: float) -> float:
 
 
 def _remainder(z: float) -> float:
-    """What Stirling's formula leaves of the logarithm of the gamma function."""
+    """Compute what Stirling's formula leaves of the logarithm of the gamma function."""
     if z < LARGE:
         return math.lgamma(z) - (z - 0.5) * math.log(z) + z - 0.5 * math.log(2.0 * math.pi)
     w = 1.0 / (z * z)

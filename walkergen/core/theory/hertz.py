@@ -25,7 +25,8 @@ def tip_stiffness(scene: Scene, material: Material) -> float:
 
 
 def landing_depth(tip: float, mass: float, speed: float, load: float) -> float:
-    """Depth (mm) to which a mass (g) presses a tip alone as it lands at a speed (mm/s), or a load (g mm/s^2) does at
-    rest: the larger.
+    """Compute the depth (mm) to which a tip alone is pressed by a landing mass, or by a load at rest: the larger.
+
+    The mass (g) lands at a speed (mm/s); the load is in g mm/s^2.
     """
     return float(max((1.25 * mass * speed * speed / tip) ** 0.4, (load / tip) ** (2.0 / 3.0)))

@@ -64,10 +64,10 @@ class Impact(NamedTuple):
 
 @kernel
 def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
-    """Determinant H_xx H_yy - H_xy^2 to nearly full precision, even at conditions beyond 1e12.
+    """Compute the determinant H_xx H_yy - H_xy^2 to nearly full precision, even at conditions beyond 1e12.
 
-    The rounding errors of both products are recovered exactly (Dekker 1971, Veltkamp splitting),
-    valid while entries stay below about 1e150.
+    The rounding errors of both products are recovered exactly (Dekker 1971, Veltkamp splitting), valid while entries
+    stay below about 1e150.
     """
     splitter = 134217729.0  # 2^27 + 1
     t = splitter * H_xx

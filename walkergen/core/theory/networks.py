@@ -100,7 +100,7 @@ def digest() -> str:
 
 @cache
 def facts() -> dict[str, Any]:
-    """What the surrogate tells of itself: ranges of its numbers, and errors at rows that it has not seen."""
+    """Read the surrogate's facts: ranges of its numbers, and errors at rows outside its training set."""
     stored: dict[str, Any] = json.loads(str(arrays()["facts"]))
     return stored
 
@@ -116,7 +116,7 @@ def layers_of(name: str) -> tuple[Layer, ...]:
 
 
 def evaluated(layers: Sequence[Layer], inputs: Array) -> Array:
-    """Outputs at inputs of shape (n, d), shape (networks, n, outputs), in single precision."""
+    """Compute outputs, shape (networks, n, outputs), at inputs of shape (n, d), in single precision."""
     starts = range(0, len(inputs), BLOCK)
     return np.concatenate([_passed(layers, inputs[k : k + BLOCK]) for k in starts], axis=-2)
 
@@ -131,11 +131,11 @@ def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
 
 
 def coordinates(places: Array) -> tuple[Array, Array]:
-    """Inputs of the networks, shape (n, d), and the odd factors of their outputs, shape (n, 2).
+    """Compute inputs of the networks, shape (n, d), and the odd factors of their outputs, shape (n, 2).
 
-    Speeds change most where the tilt passes the angle of friction, where feet stick. What turns about with the
-    walker and its plate, tilt and slope, comes into the inputs by products that stay: so a walker without tilt on
-    a level plate has no speed, and the mirror image the other.
+    Speeds change most where the tilt passes the angle of friction, where feet stick. Tilt and slope change sign when
+    walker and plate are mirrored, so they enter the inputs by products that do not. A walker without tilt on a level
+    plate then has no speed, and the mirror image the opposite one.
     """
     of = Place(*places.T)
     tilt = of.root_tilt**2

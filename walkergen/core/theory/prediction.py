@@ -156,7 +156,7 @@ def stands(row: Prediction) -> bool:
 
 
 def brief(row: Prediction) -> str:
-    """What a walker does, in a few words: its speed, or that it stands, falls over or is to be simulated."""
+    """Describe in a few words what a walker does: its speed, or that it stands, falls over or has no speed yet."""
     speed = row.speed_mm_s
     if row.has_theory_alone:
         return f"{words.fixed(row.theory_mm_s, 1)} mm/s (theory)"
@@ -168,7 +168,7 @@ def brief(row: Prediction) -> str:
 
 
 def sentence(row: Prediction) -> str:
-    """What a maker wants to hear of a walker's speed."""
+    """Describe a walker's predicted speed for the person who prints it."""
     speed, nominal = row.speed_mm_s, row.nominal_mm_s
     if row.falls > 0.0:
         falls = f"falls over in {100.0 * row.falls:.0f} % of its runs"
@@ -206,7 +206,7 @@ class Spread(NamedTuple):
 
 
 def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
-    """Inputs of a prediction by the surrogate: what is not known exactly, the print, and both models' errors."""
+    """Return the inputs of a surrogate prediction: uncertain values, the print, and both models' errors."""
     return (*uncertain.inputs(scene, design, PREDICTION), PRINT, SURROGATE, MODEL)
 
 
@@ -252,7 +252,7 @@ def theory_speeds(design: Design, mass: MassProperties, scene: Scene, mode: Mode
 
 
 def _impact_speed(scene: Scene, mass: MassProperties) -> float:
-    """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s; of a motor, one that swings."""
+    """Compute the normal speed w at which the theory's feet meet the plate, mm/s; a motor counts as a moving plate."""
     return scene.prediction.impact_speed_factor * scene.drive.beneath(float(mass.total)).peak_speed
 
 

@@ -114,7 +114,7 @@ def of(scene: Scene, design: Design, mass: MassProperties, within_goal: bool = T
 
 
 def _reasons(scene: Scene, design: Design) -> Iterator[str]:
-    """What of a walker and its scene the surrogate has never met, in words."""
+    """Yield the reasons why a walker or its scene lies outside the surrogate's training set."""
     if scene.drive.kind == "motor":
         yield "walkers with a motor are simulated"
     if not design.alike:

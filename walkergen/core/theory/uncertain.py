@@ -52,7 +52,7 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Inputs with a standard deviation that `reader`, PREDICTION or SPACE, reads."""
+    """Return the inputs with a standard deviation that `reader`, PREDICTION or SPACE, uses."""
     contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     known = (
@@ -97,7 +97,7 @@ def _tip_radius(scene: Scene) -> Input:
 
 
 def _of_motor(drive: Drive) -> tuple[Input, ...]:
-    """Inputs of a motor, cut off at half and twice what they are; none of a plate."""
+    """Return the inputs of a motor, cut off at half and twice their values; none of a plate."""
     if drive.kind == "plate":
         return ()
     pace, moment = drive.frequency, drive.eccentric
