@@ -46,7 +46,7 @@ WALLS = (
 
 
 def figures(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[], Figure]]:
-    """What draws each figure that the crowd has, by the stems of their files."""
+    """Return functions that draw each figure that the crowd has, by the stems of their files."""
     curves = statistics.curves
     draws: dict[str, tuple[str, Callable[[], Figure]]] = {
         "crowd_pairs": ("g", partial(_stacked, curves, title, "distance of centres (mm)", PAIRS)),

@@ -43,7 +43,7 @@ def to_csv(film: CrowdFilm) -> bytes:
 
 
 def to_xyz(film: CrowdFilm) -> bytes:
-    """Extended XYZ: a frame for each time, in it the walkers seen, wrapped in a periodic square."""
+    """Write extended XYZ: a frame for each time, with the walkers seen, wrapped in a periodic square."""
     frame, walker = np.nonzero(np.isfinite(film.x))
     x, y = ground.wrapped(film.x[frame, walker], film.y[frame, walker], film.dish)
     theta = np.nan_to_num(film.theta[frame, walker])

@@ -56,10 +56,10 @@ class InPlane(NamedTuple):
     job: Job
 
     def prepared(self) -> OneRun[CrowdFilm]:
-        """What places and simulates the run of a number.
+        """Return a function that places and simulates the run of a number.
 
-        Raises InputError for a crowd denser than was tested; such a run, where a crowd has no room, and
-        where LAMMPS is absent.
+        Raises InputError for a crowd denser than was tested. A run raises it if the crowd does not fit, or LAMMPS is
+        absent.
         """
         job = self.job
         check(job.packing)
@@ -112,7 +112,7 @@ def _seconds(job: Job) -> float:
 
 
 def _run(job: Job, number: int) -> deck.Crowd:
-    """What a run in a plane is asked for."""
+    """Describe a run in a plane by its number."""
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
     places = jobs.placed(job, [kind.outline for kind in job.kinds], number)
     cards = [kind.card for kind in job.kinds if kind.card]

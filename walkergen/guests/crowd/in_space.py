@@ -56,9 +56,9 @@ class InSpace(NamedTuple):
     job: Job
 
     def prepared(self) -> OneRun[CrowdRun]:
-        """What places and simulates the run of a number, with its kernels compiled.
+        """Return a function that places and simulates the run of a number, with its kernels compiled.
 
-        Raises InputError where a crowd has no room, or contradicts the model in space.
+        Raises InputError if the crowd does not fit, or contradicts the model in space.
         """
         job = self.job
         placed = _placed(job)
@@ -104,7 +104,7 @@ def cost(job: Job) -> float:
 
 
 def _placed(job: Job) -> Callable[[int], CrowdPlan]:
-    """What places the walkers of the run of a number. Raises InputError."""
+    """Return a function that places the walkers of the run of a number. Raises InputError."""
     plan = _plan(job)
     about_C = _about_C(job, plan)
     return lambda number: plan._replace(places=jobs.placed(job, about_C, number))

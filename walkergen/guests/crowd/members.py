@@ -17,7 +17,7 @@ RUNS, RATE_HZ = 4, 25.0
 
 
 def parse(value: int | str | Mapping[str, int]) -> int | dict[str, int]:
-    """Number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
+    """Parse a number of walkers, or numbers by designs: 30, "30", {"rotator": 10} or "polar-disc:20,rotator:10".
 
     Raises ValueError, InputError for none or too many.
     """
@@ -53,7 +53,7 @@ def check(count: int, told: str) -> int:
 
 
 def number_of(scene: Scene, area_mm2: float) -> int:
-    """Number of walkers of an outline of this area that a scene asks for. Raises InputError."""
+    """Return how many walkers of an outline of this area a scene requests. Raises InputError."""
     crowd, dish = scene.crowd, scene.crowd.dish
     if crowd.packing is None:
         count = DEFAULT if crowd.count is None else crowd.count

@@ -166,7 +166,7 @@ def hues() -> Array:
 
 
 def _paint(film: CrowdFilm, colour: Colour) -> Callable[[Array], Array]:
-    """Function from headings to the colour of each walker, shape (N, 3)."""
+    """Return a function from headings to the colour of each walker, shape (N, 3)."""
     if colour == "heading" and film.headed:
         wheel = np.vstack([hues(), _rgb(PLATE)])
 
@@ -191,7 +191,7 @@ def _rgb(colour: str) -> tuple[float, float, float]:
 
 
 def _bodies(axes: Axes, film: CrowdFilm, scale: float) -> list[_Bodies]:
-    """What draws the walkers of each kind."""
+    """Create the artists that draw the walkers of each kind."""
     made, edge = [], "face" if _small(film, scale) else INK
     for kind in dict.fromkeys(film.kinds):
         walkers = np.flatnonzero([own == kind for own in film.kinds])

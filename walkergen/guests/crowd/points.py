@@ -43,7 +43,7 @@ def columns_of(name: str) -> tuple[str, str, str, str]:
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
-    """What pictures of a table show: each statistic."""
+    """Return the pictures of a table: one of each statistic."""
     made = []
     for name in keep:
         value, _, low, high = columns_of(name)

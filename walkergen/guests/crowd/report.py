@@ -104,7 +104,7 @@ def title_of(job: Job) -> str:
 
 
 def caption_of(job: Job) -> str:
-    """What was simulated, without a full stop."""
+    """Describe what was simulated, without a full stop."""
     crowd = job.scene.crowd
     if job.model == "flat":
         cards = " and ".join(f"{kind.name} ({kind.card.scene})" for kind in job.kinds if kind.card)
@@ -130,7 +130,7 @@ def _contacts(run: CrowdRun, seconds: float) -> Contacts:
 
 
 def _warnings(simulated: Simulated) -> Iterator[str]:
-    """What makes the numbers doubtful."""
+    """Yield the reasons to doubt the numbers."""
     if fallen := simulated.fallen:
         told = ", ".join(f"{count} {name}" for name, count in fallen.items())
         yield f"of all walkers in all runs: {told}; they lie where they fell"
@@ -180,7 +180,7 @@ def write_inputs(job: Job, folder: Path) -> Report:
 
 
 def inputs_of(job: Job) -> dict[str, Any]:
-    """What a manifest says of a crowd: every input resolved."""
+    """Return every resolved input of a crowd, for its manifest."""
     designs = [kind.design for kind in job.kinds if kind.design]
     return {
         "model": job.model,

@@ -23,7 +23,7 @@ MOST_FPS = 50
 
 
 def _count(value: Any) -> Any:
-    """Number of walkers, or numbers by the designs' names: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
+    """Parse a number of walkers, or numbers by design: 30, "30", "polar-disc:20,rotator:10", {"polar-disc": 20}."""
     from walkergen.guests.crowd import members
 
     return value if value is None else members.parse(value)

@@ -122,8 +122,9 @@ def checked(job: Job) -> Job:
 
 
 def placed(job: Job, contours: Sequence[Sequence[Array]], number: int) -> Array:
-    """Places and headings at which a run begins, shape (N, 3): of the origins of the contours of
-    each kind. Raises InputError where there is no room.
+    """Draw places and headings at which a run begins, shape (N, 3). Raises InputError if walkers do not fit.
+
+    Places are those of the origins of the contours of each kind.
     """
     stream = np.random.SeedSequence([job.scene.run.seed, number], spawn_key=(PLACING,))
     outlines = [contours[kind] for kind in job.numbers]

@@ -63,7 +63,7 @@ def facts(statistics: CrowdStatistics) -> dict[str, Any]:
 
 
 def line(statistics: CrowdStatistics) -> str:
-    """What was measured, in a sentence."""
+    """Describe in a sentence what was measured."""
     runs = "one run" if statistics.runs == 1 else f"{statistics.runs} independent runs"
     return (
         f"{runs} of {words.duration(statistics.seconds)} each, {statistics.frames} frames, of {_walkers(statistics)}."
@@ -83,7 +83,7 @@ def _row(statistics: CrowdStatistics, number: Quantity) -> tuple[Any, ...]:
 
 
 def _columns(statistics: CrowdStatistics) -> tuple[Column, ...]:
-    """What people read of a row: by the quantity of its first cell."""
+    """Return the columns that are shown, from the quantity that a row's first cell names."""
     numbers = {number.column: number for number in statistics.numbers.values()}
 
     def chance(row: Sequence[Any]) -> str:

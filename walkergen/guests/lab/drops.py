@@ -82,7 +82,7 @@ def rebound(plan: Plan, let: Let) -> Rebound:
 
 
 def from_hand(height: float, turn_deg: float, drops: int, seed: int) -> list[Let]:
-    """Drops from the hand: pitch and roll are normal with this deviation, prints are others."""
+    """Draw drops from the hand, each of another print: pitch and roll are normal with deviation `turn_deg`."""
     turns = np.random.default_rng([seed, 0]).normal(0.0, math.radians(turn_deg), (drops, 2))
     return [Let(height, float(pitch), float(roll), number) for number, (pitch, roll) in enumerate(turns)]
 

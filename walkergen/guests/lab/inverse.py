@@ -74,7 +74,7 @@ class Answer(NamedTuple):
         return {**told, "everywhere": self.everywhere, "nearest": self.nearest, "misses": self.misses}
 
     def number(self, key: str) -> Quantity:
-        """The one range that agrees, with half its width as the error; refused where it is not one."""
+        """Return the one range that agrees, with half its width as the error; refused if there is not one."""
         if self.everywhere or len(self.branches) != 1:
             return Quantity(key, "", None, refused=self.text)
         (branch,) = self.branches
@@ -100,11 +100,10 @@ def measured(value: float | None, sd: float | None, tries: int, most: float) -> 
 
 
 def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
-    """What a measured number tells of `what`, by a curve; `where` ends what is said of no branch.
+    """Find the values of `what` that explain a measured number, from a curve; `where` ends the text without any.
 
-    Between its points the curve is cubic, and monotone. Errors are those of the number, and the
-    scatter of so many tries and of the simulated ones, in quadrature; a branch ends where the
-    distance is one error.
+    Between its points the curve is cubic, and monotone. Errors are those of the number, and the scatter of so many
+    tries and of the simulated ones, in quadrature; a branch ends where the distance is one error.
     """
     from scipy.interpolate import PchipInterpolator
 

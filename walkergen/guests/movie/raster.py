@@ -77,7 +77,7 @@ class Model(NamedTuple):
 
 
 def model_of(mesh: Mesh) -> Model:
-    """Normals and sharp edges of a closed mesh."""
+    """Compute the normals and sharp edges of a closed mesh."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)

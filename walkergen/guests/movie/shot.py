@@ -115,7 +115,7 @@ class Shot(NamedTuple):
 
 
 def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
-    """What a run in space shows, in the terms of the picture."""
+    """Create the shot of a run in space, in the terms of the picture."""
     mesh, O = solids.build(design).seen, point_in_mesh(design, mass)  # noqa: E741  (the paper's name)
     return Shot(
         title=title,

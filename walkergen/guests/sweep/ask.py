@@ -40,9 +40,9 @@ class Ask(NamedTuple):
     keep: Sequence[str] | None
 
     def request(self) -> Request:
-        """Checked request. Raises InputError.
+        """Return the checked request. Raises InputError.
 
-        Simulated speeds meet ERROR unless another is asked for, or the runs are set.
+        Simulated speeds meet ERROR unless another error is given, or the runs are set.
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
@@ -68,7 +68,7 @@ class Ask(NamedTuple):
         return request
 
     def request_for_wish(self) -> Request:
-        """Checked request of points that have a speed, predicted ones with bounds unless groups are chosen.
+        """Return the checked request of points that have a speed, predicted ones with bounds unless groups are chosen.
 
         Raises InputError.
         """
@@ -168,7 +168,7 @@ def space_of(entries: Sequence[Axis | Span], sample: str | None, seed: int) -> t
 
 
 def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
-    """Samples of spans as sobol:N or latin:N asks for them. Raises InputError."""
+    """Parse samples of spans from sobol:N or latin:N. Raises InputError."""
     method, _, count = text.partition(":")
     samples = columns.whole(count, axes.MOST_VALUES)
     if method not in get_args(Method) or samples is None:

@@ -183,7 +183,7 @@ def _finite(word: str, source: str) -> float:
 
 
 def _sampled(sample: Sample) -> Any:
-    """Samples, shape (count, spans), rounded to what a table shows without harm: 9 digits."""
+    """Draw samples, shape (count, spans), rounded to the 9 digits that a table shows."""
     from scipy.stats import qmc
 
     wide, rng = len(sample.spans), np.random.default_rng(sample.seed)

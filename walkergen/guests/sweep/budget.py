@@ -95,9 +95,7 @@ def _runs(point: Asked) -> int:
 
 
 def _half(record: Record) -> float:
-    """Half-width of the bounds of a point, mm/s; infinite where runs are too few for any, 0 where
-    more runs would not help.
-    """
+    """Return the half-width of a point's bounds, mm/s; infinite with too few runs, 0 if more would not help."""
     low, high = record.get("low_95_mm_s"), record.get("high_95_mm_s")
     if isinstance(low, float) and isinstance(high, float):
         return 0.5 * (high - low)

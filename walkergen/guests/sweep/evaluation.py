@@ -163,7 +163,7 @@ def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]
 
 
 def _work(points: Sequence[Point]) -> Answer:
-    """Records of points, and by which sources; runs on a worker."""
+    """Evaluate points on a worker, and return their records after a hash of its sources."""
     return digest(), [evaluate(point) for point in points]
 
 
@@ -186,7 +186,7 @@ def _lost(task: _Task) -> bool:
 
 
 def _answer(future: "Future[Answer]") -> list[Record]:
-    """Records that a worker has sent. Raises WalkergenError."""
+    """Return the records from a worker. Raises WalkergenError."""
     try:
         sources, records = future.result()
     except BrokenExecutor as error:

@@ -44,13 +44,12 @@ class Job(NamedTuple):
 
 
 def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
-    """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures,
-    sweep.png and .pdf, of crowds one of each statistic.
+    """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures.
 
-    Points that the store already has are not evaluated again; the table grows row by row, and what
-    was finished is kept whatever happens. Raises InputError where another sweep writes there or a
-    file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker
-    is lost, and KeyboardInterrupt with a whole table.
+    Pictures are sweep.png and .pdf, of crowds one of each statistic. Points that the store already has are not
+    evaluated again. The table grows row by row, and finished rows are kept whatever happens. Raises InputError if
+    another sweep writes there or a file there is not ours, OutputError when a file cannot be written, WalkergenError
+    when a worker is lost, and KeyboardInterrupt with a complete table.
     """
     started = time.perf_counter()
     job.request.check()
@@ -129,7 +128,7 @@ def _hash_of(request: Request) -> str:
 
 
 def _facts(request: Request) -> dict[str, Any]:
-    """A request for the manifest: every input resolved."""
+    """Return every resolved input of a request, for the manifest."""
     shape = request.design.shape
     sample = request.space.sample
     return {

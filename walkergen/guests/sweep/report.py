@@ -82,7 +82,7 @@ def of(
 
 
 def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
-    """The report with the files of these names that were written into a folder."""
+    """Return the report with the names of the files that were written into a folder."""
     facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
     return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
 
@@ -97,9 +97,9 @@ def _lines(points: Points) -> list[str]:
 
 
 def _figures(rows: Table, keys: Sequence[str], pictures: Sequence[Picture]) -> "Mapping[str, Callable[[], Figure]]":
-    """What draws each number over the keys: lines, a map or clouds.
+    """Return functions that draw each number over the keys: lines, a map or clouds.
 
-    Nothing where no key has two values, or no point the number: there is nothing to compare.
+    Empty if no key has two values, or no point has the number, because there is nothing to compare.
     """
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
     if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):

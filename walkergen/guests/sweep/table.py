@@ -101,7 +101,7 @@ def _sound(line: str) -> bool:
 
 
 def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:
-    """The table at `path` as Parquet; None where pyarrow is not installed.
+    """Convert the table at `path` to Parquet; None if pyarrow is not installed.
 
     `keys` are those that vary, True for numbers.
     """

@@ -57,7 +57,7 @@ def _read(data: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInf
 
 
 def _written(quantity: Quantity) -> dict[str, Any]:
-    """Number as the file has it."""
+    """Return a quantity as the file stores it."""
     return {"value": quantity.value, "se": quantity.se, "runs": runs_of(quantity)}
 
 
@@ -155,10 +155,10 @@ class Card(Section):
 
     @property
     def propulsion_mm_s(self) -> float:
-        """Speed v0 that propulsion alone would give, mm/s: above the mean speed along the heading
-        of a walker that turns, by the velocity that lags behind it.
+        """Speed v0 that propulsion alone would give, mm/s.
 
-        Of active Brownian particles with inertia, whose turning forgets at once.
+        Above the mean speed along the heading of a walker that turns, because its velocity lags behind. For active
+        Brownian particles with inertia, whose turning has no memory.
         """
         along, rotation = self.velocity_relaxation_s.number, self.rotational_diffusion_rad2_s.number
         across = along if self.sideways_relaxation_s is None else self.sideways_relaxation_s.number

@@ -115,7 +115,7 @@ def _cut(unit: Complex, cuts: int) -> list[Complex]:
 
 
 def _sums(velocity: Complex, unit: Complex, lags: lagged.Lags) -> Array:
-    """Sums and pairs of v(t) . e(0), then of v(0) . e(t), half an interval more than each lag."""
+    """Sum v(t) . e(0), then v(0) . e(t), and count their pairs, at half an interval more than each lag."""
     after, pairs = lagged.crossed(unit[:-1], velocity, lags)
     before, others = lagged.crossed(velocity, unit[1:], lags)
     return np.array([after.real, pairs, before.real, others])

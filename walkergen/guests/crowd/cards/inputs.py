@@ -18,7 +18,7 @@ SCRIPTS = {"crowd_pymunk.py": "pymunk.txt", "crowd_hoomd.py": "hoomd.txt"}
 
 
 def all_of(card: Card) -> dict[str, bytes]:
-    """Inputs of each program, by the names of their files: equal cards give equal bytes."""
+    """Write the inputs of each program, by the names of their files; equal cards give equal bytes."""
     numbers = numbers_of(card)
     lines = [f"# {card.name}, {card.scene or 'no scene'}: mm, g, s, rad"]
     lines += [f"{name} = {_text(value)}" for name, value in numbers.items()]
@@ -67,5 +67,5 @@ def _variables(card: Card, numbers: Mapping[str, float]) -> str:
 
 
 def _text(value: float) -> str:
-    """Number with every digit that tells it from others."""
+    """Format a number with every digit that distinguishes it from others."""
     return repr(float(value))

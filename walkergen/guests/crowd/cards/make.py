@@ -114,7 +114,7 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, motion: Measured
 
 
 def _known(field: str, number: Quantity, runs: int) -> Quantity | None:
-    """Number of a field of a card; None where it is not known."""
+    """Return the quantity of a card's field; None if it has no value."""
     if number.value is None:
         return None
     return measured(field, float(number.value), None if number.se is None else float(number.se), runs)

@@ -147,7 +147,7 @@ def _notes(card: Card, measured: Measured | None, walled: Walled | None) -> Iter
 
 
 def _of_motion(measured: Measured) -> Iterator[str]:
-    """Method of speeds and their errors, and what a delay was found with."""
+    """Yield the method of speeds and their errors, and what a delay was found with."""
     yield measured.motion.method
     yield (
         f"velocities fluctuate by {words.number(measured.velocity.deviation)} mm/s along the heading; the relaxation "

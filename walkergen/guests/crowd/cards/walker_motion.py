@@ -110,8 +110,9 @@ def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress
 
 
 def sideways(sloping: Tracks, force: float) -> Quantity:
-    """Time (s) in which a velocity across the heading forgets a push: what a push of `force` (mm/s^2) toward +x
-    makes of it, whichever way a walker heads. Fluctuations tell another time: pushes that turn it move it too.
+    """Estimate the time (s) in which a velocity across the heading forgets a push of `force` (mm/s^2) toward +x.
+
+    It is the same whichever way a walker heads. Fluctuations give another time: pushes that turn it move it too.
     """
     rows = []
     for track in sloping.tracks:
@@ -131,10 +132,9 @@ def sideways(sloping: Tracks, force: float) -> Quantity:
 
 
 def filmed(path: Path, units: Units, scene: Scene) -> Measured:
-    """Measure tracks of a file; where frames are many in a period of the scene's drive, one is
-    taken of each.
+    """Measure the motion from tracks in a file. Raises InputError for tracks without headings.
 
-    Raises InputError for tracks without headings.
+    If a period of the scene's drive has many frames, only one of each period is taken.
     """
     read = track_files.read(path, units)
     if read.lane or all(track.heading is None for track in read.tracks):

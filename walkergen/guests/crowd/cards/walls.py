@@ -105,9 +105,11 @@ def nearest(rows: Array, outline: Array, dish: Dish) -> tuple[Array, Array]:
 
 
 def _sums(rows: Array, interval: float, outline: Array, dish: Dish, edges: Array) -> Array:
-    """Sums of a run: samples, those by a wall, their -cos 2a, all of the second half; turning
-    toward the wall of those that run against it askew, and their number; numbers in the bins of
-    the angle a, in the second half, turning in them and its samples.
+    """Sum what a run shows by the wall, shape (5 + 3 bins,); the angle a is from the way out to the heading.
+
+    First, of the second half: samples, those by a wall, and their -cos 2a. Then turning toward the wall of samples that
+    run against it askew, and their number. Last, in the bins of a: samples of the second half, turning, and its
+    samples.
     """
     gap, out = nearest(rows, outline, dish)
     angle = np.mod(rows[:, 2] - out + math.pi, 2.0 * math.pi) - math.pi

@@ -78,14 +78,14 @@ def tolerance(cards: Sequence[Card]) -> float:
 
 
 def mechanics(cards: Sequence[Card]) -> Mechanics:
-    """Forces, discs and contacts of the cards."""
+    """Compute forces, discs and contacts from the cards."""
     motions = [motion.of(card) for card in cards]
     bodies = [discs.cover(card, tolerance(cards)) for card in cards]
     return Mechanics(motions, bodies, contact.of(cards, motions, bodies))
 
 
 def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
-    """Steps between two frames."""
+    """Return the number of steps between two frames."""
     return max(1, math.ceil(1.0 / (crowd.rate_hz * parts.contacts.longest_step)))
 
 
@@ -99,7 +99,7 @@ def files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
 
 
 def _input(crowd: Crowd, parts: Mechanics) -> str:
-    """The input script."""
+    """Write the input script."""
     count = len(crowd.cards)
     stride = steps_per_frame(crowd, parts)
     step = 1.0 / (crowd.rate_hz * stride)
@@ -190,7 +190,7 @@ def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _sideways(parts: Mechanics) -> list[str]:
-    """What drag across the heading has more than drag along it, of each kind where they differ."""
+    """Write the extra drag across the heading, of each kind whose drag along it differs."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',
@@ -279,5 +279,5 @@ def _span(first: int, last: int) -> str:
 
 
 def _n(number: float) -> str:
-    """Number as the input has it: the shortest that reads back the same to twelve digits."""
+    """Format a number for the input: the shortest text that reads back the same to twelve digits."""
     return f"{number:.12g}"

@@ -34,12 +34,10 @@ def crowd(
     seed: int,
     running: bool = False,
 ) -> deck.Crowd:
-    """A run of N walkers of the cards in a dish. Raises InputError for what no run can be made of.
+    """Describe a run of N walkers of the cards in a dish. Raises InputError if no run can be made of it.
 
-    They start at rest, or if `running` at their speeds.
-
-    `kinds` are numbers of cards, shape (N,), `places` x, y (mm) and heading (rad), shape (N, 3), where no bodies
-    overlap.
+    They start at rest, or if `running` at their speeds. `kinds` are numbers of cards, shape (N,), `places` x, y (mm)
+    and heading (rad), shape (N, 3), where no bodies overlap.
     """
     if not 1 <= len(cards) <= MOST_KINDS:
         raise wrong("cards", len(cards), f"1 to {MOST_KINDS} kinds")

@@ -122,7 +122,7 @@ def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progres
 
 @contextlib.contextmanager
 def _child(command: list[str], folder: Path, environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """A process with all its children, which ends at the latest with the context."""
+    """Start a process that may have children; all end with the context at the latest."""
     try:
         child = subprocess.Popen(
             command,

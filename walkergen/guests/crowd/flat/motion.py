@@ -48,7 +48,7 @@ class Motion(NamedTuple):
 
 
 def of(card: Card) -> Motion:
-    """Forces and noise of a card. Raises InputError where a relaxation time is zero."""
+    """Compute the forces and noise of a card. Raises InputError if a relaxation time is zero."""
     tau = _time(card, "velocity_relaxation_s", card.velocity_relaxation_s.number)
     own, across = card.turning_relaxation_s, card.sideways_relaxation_s
     tau_r = tau if own is None else _time(card, "turning_relaxation_s", own.number)

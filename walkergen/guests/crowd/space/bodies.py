@@ -39,8 +39,9 @@ class Mover(NamedTuple):
 
 
 class Free(NamedTuple):
-    """What pushes change, and what they need to know: arrays over walkers, the same memory as the
-    movers' own. Those of n coordinates of legs have room for the most that a walker has.
+    """What pushes change or read: arrays over walkers, in the same memory as the movers' own.
+
+    Arrays over n coordinates of legs have room for the most that a walker has.
     """
 
     state: Array

@@ -230,12 +230,11 @@ FLUSH = 0.05
 
 @lean
 def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
-    """True where the touch of a corner of body i with the point (c_x, c_z) of body j is that of
-    another corner too, which counts it.
+    """Return whether another corner counts the touch of a corner of body i with point (c_x, c_z) of body j.
 
-    Corner on corner is found from either side: the `first` counts it, if each is the other's
-    closest point; else a face is closer to one of them. Faces that end together, turned a little
-    against each other, have a corner on either face: the `first` side's counts.
+    Corner on corner is found from either side: the `first` counts it, if each is the other's closest point; else a face
+    is closer to one of them. Faces that end together, turned a little against each other, have a corner on either face:
+    the `first` side's counts.
     """
     if is_corner and not first:
         return True

@@ -19,8 +19,9 @@ def image(ground, d):
 
 @lean
 def closest(bodies, kind, x, z):
-    """Point of a kind's core closest to (x, z), all in its own frame: distance, point, whether it
-    is a corner, and the number of that corner, or of the closer end of the edge.
+    """Find the point of a kind's core closest to (x, z), all in its own frame.
+
+    Returns distance, point, whether it is a corner, and the number of that corner, or of the closer end of the edge.
     """
     least, c_x, c_z, is_corner, end = FAR * FAR, 0.0, 0.0, False, 0
     for e in range(bodies.first_edge[kind], bodies.first_edge[kind + 1]):

@@ -139,8 +139,9 @@ def _cuts(edge, p_x, p_y, q_x, q_y):
 
 @lean
 def _overlap(outlines, own, other, d_x, d_y, turn, ratio):
-    """Whether two outlines overlap: kind `other`, `ratio` times as large, its middle at (d_x, d_y)
-    and its heading `turn` in the frame of kind `own`.
+    """Return whether two outlines overlap, in the frame of kind `own`.
+
+    Kind `other` is `ratio` times as large, its middle at (d_x, d_y) and its heading `turn`.
     """
     c, s, reach = ratio * math.cos(turn), ratio * math.sin(turn), outlines.outer[own]
     for e in range(outlines.first[other], outlines.first[other + 1]):

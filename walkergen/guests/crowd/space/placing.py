@@ -80,7 +80,7 @@ def place(outlines: Sequence[Outline], dish: Dish, rng: np.random.Generator, cle
 
 
 def overlapping(outlines: Sequence[Outline], dish: Dish, places: Array) -> int | None:
-    """Number of the first walker that overlaps another or a wall, placed by O; None without any."""
+    """Find the first walker that overlaps another or a wall, placed by O; None without any."""
     shapes, middles = _shapes(outlines, 0.0)
     bounds = bounds_of(dish)
     about_middle = _about_O(places, -middles[shapes.kind])
@@ -90,7 +90,7 @@ def overlapping(outlines: Sequence[Outline], dish: Dish, places: Array) -> int |
 
 
 def bounds_of(dish: Dish) -> Bounds:
-    """What kernels read of a dish."""
+    """Return the walls of a dish as kernels read them."""
     number = ("disc", "ring", "rectangle", "periodic").index(dish.kind)
     inner = 0.5 * dish.sizes[1] if len(dish.sizes) > 1 else 0.0
     return Bounds(number, 0.5 * dish.sizes[0], inner, dish.period)

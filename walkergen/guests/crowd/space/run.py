@@ -76,11 +76,9 @@ def prepare(
     places: Array,
     endless: bool = False,
 ) -> CrowdPlan:
-    """Plan of a crowd: walker i is `designs[kinds[i]]`, let go with its O at `places[i]`: x, y (mm)
-    and heading (rad).
+    """Plan a crowd: walker i is `designs[kinds[i]]`, released with its O at `places[i]`: x, y (mm), heading (rad).
 
-    `endless`: on a plane without the scene's dish. Raises InputError where a scene or a design
-    contradicts the model in space.
+    `endless` removes the scene's dish. Raises InputError if a scene or a design contradicts the model in space.
     """
     flat = on_plane(scene)
     every = tuple(plans.prepare(flat, design, mass) for design, mass in designs)
@@ -199,7 +197,7 @@ def gathered(plan: CrowdPlan, walkers: Walkers) -> tuple[bodies.Crowd, Walkers]:
 def recorded(
     plan: CrowdPlan, walkers: Walkers, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> tuple[bodies.Crowd, Walkers]:
-    """The same crowd and walkers with these records, which begin now."""
+    """Return the same crowd and walkers with these new records."""
     crowd, walkers = _crowd(plan, walkers, tallies)
     crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching

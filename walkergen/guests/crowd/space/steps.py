@@ -226,8 +226,9 @@ def _round(crowd, pairs, count, plans, levels):
 
 @kernel
 def advance(crowd, pairs, duration):
-    """Advance a crowd by `duration` seconds; returns what has passed: less where `pairs`, shape
-    (p, 2), has too little room for all that may touch.
+    """Advance a crowd by `duration` seconds and return the time that has passed.
+
+    It is less if `pairs`, shape (p, 2), has too little room for all that may touch.
     """
     n, passed, law = len(crowd.status), 0.0, crowd.law
     if n == 1 and crowd.ground.kind >= PERIODIC:

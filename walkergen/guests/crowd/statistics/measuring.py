@@ -143,7 +143,7 @@ def _check(films: Sequence[CrowdFilm]) -> None:
 
 
 def _words(film: CrowdFilm) -> str:
-    """What ran where, in words."""
+    """Describe which walkers ran in which dish."""
     return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 
@@ -218,14 +218,14 @@ def _add_walls(run: _Run, film: CrowdFilm) -> None:
 
 
 def _each(runs: Sequence[_Run], name: str) -> Array:
-    """Number of each run: the mean of its course in time, or that of the whole; NaN without."""
+    """Return a number of each run: the mean of its course in time, or that of the whole; NaN without."""
     return np.array(
         [_mean(run.series[name][1]) if name in run.series else run.whole.get(name, math.nan) for run in runs]
     )
 
 
 def _quantity(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Quantity:
-    """Number from its values of each run, or why it or its error is not known."""
+    """Combine the values of all runs into a quantity, with the reason if it or its error is unknown."""
     unit = UNITS[name]
     if np.isnan(values).any():
         return Quantity(name, unit, None, refused=_refusal(name, film))

@@ -43,7 +43,7 @@ def parts_of(film: CrowdFilm) -> int:
 
 
 def scatter(local_packing: Array) -> Array:
-    """Standard deviation of the local packing over the boxes, at each time, shape (F,)."""
+    """Compute the standard deviation of the local packing over the boxes, at each time, shape (F,)."""
     if local_packing.shape[1] < 2:
         return np.full(len(local_packing), math.nan)
     return np.asarray(local_packing.std(axis=1, ddof=1))

@@ -77,7 +77,7 @@ def drop(scene: Scene, design: Design, height: float, turn_deg: float, tries: in
 
 
 def _tilted(design: Design) -> list[tuple[float, Design]]:
-    """The design at those of TILTS that can be built, and at its own."""
+    """Return the design at those of TILTS that can be built, and at its own."""
     variants = []
     for tilt in sorted({*TILTS, design.tilt_deg}):
         try:

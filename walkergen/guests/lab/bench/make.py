@@ -87,7 +87,7 @@ def dropped(job: Job, height: float, measured: Measured | None, folder: Path, pr
 
 
 def _answers(design: Design, measured: Measured | None, curves: Mapping[str, Curve | None]) -> list[tuple[str, Answer]]:
-    """What the measured rebound tells by curves, each under its condition."""
+    """Find what restitution each curve gives for the measured rebound, with the curve's condition."""
     if measured is None:
         return []
     return [

@@ -53,7 +53,7 @@ class Recording(NamedTuple):
 
 
 def read(path: Path) -> Recording:
-    """Recording in a CSV file. Raises InputError for one without times or axes, or of too few samples."""
+    """Read the recording in a CSV file. Raises InputError without times or axes, or with too few samples."""
     names = columns.header(path)
     time, unit = _time(names, path)
     axes, linear, scale = _axes(names, path)

@@ -72,7 +72,7 @@ def friction(path: Path, angle_deg: float, error_deg: float) -> Quantity:
 
 
 def _seen(position: Array, interval: float) -> tuple[Array, Array]:
-    """Times, s, from the middle, and places, mm, of the frames in which it was seen."""
+    """Return times, s, from the middle, and positions, mm, of the frames in which the walker was seen."""
     seen = ~np.isnan(position).any(axis=1)
     times = interval * np.flatnonzero(seen)
     return times - times.mean(), position[seen]

@@ -133,7 +133,7 @@ def template(air: Mapping[str, float]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """True for anything that is not byte for byte a `template`: work to keep."""
+    """Return whether a path holds work to keep: anything that is not byte for byte a `template`."""
     if not os.path.lexists(path):
         return False
     try:
@@ -231,7 +231,7 @@ def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
 
 
 def _beside(cell: str, column: str, name: str, kind: Kind) -> float:
-    """Number that stands beside a reading; 0 where it has none. Raises InputError."""
+    """Read the number that belongs to a reading; 0 if it has none. Raises InputError."""
     if cell and column not in kind.beside + kind.may:
         raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
     if not cell and column in kind.beside:

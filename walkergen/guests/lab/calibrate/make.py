@@ -88,7 +88,7 @@ def _bent(strips: Sequence[specimens.Specimen], measured: Estimate | None, job: 
 
 
 def _drop(seen: Rebound, design: Design, scene: Scene, job: Job, progress: Progress) -> Answer | None:
-    """What a rebound tells of the feet, by simulated drops with what else was measured."""
+    """Find the feet's restitution that explains a rebound, from simulated drops with the other measured values."""
     resting.one_material(design)
     hand = drops.from_hand(seen.height, job.turn_deg, job.drops, scene.run.seed)
     curve = drops.curve(drops.by_restitution(scene, design, hand, progress), flat=job.turn_deg == 0.0)
@@ -122,7 +122,7 @@ def _renamed(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
 
 
 def _on_drop(seen: Rebound, drop: Answer) -> list[str]:
-    """Notes on what a drop test says beside its value."""
+    """Return the notes on a drop test, in addition to its value."""
     kept = [] if drop.number("restitution").known else ["contact.restitution stays as the scene has it"]
     value, _ = seen.measured.number.pair
     return [
@@ -133,7 +133,7 @@ def _on_drop(seen: Rebound, drop: Answer) -> list[str]:
 
 
 def _on_strips(bent: Bent) -> list[str]:
-    """Notes on whether the strips agree, and on what would make them."""
+    """Return notes on whether the strips agree, and on what would make them agree."""
     notes = []
     if not bent.fit.agrees:
         notes.append("the strips disagree beyond their errors: the error of the modulus is larger by that")
@@ -181,7 +181,7 @@ def _missing(
     means: Mapping[str, Estimate | None],
     drop: Answer | None,
 ) -> list[str]:
-    """Notes on what is not estimated, and why."""
+    """Return notes on what is not estimated, and why."""
     notes = []
     if bent is None:
         notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")

@@ -66,7 +66,7 @@ class Drawn(NamedTuple):
 
 
 def strips(design: Design, printer: Printer) -> list[Drawn]:
-    """Strips of whole lines for a printer; one of them is as thick as the design's first leg.
+    """Design strips of whole lines for a printer; one of them is as thick as the design's first leg.
 
     Their lengths follow from the design's material, and the printer's bed.
     """

@@ -90,7 +90,7 @@ def _report(rows: Sequence[Place], files: Sequence[Path], filled: Path) -> Repor
 
 
 def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
-    """Strips, block and walker as they lie on the bed, checked each."""
+    """Build strips, block and walker as they lie on the bed, each with its findings."""
     checked = []
     for part in drawn:
         mesh, strip = parts.strip_mesh(part), part.strip

@@ -170,7 +170,7 @@ def measure(recording: Recording, scene: Scene, source: str) -> tuple[list[Row],
 
 
 def _notes(recording: Recording, frequency: float, gravity: float | None, scene: Scene) -> list[str]:
-    """What the numbers leave open."""
+    """Return notes on what the numbers leave open."""
     rate, notes = (recording.rate, ["x of the scene is the phone's, lying on its back: along the lane"])
     if recording.linear:
         notes.append(
@@ -202,8 +202,9 @@ def _uneven(rates: Complex, unit: Complex, speed: Array) -> list[Row]:
 
 
 def _turned(recording: Recording) -> tuple[Array, Array, float | None]:
-    """Upward accelerations, shape (n,), those along the plate, then what it turns about the same axes, if known, shape
-    (n, 2) or (n, 4), and gravity (mm/s^2; None: taken off).
+    """Return accelerations upward, shape (n,), and along the plate, shape (n, 2) or (n, 4), and gravity.
+
+    With four columns the last two are turning about the same axes. Gravity (mm/s^2) is None if it was taken off.
     """
     mean = recording.felt.mean(axis=0)
     moved = recording.felt - mean

@@ -66,7 +66,7 @@ class Specimen(NamedTuple):
 
 
 def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
-    """Strips that tell a modulus, and notes on those that do not. Raises InputError."""
+    """Read the strips that give a modulus, and notes on the others. Raises InputError."""
     strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
         own = readings[part]
@@ -88,7 +88,7 @@ def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
 
 
 def times(number: Quantity, scale: float) -> Quantity:
-    """Number and its error in another unit."""
+    """Convert a number and its error to another unit."""
     value, se = number.pair
     return number._replace(value=scale * value, se=scale * se)
 
@@ -135,7 +135,7 @@ def _check(part: str, bend: Reading, length: float) -> None:
 
 
 def only(strips: Sequence[Specimen], method: str) -> list[Specimen]:
-    """Strips with the readings of one method alone; those without any are left out."""
+    """Return strips with the readings of one method alone; those without any are left out."""
     kept = [strip._replace(rings=()) if method == BENDS else strip._replace(bends=()) for strip in strips]
     return [strip for strip in kept if strip.bends or strip.rings]
 

@@ -131,9 +131,9 @@ def cost(ground: Ground, setting: Setting) -> float:
 
 
 def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:
-    """What differs from print to print, (count, inputs), and a seed for each print's run.
+    """Draw what differs from print to print, (count, inputs), and a seed for each print's run.
 
-    Independent from setting to setting: else errors of emulators would be alike at all tilts.
+    Independent from setting to setting: otherwise errors of emulators would be the same at all tilts.
     """
     place = [round(1e6 * (setting.tilt + 90.0)), round(1e6 * setting.plate_speed)]
     rng = np.random.default_rng([ground.scene.run.seed, batch, *place])

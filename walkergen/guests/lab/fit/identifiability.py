@@ -66,10 +66,10 @@ def unlearnt(rows: Sequence[Learnt]) -> list[str]:
 
 
 def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
-    """Notes on parameters of which only a combination is known.
+    """Return notes on parameters of which only a combination is known.
 
-    Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is
-    known is a product of powers.
+    Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is known is a product of
+    powers.
     """
     if len(parameters) < 2:
         return []

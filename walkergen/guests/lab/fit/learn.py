@@ -140,7 +140,7 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
 
 
 def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
-    """Settings of the rows and the speeds measured in each. Raises InputError for too many."""
+    """Group the rows by settings, and return these with the speeds of each. Raises InputError for too many."""
     pairs = np.column_stack([seen.tilt, seen.plate_speed])
     different, places = np.unique(pairs, axis=0, return_inverse=True)
     if len(different) > MOST_SETTINGS:
@@ -158,7 +158,7 @@ def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Obser
 def _ahead(
     wanted: Sequence[float] | None, design: Design, seen: Measured, settings: Sequence[Setting]
 ) -> list[Setting]:
-    """Settings to predict: tilts not measured, on the plate that most rows were measured on."""
+    """Return the settings to predict: tilts not measured, on the plate that most rows were measured on."""
     plates, counts = np.unique(seen.plate_speed, return_counts=True)
     plate = float(plates[np.argmax(counts)])
     tilts = design.family.tilt_deg if wanted is None else wanted
@@ -192,8 +192,9 @@ def _by_runs(
     ahead: Sequence[Setting],
     progress: Progress,
 ) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:
-    """Posterior from emulators over the prior, refined by walkers drawn from a first posterior;
-    emulators of settings measured and, over the posterior alone, ahead.
+    """Sample the posterior with emulators over the prior, refined by walkers drawn from a first posterior.
+
+    Returns also emulators of the measured settings and, over the posterior alone, of those ahead.
     """
     progress("kernels", 0, 1)
     seed = ground.scene.run.seed
@@ -246,7 +247,7 @@ def _bands(
 
 
 def _caveats(ground: Ground) -> list[str]:
-    """Notes on what the bands leave out."""
+    """Return notes on what the bands leave out."""
     notes = [
         "scene.toml and design.toml hold means and standard deviations; how parameters go "
         "together stands in posterior.csv, and only bands.csv knows it"

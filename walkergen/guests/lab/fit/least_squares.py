@@ -189,7 +189,7 @@ def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
 
 
 def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
-    """Derivatives of the speeds by the free parameters, shape (n, free), by central differences."""
+    """Compute the derivatives of the speeds by the free parameters, shape (n, free), by central differences."""
     columns = []
     for name in free:
         step = 1e-5 * max(values[name], 0.01)
@@ -277,7 +277,7 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
 def _notes(
     knowledge: _Knowledge, values: Mapping[str, float], intervals: Mapping[str, tuple[float | None, float | None]]
 ) -> list[str]:
-    """Notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
+    """Return notes on parameters that the speeds do not determine, alone or together, or at an end of their range."""
     errors, together = knowledge.errors, knowledge.together
 
     def vague(name: str) -> bool:

@@ -118,9 +118,9 @@ def _chain(
 
 
 def _start(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator) -> Array:
-    """Starts of the chains in z, drawn from the prior as the likelihood weighs it, (WALKERS, wide).
+    """Draw starts of the chains in z, from the prior weighted by the likelihood, (WALKERS, wide).
 
-    A little of the prior is added: starts that are alike could not span what is to be sampled.
+    A little of the prior is added, because equal starts could not span what is to be sampled.
     """
     z = rng.normal(size=(TRIED, wide))
     weight = logarithm(z) + 0.5 * np.sum(z**2, axis=1)

@@ -156,7 +156,7 @@ def _own(name: str, alone: Mapping[int, Alone]) -> Callable[[tuple[int, ...]], s
 
 
 def _line(motion: Motion) -> Iterator[str]:
-    """Description of the line through the origin, of tracks at several plate speeds."""
+    """Describe the line through the origin, for tracks at several plate speeds."""
     line = motion.line
     if line is None:
         return

@@ -212,10 +212,10 @@ def _sharp(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float
 
 
 def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
-    """Connected pieces of a mask, each alone in its own box, with the box's place.
+    """Yield the connected pieces of a mask, each alone in its own box, after the box's place.
 
-    Only those that may hold something `width` pixels wide, and none that touches the mask's border,
-    as a table around the plate does.
+    Only those that may hold something `width` pixels wide, and none that touches the mask's border, as a table around
+    the plate does.
     """
     labels, _ = ndimage.label(mask, EIGHT)
     for number, box in enumerate(ndimage.find_objects(labels), start=1):

@@ -117,7 +117,7 @@ def shake(shifts: Sequence[Array]) -> Shake:
 
 
 def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
-    """True for places, shape (2, n), that lie away from all walkers."""
+    """Return which positions, shape (2, n), lie away from all walkers."""
     free = np.ones(places.shape[1], dtype=bool)
     for walker in walkers:
         near = np.hypot(places[0] - walker.x, places[1] - walker.y) < BESIDE * walker.length + 2.0 * SOFT

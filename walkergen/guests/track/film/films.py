@@ -100,7 +100,7 @@ def require() -> None:
 
 
 def about(path: Path) -> Film:
-    """What a film, or a folder of pictures, says of itself. Raises InputError where it is neither, or too large."""
+    """Read size, rate and duration of a film or a folder of pictures. Raises InputError for others, or if too large."""
     shots = pictures.listed(path) if path.is_dir() else ()
     if not shots:
         reading.check(path, "a film")
@@ -193,10 +193,10 @@ def _frames(film: Film, first: int, process: "subprocess.Popen[bytes]", messages
 
 
 def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
-    """Times of the frames that were played: the container's, or of a constant rate that fits them.
+    """Find the times of the frames that were played: the container's, or of a constant rate that fits them.
 
-    `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly.
-    Raises InputError when the film says nothing of its times.
+    `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly. Raises InputError if
+    the film has no times.
     """
     lines = [line.split() for line in stamps.read_text().splitlines()]
     unit = Fraction(lines[0][1]) if lines else Fraction(0)

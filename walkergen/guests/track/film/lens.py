@@ -89,9 +89,7 @@ class Lens(NamedTuple):
         return np.asarray(rays * self.focal + self.middle + 0.5).reshape(pixels.shape)
 
     def most(self) -> float:
-        """Largest way by which it shifts a corner of the picture, over that corner's distance from
-        the optical axis.
-        """
+        """Compute the largest shift of a corner of the picture, over its distance from the optical axis."""
         corners = np.array([(0, 0), (1, 0), (0, 1), (1, 1)]) * (self.width, self.height)
         shift = np.linalg.norm(self.straight(corners.astype(float)) - corners, axis=1)
         away = np.linalg.norm(corners - np.array(self.middle) - 0.5, axis=1)

@@ -99,7 +99,7 @@ def typical(areas: Array) -> float:
 
 
 def _named(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
-    """Number of the walker that each thing of each frame belongs to."""
+    """Find the number of the walker that each thing of each frame belongs to. Raises InputError."""
     import trackpy
 
     trackpy.quiet()

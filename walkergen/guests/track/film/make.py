@@ -64,7 +64,7 @@ def find(path: Path, options: Options, progress: Progress) -> tuple[Tracked, Unm
 
 
 def _taken(film: Film) -> list[str]:
-    """What was made of a film before it was looked at."""
+    """Return notes on how a film was changed before tracking."""
     notes = []
     if film.pictures:
         first, last = film.pictures[0].name, film.pictures[-1].name

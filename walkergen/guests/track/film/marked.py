@@ -63,8 +63,9 @@ class Marked(NamedTuple):
 
 
 def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: Progress) -> tuple[Tracked, Marked]:
-    """Walkers in a part of a film's frames by their markers, and what they rest on, in the order of
-    their numbers. Raises InputError for none.
+    """Track walkers by their markers in a part of a film's frames, in the order of their numbers.
+
+    Returns also what the tracks are based on. Raises InputError if there are none.
     """
     left, top, right, bottom = part
     if min(right - left, bottom - top) < 2.0 * SMALLEST:
@@ -93,7 +94,7 @@ def track(film: Film, part: Box, options: Options, lens: Lens | None, progress: 
 
 
 def _scale_error(options: Options, side_mm: float, side_px: float) -> float:
-    """Standard error of all lengths as a share: of the markers' true size, and of their edges."""
+    """Compute the standard error of all lengths as a share, from the markers' true size and their edges."""
     return math.hypot((options.marker_se_mm or 0.0) / side_mm, EDGES / side_px)
 
 

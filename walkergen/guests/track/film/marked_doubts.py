@@ -60,7 +60,7 @@ def _scale_change(found: Marked) -> float:
 
 
 def _notes(tracked: Tracked, found: Marked, change: float) -> Iterator[str]:
-    """What was read, in words: scale, tilt and rate."""
+    """Yield notes on what was read: scale, tilt and rate."""
     assert tracked.mm_per_px_se is not None
     flat, options = found.plane, tracked.options
     size = f"{words.number(options.marker_mm or MARKER_MM, 4)} mm"
@@ -191,7 +191,7 @@ def missing(tracked: Tracked) -> list[Missing]:
 
 
 def _inside(tracked: Tracked, walker: Walker, at: int) -> bool:
-    """True where a sighting of a walker lies away from the edges of what is looked at."""
+    """Return whether a sighting of a walker lies away from the edges of the part that is searched."""
     left, top, right, bottom = tracked.part
     x, y = walker.pixels[at]
     return bool(min(x - left, y - top, right - x, bottom - y) > INSIDE * walker.size_px)

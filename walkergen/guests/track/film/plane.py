@@ -140,7 +140,7 @@ def pose(plane: Plane, corners: Array, side: float) -> Pose:
 
 
 def sound(off_px: Array) -> npt.NDArray[np.bool_]:
-    """True for markers that are squares in the plane; others are misread, or lean."""
+    """Return which markers are squares in the plane; others are misread, or lean."""
     return np.asarray(off_px <= max(OFF * float(np.median(off_px)), LEAST_OFF))
 
 

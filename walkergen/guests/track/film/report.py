@@ -137,7 +137,7 @@ def _walkers(tracked: Tracked) -> list[Row]:
 
 
 def _facts(tracked: Tracked, told: Told) -> dict[str, Any]:
-    """What JSON and the manifest hold beside walkers and warnings, with units in the names."""
+    """Return the facts for JSON and the manifest other than walkers and warnings, with units in the names."""
     options, jitter = tracked.options, tracked.jitter_mm
     return {
         "film": tracked.film.path.name,

@@ -35,7 +35,7 @@ def _region(value: Any) -> Any:
 
 
 def _whole(cell: str) -> bool:
-    """True for a whole number of at most seven plain digits."""
+    """Return whether a cell is a whole number of at most seven plain digits."""
     return cell.isascii() and cell.isdigit() and len(cell) <= 7
 
 

@@ -125,7 +125,7 @@ class Tracked(NamedTuple):
         return doubts.path(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
 
     def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
-        """Times and places of all frames from a walker's first to its last; NaN where lost."""
+        """Return times and positions of all frames from a walker's first to its last; NaN where lost."""
         first, last = walker.frames[[0, -1]]
         places = np.full((last - first + 1, 2), np.nan)
         places[walker.frames - first] = walker.position

@@ -90,7 +90,7 @@ def _look_at(film: Film, part: Box, options: Options, progress: Progress) -> _Fr
 
 
 def _still(frames: Sequence[Sequence[Blob]]) -> int:
-    """Number of frames in which something is seen and nothing moves."""
+    """Count the frames in which something is seen and nothing moves."""
 
     def still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):
@@ -113,8 +113,9 @@ def _length(linked: Linked, straight: Sequence[Seen]) -> float:
 
 
 def scale_of(options: Options, length: float) -> tuple[float, float | None]:
-    """Millimetres per pixel by a walker's length, pixels, and the standard error: by blurred edges,
-    or what a person gives.
+    """Return the given millimetres per pixel, or those from a walker's length, pixels; and the standard error.
+
+    The error is also given, or that of blurred edges and of the true length.
     """
     if options.mm_per_px is not None:
         return options.mm_per_px, options.mm_per_px_se

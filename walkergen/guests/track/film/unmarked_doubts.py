@@ -55,7 +55,7 @@ def _finite(value: float) -> float | None:
 
 
 def _notes(tracked: Tracked, found: Unmarked) -> Iterator[str]:
-    """What was looked for, in words, and the scale with its error."""
+    """Yield notes on what was searched for, and the scale with its error."""
     look, linked = found.look, found.linked
     error = " (its error is not known: give it as 0.05+-0.001)"
     if tracked.mm_per_px_se is not None:
