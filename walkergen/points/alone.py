@@ -78,7 +78,7 @@ def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
 
 
 def pictures(keep: Sequence[str]) -> tuple[Picture, ...]:
-    """What pictures of a table show: the speed."""
+    """Return the pictures of a table: the speed."""
     return (Picture("sweep", "speed_mm_s", "low_95_mm_s", "high_95_mm_s", "speed (mm/s)"),)
 
 

@@ -196,7 +196,7 @@ def analyse(inputs: tuple[Input, ...], values: Array, halves: Array, outcomes: d
 
 
 def statistical_error(halves: Array) -> float:
-    """Standard error of a run's mean speed, mm/s, from the halves of all runs, shape (n, 2)."""
+    """Estimate the standard error of a run's mean speed, mm/s, from the halves of all runs, shape (n, 2)."""
     return 0.5 * float(np.sqrt(np.mean((halves[:, 1] - halves[:, 0]) ** 2)))
 
 

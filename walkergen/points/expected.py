@@ -38,22 +38,21 @@ SHORT_S = 10.0
 
 
 def moment() -> Stopped:
-    """What tells a run that its moment is over."""
+    """Return a function that stops a run after MOMENT_S of CPU time."""
     ends = time.thread_time() + MOMENT_S
     return lambda: time.thread_time() >= ends
 
 
 def counted(plan: Plan) -> float:
-    """CPU seconds of a simulated second of a walker at most: by its steps, were its feet never off the plate, or by
-    the plate's periods.
-    """
+    """Bound the CPU seconds of a simulated second of a walker: steps with its feet on the plate, or periods."""
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
     return STEP_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
 
 
 def rate(plan: Plan) -> float:
-    """CPU seconds of a simulated second of a walker, by a moment of its first run; by its steps where these are so
-    many that even the start of a moment takes long.
+    """Estimate the CPU seconds of a simulated second of a walker, from a moment of its first run.
+
+    Steps are counted instead if they are so many that even the start of a moment takes long.
     """
     by_steps = counted(plan)
     if SETTLING_S * by_steps > LONGEST_START_S:
@@ -142,7 +141,7 @@ def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
 
 
 def _scatter(measured: Measured[Walker], of: str, se: float) -> float:
-    """Standard deviation of one run: of the speed by the blocks of all runs, which tell more than the runs' own few."""
+    """Return the standard deviation of one run; of the speed from blocks of all runs, more precise than few runs."""
     good = [record for record in measured.records if record.outcome in ENDED_WELL]
     if of == SPEED and good:
         series, block_s = [record.block_speeds for record in good], good[0].block_s

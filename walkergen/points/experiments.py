@@ -59,7 +59,7 @@ class Walker(NamedTuple):
         return prepare(self.scene, self.design, self.mass)
 
     def prepared(self) -> OneRun[RunResult]:
-        """What simulates the run of a number, with its kernels compiled."""
+        """Return a function that simulates the run of a number, with its kernels compiled."""
         plan = self.plan()
         compile_kernels(plan)
         return ensemble.runner(plan, self.impacts, self.sample_interval)
@@ -71,12 +71,12 @@ class Walker(NamedTuple):
         return resolution.quantities(resolution.judge(plan, summary), summary)
 
     def finer(self) -> "Walker | None":
-        """The same by half the step; None for the finest."""
+        """Return the walker with half the step; None for the finest."""
         step = _step_us(self.plan())
         return None if step < 2.0 * FINEST_US else self.with_run(step_us=0.5 * step)
 
     def with_run(self, **run: float) -> "Walker":
-        """The same with other values in its scene's [run]."""
+        """Return the walker with other values in its scene's [run]."""
         return self._replace(scene=self.scene.model_copy(update={"run": self.scene.run.model_copy(update=run)}))
 
 
@@ -108,9 +108,9 @@ class Results(NamedTuple):
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
-    """Inputs of a simulation, for keys: without names and what only theory or printer read.
+    """Return the inputs of a simulation for keys, without names and what only theory or printer use.
 
-    Of bodies from files, and of letters, also what the files hold.
+    For bodies from files, and for letters, they include what the files hold.
     """
     shape = design.shape
     drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
@@ -127,7 +127,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 
 
 def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
-    """What finished runs of a walker say, of so many that were asked for, which took `wall_s` seconds."""
+    """Summarize finished runs of a walker, of `runs` that were requested, which took `wall_s` seconds."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
     step_errors = resolution.judge(plan, summary)

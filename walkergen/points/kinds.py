@@ -62,7 +62,7 @@ class Kind(Protocol):
         """Columns of records that keep these groups, without the status."""
 
     def pictures(self, keep: Sequence[str]) -> tuple[Picture, ...]:
-        """What pictures of a table show."""
+        """Return the pictures of a table."""
 
     def cost(self, point: Point) -> float:
         """CPU seconds that a point takes, found out in less. Raises WalkergenError for one that cannot be built."""
@@ -84,7 +84,7 @@ def of_key(key: str) -> str:
 
 
 def named(kind: str) -> Kind:
-    """Module of a kind. Raises InputError where it is not installed."""
+    """Import the module of a kind. Raises InputError if it is not installed."""
     try:
         return cast(Kind, import_module(KINDS[kind]))
     except ModuleNotFoundError as error:

@@ -122,7 +122,7 @@ def _down(value: float) -> float:
 
 
 def bounded(step_errors: Mapping[str, StepError], summary: Summary) -> Summary:
-    """The summary with the step's error in the bounds of the speed; None where it is not known.
+    """Add the step's error to the bounds of the speed in a summary; None if it is unknown.
 
     Half-widths add in squares: the step's is a largest error, which leaves 95 % and more inside.
     """
@@ -139,7 +139,7 @@ def bounded(step_errors: Mapping[str, StepError], summary: Summary) -> Summary:
 
 
 def errors(step_errors: Mapping[str, StepError], summary: Summary) -> dict[str, float | None]:
-    """Standard errors of the runs' scatter and the step together; None where either is unknown.
+    """Combine the standard errors of the runs' scatter and of the step; None if either is unknown.
 
     Half of a largest error of 95 % counts as one standard deviation.
     """

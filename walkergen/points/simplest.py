@@ -115,7 +115,7 @@ def simplest(walker: Walker, progress: Progress = silent, threads: int | None = 
     found = Simplest(whole, accepted)
 
     def tried(variant: Variant | None) -> Simplest:
-        """What is found with a variant tried as well."""
+        """Return the result after a variant was tried as well."""
         if variant is None:
             return found
         measured = measure(Pairs(whole, (variant,)), until, progress, threads)

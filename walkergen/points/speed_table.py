@@ -73,7 +73,7 @@ def tables(name: str, design: str, walkers: Sequence[Member], why: bool = True) 
 
 
 def lines(walkers: Sequence[Member]) -> list[str]:
-    """Notes of the table by their numbers, walkers that stand, and what weighed masses change."""
+    """Return the table's numbered notes, then lines on walkers that stand and on weighed masses."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
     standing = _standing(walkers)
     if standing:
@@ -138,7 +138,7 @@ def columns(walkers: Sequence[Member], why: bool = True) -> tuple[Column, ...]:
 
 
 def _outcome(row: Any) -> str:
-    """What becomes of a walker that has no speed worth a number; "" of others."""
+    """Return the outcome of a walker without a speed worth a number; "" of others."""
     if prediction.stands(row):
         return "stands"
     if row.nominal_mm_s is None:

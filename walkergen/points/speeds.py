@@ -53,7 +53,7 @@ def predict(
 
 
 def _of_push(weights: float) -> str:
-    """What a motor that pushes with so many weights leaves unknown; "" where it was tested."""
+    """Describe what is uncertain if a motor pushes with so few weights; "" for tested ones."""
     if weights >= TESTED_PUSH:
         return ""
     return (

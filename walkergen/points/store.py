@@ -34,7 +34,7 @@ class Store:
             raise self._failure(error) from None
 
     def get(self, keys: Sequence[str]) -> dict[str, Record]:
-        """Records of those keys that are known."""
+        """Return the records of those keys that are stored."""
         marks = ",".join("?" * len(keys))
         try:
             rows = self._base.execute(f"SELECT key, record FROM points WHERE key IN ({marks})", keys).fetchall()

@@ -64,7 +64,7 @@ class Pairs(NamedTuple):
     variants: tuple[Variant, ...]
 
     def prepared(self) -> OneRun[Beside]:
-        """What simulates the runs of a number, with all kernels compiled."""
+        """Return a function that simulates the runs of a number, with all kernels compiled."""
         plans = [_short(walker).plan() for walker in (self.walker, *(variant.walker for variant in self.variants))]
         for plan in plans:
             compile_kernels(plan)
@@ -90,7 +90,7 @@ class Pairs(NamedTuple):
         return quantity.mean("speed", "mm_s", [runs[0].speed for runs in records if runs[0].outcome in ENDED_WELL])
 
     def changes(self, records: Sequence[Beside]) -> list[Change]:
-        """What each variant changes."""
+        """Compute what each variant changes."""
         changes = []
         for place, variant in enumerate(self.variants, start=1):
             pairs = [(runs[0], runs[place]) for runs in records]

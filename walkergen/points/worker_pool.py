@@ -38,13 +38,13 @@ class WorkerPool(NamedTuple):
 
 
 def cores() -> int:
-    """Number of cores that this process may use."""
+    """Count the cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
 def local(workers: int | None = None) -> Iterator[WorkerPool]:
-    """Processes of this machine, one for each core by default; ended whatever happens."""
+    """Start processes on this machine, one for each core by default; they end whatever happens."""
     count = cores() if workers is None else workers
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"‹workers=›{count}: must lie in 1..{MOST_WORKERS}")
