@@ -67,5 +67,5 @@ def flatten(curve: Callable[[Array], Array], tolerance: float) -> Array:
 
 
 def meet(first: Sequence[float] | Array, last: Sequence[float] | Array, gap: float) -> bool:
-    """True when two points are no further apart than `gap`."""
+    """Return whether two points are no further apart than `gap`."""
     return math.dist(first, last) <= gap

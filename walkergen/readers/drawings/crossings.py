@@ -161,7 +161,7 @@ def _tree(shapes, leaves, scratch):
 
 @lean
 def _pairs(shapes, tree, scratch, tolerance):
-    """Number of crossing pairs, and the first of them in the order of the tree."""
+    """Count the crossing pairs, and return the first of them in the order of the tree."""
     total, leaves, stack = len(shapes.triangles), tree.leaves, scratch.stack
     count, one, other = 0, -1, -1
     for own in range(leaves, leaves + (total + LEAF - 1) // LEAF):
@@ -232,7 +232,7 @@ def _seen(shapes, triangle, apex, scratch, anew):
 
 @lean
 def _seen_apart(scratch, tree, node):
-    """True when the directions that were set and those of a node do not meet."""
+    """Return whether the directions in `scratch` and those of a node do not meet."""
     for axis in range(3):
         if scratch.low[axis] > tree.high[node, 3 + axis] or scratch.high[axis] < tree.low[node, 3 + axis]:
             return True
@@ -241,7 +241,7 @@ def _seen_apart(scratch, tree, node):
 
 @lean
 def _apart(low, high, one, lows, highs, other):
-    """True when box `one` of the first list and box `other` of the second do not meet."""
+    """Return whether box `one` of the first list and box `other` of the second do not meet."""
     return (
         low[one, 0] > highs[other, 0]
         or high[one, 0] < lows[other, 0]
@@ -254,7 +254,7 @@ def _apart(low, high, one, lows, highs, other):
 
 @lean
 def _cross(shapes, one, other, tolerance):
-    """True when two triangles cross each other."""
+    """Return whether two triangles cross each other."""
     shared = 0
     for i in range(3):
         for j in range(3):
@@ -292,7 +292,7 @@ def _height(shapes, triangle, other, corner):
 
 @lean
 def _pierces(shapes, one, edge, other):
-    """True when an edge of a triangle passes through another that has neither of its ends.
+    """Return whether an edge of a triangle passes through another that has neither of its ends.
 
     An edge that meets an edge of the other passes: nothing slips between two neighbours.
     """
@@ -334,7 +334,7 @@ def _inside(shapes, triangle, edge, other, corner):
 
 @lean
 def _overlap(shapes, one, other, tolerance):
-    """True when two triangles of one plane, facing the same way, overlap: no edge divides them."""
+    """Return whether two triangles of one plane, facing the same way, overlap: no edge divides them."""
     facing = 0.0
     for axis in range(3):
         facing += shapes.normals[one, axis] * shapes.normals[other, axis]

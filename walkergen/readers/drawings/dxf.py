@@ -120,13 +120,13 @@ def _without_dates() -> Iterator[None]:
 
 
 def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
+    """Read the closed contours of a DXF file's model space, in mm, as one shape whose holes alternate.
 
-    Lines and curves that meet within GAP are joined, shorter ones draw nothing; layers that are hidden
-    or do not plot, and ANNOTATIONS, are left out, and with a note lines drawn twice and the frame of a
-    sheet. `scale_mm` (mm per unit of the drawing) comes before the unit that the file states, $INSUNITS. Raises
-    InputError, which begins with `source`, for a file that is no DXF, states no unit while `scale_mm`
-    is None, or holds open or branching lines, or anything else than plane curves.
+    Lines and curves that meet within GAP are joined, and shorter ones draw nothing. Left out are layers that are hidden
+    or do not plot, ANNOTATIONS and, with a note, lines drawn twice and the frame of a sheet. `scale_mm` (mm per unit of
+    the drawing) takes precedence over the unit that the file states, $INSUNITS. Raises InputError, which begins with
+    `source`, for a file that is no DXF, states no unit while `scale_mm` is None, or holds open or branching lines, or
+    anything else than plane curves.
     """
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, "DXF"):
@@ -203,7 +203,7 @@ def _without_frames(contours: list[Array]) -> tuple[list[Array], list[str]]:
 
 
 def _around(contours: Sequence[Array]) -> int | None:
-    """Number of the contour that is a rectangle around all others; None where none is."""
+    """Find the contour that is a rectangle around all others; None without one."""
     lows, highs = (np.array([end(contour, axis=0) for contour in contours]) for end in (np.min, np.max))
     found = int(np.argmax((highs - lows).prod(axis=1)))
     low, high, others = lows[found], highs[found], np.arange(len(contours)) != found
@@ -303,7 +303,7 @@ def _drop_frame(polyline: Any) -> None:
 
 
 def _straight(entity: Any) -> bool:
-    """True for a polyline of straight lines, which is taken as it is."""
+    """Return whether an entity is a polyline of straight lines, which is used unchanged."""
     return entity.dxftype() == "LWPOLYLINE" and not entity.has_arc
 
 
@@ -320,7 +320,7 @@ def _size(entities: Sequence[Any], source: str) -> float:
 
 
 def _joined(curves: Sequence[Array], size: float, source: str) -> tuple[list[Array], list[str]]:
-    """Closed contours out of closed curves and of open ones joined end to end; gaps that were closed."""
+    """Join open curves end to end; return these and closed curves as contours, with notes on closed gaps."""
     gap, contours, lines = GAP * size, [], []
     for curve in curves:
         if not np.isfinite(curve).all():

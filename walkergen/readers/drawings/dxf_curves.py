@@ -61,7 +61,7 @@ def _spline(entity: Any, tolerance: float) -> list[Any]:
 
 
 def _unclamped(spline: Any) -> bool:
-    """True where a spline's curve neither begins nor ends in its control points: it spans the inner knots alone."""
+    """Return whether a spline's curve spans the inner knots alone, so that it does not end in its control points."""
     degree, knots, count = spline.dxf.degree, list(spline.knots), len(spline.control_points)
     if len(knots) != count + degree + 1 or count <= degree:
         return False

@@ -78,7 +78,7 @@ def _check_characters(text: str, where: str, font: str) -> None:
 
 
 def _advice(character: str) -> str:
-    """What helps where a font lacks a character: one of this machine that has it, if there is any."""
+    """Suggest what to do if a font lacks a character: a font of this machine that has it, if there is any."""
     from matplotlib.font_manager import findSystemFonts
     from matplotlib.ft2font import FT2Font
 

@@ -56,7 +56,7 @@ def united(shapes: Sequence[Shape]) -> Shape:
 
 
 def _region(shape: Shape) -> "BaseGeometry":
-    """What a shape fills, by its rule."""
+    """Return the region that a shape fills by its rule."""
     import shapely
 
     contours = [contour for contour in shape.contours if len(contour) > 2]

@@ -78,12 +78,12 @@ def pack(polygons: Sequence[Array]) -> bytes:
 
 
 def read(path: Path, scale_mm: float | None, source: str) -> Drawing:
-    """Closed contours of an SVG file, in mm, y up, a shape for every element that somebody sees.
+    """Read the closed contours of an SVG file, in mm, y up, a shape for every visible element.
 
-    `scale_mm` (mm per unit of the drawing, that of its viewBox) comes before the size that the file
-    states. Left out, and noted: elements without colour, and a white page. Raises InputError, which
-    begins with `source`, for a file that is no SVG, states no size in mm, cm, in, pt or pc while
-    `scale_mm` is None, shows a picture or text, or an open path.
+    `scale_mm` (mm per unit of the drawing, that of its viewBox) takes precedence over the size that the file states.
+    Left out, with a note, are elements without colour and a white page. Raises InputError, which begins with `source`,
+    for a file that is no SVG, states no size in mm, cm, in, pt or pc while `scale_mm` is None, shows a picture or text,
+    or an open path.
     """
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, "SVG"):
@@ -124,7 +124,7 @@ def _drawing(data: bytes, scale_mm: float | None, source: str) -> Drawing:
 
 
 def _notes(tree: "Tree") -> list[str]:
-    """What is to be said of elements that do not count."""
+    """Return notes on elements that were left out."""
     notes = [f"left out {words.count(tree.unseen, 'shape', 'shapes')} that nobody sees"] if tree.unseen else []
     if tree.filtered:
         notes.append(f"left out {words.count(tree.filtered, 'filter', 'filters')}: shadows and blurs have no edge")
@@ -274,7 +274,7 @@ def _contours(drawn: "Drawn", size: float, source: str) -> "Sequence[Array]":
 
 
 def _cut(contours: Sequence[Array], nonzero: bool, clip: "Clip", size: float, source: str) -> tuple[list[Array], bool]:
-    """What a window leaves of contours, and their fill rule; untouched where it cuts nothing."""
+    """Clip contours to a window; return them and their fill rule, unchanged if nothing is cut."""
     from shapely import union_all
 
     window = union_all([_area(*_shape(one, size, source)) for one in clip.shapes])

@@ -255,7 +255,7 @@ class Tree:
         pattern: re.Pattern[str],
         kind: "Callable[[str], svgelements.Path]",
     ) -> "svgelements.Path":
-        """What svgelements makes of an attribute, which it reads to its end."""
+        """Parse an attribute by svgelements, which reads it to its end. Raises InputError."""
         try:
             if pattern.fullmatch(text):
                 return kind(text)

@@ -83,7 +83,7 @@ def hidden_by_filter(text: str, targets: Targets) -> bool:
 
 
 def zero(text: str | None) -> bool:
-    """True for a number that hides: 0, or below it, which browsers take for 0."""
+    """Return whether a number hides: 0, or below it, which browsers take for 0."""
     match = SHARE.fullmatch(text or "")
     return match is not None and float(match[1]) <= 0.0
 

@@ -81,7 +81,7 @@ def edges(triangles: Indices) -> Edges:
 
 
 def _keys(starts: Indices, ends: Indices, size: np.int64) -> Indices:
-    """Number of each edge, the same in either direction."""
+    """Return a number for each edge, the same in either direction."""
     keys: Indices = np.minimum(starts, ends) * size + np.maximum(starts, ends)
     return keys
 

@@ -56,5 +56,5 @@ def promised(data: bytes) -> int:
 
 
 def _tree(data: bytes) -> Any:
-    """What a file says of its contents."""
+    """Parse a file's JSON, which describes its contents."""
     return json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])

@@ -142,7 +142,7 @@ def _printed(parts: list[Part], source: str) -> list[Part]:
 
 
 def _left_out(parts: list[Part]) -> list[str]:
-    """What was cut away and what was left out of a file, in words."""
+    """Describe what was cut away and what was left out of a file."""
     roles = Counter(part.role for part in parts)
     notes = [f"cut {roles['negative']} negative volumes away"] if roles["negative"] else []
     if roles["other"]:
@@ -182,7 +182,7 @@ def merged(vertices: Array, triangles: Indices) -> tuple[Array, Indices]:
 
 
 def _is_binary_stl(data: bytes) -> bool:
-    """True for STL of the length that its count of triangles makes, or without the words of the text format."""
+    """Return whether an STL file has the length of its count of triangles, or lacks words of the text format."""
     start = stl.HEADER_BYTES + stl.COUNT_BYTES
     count = int.from_bytes(data[stl.HEADER_BYTES : start], "little")
     whole = len(data) == start + count * stl.TRIANGLE.itemsize

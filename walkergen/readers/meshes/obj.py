@@ -14,7 +14,7 @@ that goes on in the next."""
 
 
 def triangulated(data: bytes, source: str) -> bytes:
-    """The same file with corners and triangles alone; a face that is not convex is cut by manifold3d.
+    """Return the file with corners and triangles alone; manifold3d cuts faces that are not convex.
 
     Raises InputError, which begins with `source`, for a face whose corners are not in the file.
     """

@@ -94,7 +94,7 @@ def outline(cap: Cap) -> Array:
 
 @lru_cache(maxsize=256)
 def mesh(cap: Cap) -> Mesh:
-    """Closed mesh of a tile as it prints, face up. Raises SolidError."""
+    """Build the closed mesh of a tile as it prints, face up. Raises SolidError."""
     cells = Engraving(black(cap, OVERLAP), cap.relief_mm)
     if cap.kind == "engraved":
         return extruded([outline(cap)], cap.thickness, 0, cells)

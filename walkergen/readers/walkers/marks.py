@@ -191,7 +191,7 @@ def _unfit_digits(marks: Marks, text: str, length: float, thickness: float, dept
 
 
 def _places(tilts_deg: Sequence[float]) -> int:
-    """Number of binary places that number all tilts from 1."""
+    """Return how many binary digits number all tilts from 1."""
     return len(tilts_deg).bit_length()
 
 

@@ -214,7 +214,7 @@ def room(body: Body, legs: Legs) -> Room:
 
 @lru_cache(maxsize=64)
 def _remedies(body_key: str, legs_key: str) -> list[Remedy]:
-    """What would make legs stand under a body, tried out: the first that helps of each kind, two at most."""
+    """Try what would make legs stand under a body; return the first of each kind that does, two at most."""
     body, legs = Body.model_validate_json(body_key), Legs.model_validate_json(legs_key)
     length = shape_of(body).size.length
     sizes = [float(math.ceil(larger * length)) for larger in LARGER] if body.wishful else []
@@ -241,7 +241,7 @@ def _alone(remedy: Remedy) -> Remedy:
 
 
 def auto(body: Body, legs: Legs) -> list[Remedy]:
-    """That legs place themselves, where they can."""
+    """Suggest that legs place themselves, if they can."""
     own = legs.model_copy(update={"place": "auto"})
     return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _stands(body, own) else []
 
@@ -255,13 +255,13 @@ def _other_sides(body: Body) -> list[dict[str, Any]]:
 
 
 def _tiny(body: Body) -> bool:
-    """True for a mesh in a unit that it does not state, too small for one in mm."""
+    """Return whether a mesh states no unit and is too small for one in mm."""
     unsaid = body.mesh is not None and body.scale_mm is None and body.wished_mm is None
     return unsaid and body.legs_below_mm is None and max(shape_of(body).size) < SMALL_MM
 
 
 def _stands(body: Body, legs: Legs) -> bool:
-    """True for a body under which legs stand, also as steep as a family has them."""
+    """Return whether legs stand under a body, also when as steep as in a family."""
     try:
         for tilt in {legs.tilt_deg, max(legs.tilt_deg, STEEP_DEG)}:
             _placed(body, legs.model_copy(update={"tilt_deg": tilt}))
@@ -272,7 +272,10 @@ def _stands(body: Body, legs: Legs) -> bool:
 
 @lru_cache(maxsize=16)
 def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
-    """What a body of its JSON covers, (along, across), and its centre of mass: along, up, across from its middle."""
+    """Return the region that a body covers, (along, across), and its centre of mass (along, up, across).
+
+    Both are from the body's middle; `body_key` is its JSON.
+    """
     import shapely
 
     shape = shape_of(Body.model_validate_json(body_key))
@@ -290,7 +293,7 @@ def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
 
 
 def _reach(leg: Limb) -> Reach:
-    """What a leg takes up along the run, from its foot."""
+    """Return what a leg takes up along the run, from its foot."""
     anchor = -leg.anchor_to_foot[0]
     ends = [anchor - leg.half_width, anchor + leg.half_width]
     for strut in section_of(leg).struts(leg):

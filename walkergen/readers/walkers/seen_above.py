@@ -22,10 +22,10 @@ MOVED = 0.01
 
 
 def contours(design: Design) -> tuple[Array, ...]:
-    """Contours of the body, from the middle of its box, shape (n, 2) each, mm: outer ones
-    counter-clockwise, then holes clockwise.
+    """Return contours of the body, from the middle of its box, shape (n, 2) each, mm.
 
-    Of a body in side view its rectangle, of a mesh its projection.
+    Outer ones are counter-clockwise, then holes clockwise. A body in side view has its rectangle, a mesh its
+    projection.
     """
     shape, half = design.shape, 0.5 * np.array([design.size.length, design.size.depth])
     if shape.side is not None:

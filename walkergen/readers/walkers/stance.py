@@ -31,10 +31,10 @@ class _Parts(Section):
 
 
 def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
-    """Data of a design that stands as built, turned until it stands on two feet.
+    """Turn a design that stands as built until it stands on two feet, and return its data.
 
-    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands.
-    Raises GeometryError for what does not stand so, and pydantic's errors for wrong keys.
+    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands. Raises GeometryError if
+    it does not stand so, and pydantic's errors for wrong keys.
     """
     for name in ("motor", "battery"):
         if data.get(name) is not None:
