@@ -58,10 +58,7 @@ if _sums:
 
 
 def _register_without_blas() -> None:
-    """Let numba load its mathematics without SciPy, which saves a fifth of a simulation's start.
-
-    No kernel of ours multiplies matrices by a library.
-    """
+    """Let numba load its mathematics without SciPy, which no kernel needs; it saves a fifth of a simulation's start."""
     sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
     try:
         import numba.np.arraymath  # noqa: F401

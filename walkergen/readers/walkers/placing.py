@@ -272,10 +272,7 @@ def _stands(body: Body, legs: Legs) -> bool:
 
 @lru_cache(maxsize=16)
 def _ground(body_key: str) -> "tuple[BaseGeometry, tuple[float, float, float]]":
-    """Return the region that a body covers, (along, across), and its centre of mass (along, up, across).
-
-    Both are from the body's middle; `body_key` is its JSON.
-    """
+    """Return what a body covers, (along, across), and its centre of mass (along, up, across), from its middle."""
     import shapely
 
     shape = shape_of(Body.model_validate_json(body_key))
