@@ -138,7 +138,7 @@ def _gallery():
 
 
 def _pictures():
-    """Load docs/pictures.py, whatever other module has the same name."""
+    """Load docs/pictures.py, even if another module has the same name."""
     spec = importlib.util.spec_from_file_location("docs_pictures", ROOT / "docs" / "pictures.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -21,7 +21,7 @@ class Scatter(NamedTuple):
     """Over the unevenness."""
 
     def run_sd(self, terms: Array, uneven: Array) -> Array:
-        """Compute the standard deviation of a run, shape (n,), by which rows are weighted.
+        """Compute the standard deviation of a run, shape (n,), which weights the rows.
 
         Their own scatter would pull speeds down, because the prints of slow rows agree by chance.
         """

@@ -27,7 +27,10 @@ a variance, so that chance makes it small, and its error with it, more often tha
 
 
 def over_walkers(within: Quantity, without_one: Sequence[float], surely: bool) -> Quantity:
-    """Return a number with its error over walkers if these differ, or `surely`; `without_one` leave out one each."""
+    """Return a number with its error over walkers if they differ, or always if `surely`.
+
+    `without_one` holds the number without each of the walkers.
+    """
     few, values = len(without_one) - 1, np.array(without_one)[:, None]
     if few < 1 or not within.se or not np.isfinite(values).all():
         return within
@@ -53,7 +56,7 @@ def of_turns(estimates: Mapping[str, Quantity], run: bool) -> dict[str, Quantity
 
 
 def _as_variance(number: Quantity, power: int) -> Quantity:
-    """Give a number bounds such that its `power` is distributed as a variance.
+    """Give a number the bounds that it has if its power `power` scatters as a variance does.
 
     The degrees of freedom match its relative error; fewer if that is itself uncertain, but at least one. A rate that
     may be 0 or less keeps its own bounds. A diffusivity with a value is above 0, however few the walkers are.

@@ -45,7 +45,10 @@ EXCLUDED = 0.025
 
 
 def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Quantity:
-    """Return a number with its jackknife error, or a refusal; `numbers`: of all samples, then without each one."""
+    """Return a number with its jackknife error, or a refusal.
+
+    `numbers` holds the numbers of all samples, then those without each sample.
+    """
     value, error = numbers[0][name], _error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
         return refusal(name, TOO_FEW)

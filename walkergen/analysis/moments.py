@@ -98,7 +98,7 @@ def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
 def in_pieces(tracks: Sequence[Track]) -> bool:
     """Return whether tracks are cut, because particles are too few to be the samples.
 
-    Particles count by the time for which they were seen: many stubs do not make up for few tracks.
+    Particles count by the time they were seen: many stubs do not make up for few tracks.
     """
     lengths = np.array([len(track.position) - 1.0 for track in tracks])
     return bool(lengths.sum() ** 2 < ENOUGH_PARTICLES * (lengths**2).sum())

@@ -84,7 +84,7 @@ def packed(document: Document) -> bytes:
 
 
 def outlook(document: Document) -> dict[str, Any]:
-    """Check how the walker prints; return the findings, and the same design as shell and Python code.
+    """Return the printer's findings on the walker, and its export as a shell command and Python code.
 
     Raises WalkergenError, as `walker` does.
     """

@@ -158,7 +158,7 @@ async def end(running: Running) -> None:
 def listen() -> Any:
     """Return what a child's server sent, and end the child from then on when the server ends.
 
-    The pipe closes with the process that holds it, whatever the child is doing.
+    The pipe closes with the process that holds it, no matter what the child is doing.
     """
     sent = json.loads(sys.stdin.buffer.readline() or b"null")
 

@@ -29,7 +29,7 @@ Curve = dict[str, list[float | None]]
 def curve(document: Document, rough: bool) -> Curve | None:
     """Predict speed against tilt, as the figure of a family draws it, as far as it can be built.
 
-    `rough` takes fewer points. Speeds are None at tilts that need a run. The whole is None if legs share no tilt or no
+    `rough` takes fewer points. Speeds are None at tilts that need a run. The curve is None if legs share no tilt or no
     other tilt can be built. It does not depend on the walker's own tilt, so dragging that needs no new curve. Raises
     InputError.
     """

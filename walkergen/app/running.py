@@ -1,6 +1,6 @@
-"""Child of the server that simulates a walker: its prediction by runs of seconds, or all runs of its scene.
+"""Child process of the server that simulates a walker, for its prediction or with all runs of its scene.
 
-If all runs are requested, a first number comes soon, then a run to be played.
+A prediction takes runs of seconds. Before all runs come a first number and a run to be played.
 """
 
 import contextlib

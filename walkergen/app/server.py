@@ -300,7 +300,7 @@ def _folder(name: str) -> Given:
 
 
 async def _answered(work: Callable[..., Result], given: Sequence[Given], server: Server, request: Request) -> Result:
-    """Run work on a page's walker, and on what `given` adds, and return the result."""
+    """Run work on a page's walker and the further arguments from `given`, and return its result."""
     document, asked = await _asked(server, request)
     return await _worked(server.workers, request, work, document, *(one(server, asked) for one in given))
 

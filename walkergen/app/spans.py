@@ -19,7 +19,7 @@ PATIENCE_S = 0.6
 
 
 def spans(document: Document, keys: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Find the range of each slider in which the walker can be built, with all other keys unchanged.
+    """Find the range of each slider that the walker can be built with, all other keys unchanged.
 
     Keys of a scene or a printer change no walker and are left out. Raises InputError for an invalid document.
     """

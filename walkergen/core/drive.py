@@ -202,7 +202,7 @@ class Drive(Section):
     def beneath(self, mass: float) -> "Drive":
         """Return the drive of a plate that would move under a walker of this mass (g) as its motor moves it.
 
-        The drive of a plate is returned as it is.
+        The drive of a plate is returned unchanged.
         """
         if self.kind == "plate":
             return self

@@ -34,9 +34,9 @@ class Experiment(Protocol):
     """What runs: its runs are independent, and each the same bits whenever it is made."""
 
     def prepared(self) -> OneRun[Any]:
-        """Return a function that makes the run of a number, the seed of its random stream, and returns its record.
+        """Return a function that makes the run of a number, which seeds it, and returns its record.
 
-        Whatever all runs share is made first, on this thread: kernels are compiled, invalid input is refused.
+        Work that all runs share is done first, on this thread: kernels are compiled, invalid input is refused.
         """
 
     def quantities(self, records: Sequence[Any]) -> list[Quantity]:

@@ -44,7 +44,10 @@ def moment() -> Stopped:
 
 
 def counted(plan: Plan) -> float:
-    """Bound the CPU seconds of a simulated second of a walker: steps with its feet on the plate, or periods."""
+    """Bound the CPU seconds of a simulated second of a walker.
+
+    The bound is from the steps of a walker whose feet never leave the plate, or from the plate's periods.
+    """
     step = getattr(plan.world.options, "step", None)  # none of models that go from event to event
     return STEP_S * max(0.0 if step is None else 1.0 / step, plan.shaken.frequency)
 
@@ -141,7 +144,10 @@ def _runs(until: Error, measured: Measured[Walker], finer: Walker) -> int:
 
 
 def _scatter(measured: Measured[Walker], of: str, se: float) -> float:
-    """Return the standard deviation of one run; of the speed from blocks of all runs, more precise than few runs."""
+    """Return the standard deviation of one run.
+
+    Of the speed it is from blocks of all runs, which is more precise than from few runs.
+    """
     good = [record for record in measured.records if record.outcome in ENDED_WELL]
     if of == SPEED and good:
         series, block_s = [record.block_speeds for record in good], good[0].block_s

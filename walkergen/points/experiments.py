@@ -127,7 +127,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 
 
 def results(walker: Walker, records: Sequence[RunResult], runs: int, wall_s: float) -> Results:
-    """Summarize finished runs of a walker, of `runs` that were requested, which took `wall_s` seconds."""
+    """Summarize a walker's finished runs, which took `wall_s` seconds; `runs` were requested."""
     plan = walker.plan()
     summary = ensemble.summarise(records, plan.shaken.peak_speed, wall_s)
     step_errors = resolution.judge(plan, summary)

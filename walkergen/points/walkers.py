@@ -123,7 +123,7 @@ def to_error(
 
 
 def short(walker: Walker, wanted: Tolerance, most: int, progress: Progress = silent) -> Results:
-    """Run a walker until its speed has the wanted error, or `most` runs are made, whatever their outcome."""
+    """Run a walker until its speed has the wanted error, or `most` runs are made, even if they fail."""
     return _short(walker, error_of_speed(wanted, walker.shaken)._replace(most=most), progress, None)
 
 

@@ -44,7 +44,7 @@ def cores() -> int:
 
 @contextmanager
 def local(workers: int | None = None) -> Iterator[WorkerPool]:
-    """Start processes on this machine, one for each core by default; they end whatever happens."""
+    """Start processes on this machine, one for each core by default, and end them in any case."""
     count = cores() if workers is None else workers
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"‹workers=›{count}: must lie in 1..{MOST_WORKERS}")

@@ -76,11 +76,11 @@ class Section(BaseModel):
 
     @classmethod
     def with_paths_below(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-        """Return a file's data in which tables that name other files give their path from `folder`."""
+        """Return a file's data with the paths of other files that its tables name given from `folder`."""
         return data
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return this table's data after `values`, by dotted keys, were set; tables drop keys that contradict them."""
+        """Return this table's data after `values`, by dotted keys, were set; subclasses drop what contradicts them."""
         return data
 
 

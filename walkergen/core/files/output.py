@@ -275,7 +275,7 @@ class Folder:
         return growing or self._listed.get(name) == self._hash(name)
 
     def _ours(self, name: str) -> bool:
-        """Return whether this program wrote a file in the folder and nobody changed it since."""
+        """Return whether this program wrote a file in the folder, unchanged since."""
         assert self._ledger is not None
         digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
         return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
@@ -317,7 +317,7 @@ def _distrusted(path: Path, why: str) -> OutputError:
 
 
 def _is_inside(folder: Path, name: str) -> bool:
-    """Return whether a name leads to a path inside the folder, by whatever links."""
+    """Return whether a name leads to a path inside the folder after all its links."""
     try:
         return folder.resolve() in (folder / name).resolve().parents
     except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL

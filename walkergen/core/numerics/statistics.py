@@ -111,8 +111,8 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
     """Estimate the standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES. For series that are too
-    few to give their spread. Changes rarer than the series are long are missed.
+    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES. Meant for series that
+    are too few to give their spread. Changes rarer than the series are long are missed.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)

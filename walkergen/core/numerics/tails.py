@@ -82,9 +82,10 @@ def _fraction(a: float, b: float, x: float) -> float:
 
 
 def _edge(a: float, b: float, x: float, y: float) -> float:
-    """Compute x^a y^b / B(a, b), B the beta function, from deviations that lose no digits.
+    """Compute x^a y^b / B(a, b), with B the beta function, to full precision.
 
-    They are from its largest value (Loader 2000, "Fast and accurate computation of binomial probabilities").
+    Deviations from its largest value lose no digits (Loader 2000, "Fast and accurate computation of binomial
+    probabilities").
     """
     whole, log = a + b, 0.0
     for part, share, off in ((a, x, b * x - a * y), (b, y, a * y - b * x)):

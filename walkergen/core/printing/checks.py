@@ -93,7 +93,7 @@ def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -
 
 
 def of_printer(printer: Printer) -> list[Finding]:
-    """Return the findings on a printer's settings, whatever it prints."""
+    """Return the findings on a printer's settings, which hold for any print."""
     layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
     findings = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:

@@ -85,7 +85,7 @@ class Printer(Section):
         return self
 
     def without_stale_keys(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return data in which lines keep their width relative to the nozzle, if only the nozzle was set."""
+        """Return data with the lines' width scaled to a new nozzle, if only the nozzle was set."""
         nozzle = data.get("nozzle_mm")
         if "nozzle_mm" in values and "line_width_mm" not in values and isinstance(nozzle, (int, float)):
             return {**data, "line_width_mm": round(self.line_width_mm / self.nozzle_mm * nozzle, 3)}

@@ -30,8 +30,8 @@ def run(
 ) -> dict[int, Made]:
     """Make runs by their numbers, and return them in order, on `threads` threads (None: every core).
 
-    Progress is in percent. Ctrl-C stops the runs under way and returns the finished ones; without any it is raised
-    again, as is whatever else a run raises.
+    Progress is in percent. Ctrl-C stops the runs under way and returns the finished ones. Without any it is raised
+    again, as is any other error of a run.
     """
     stop: list[bool] = []
     shares = dict.fromkeys(numbers, 0.0)

@@ -91,7 +91,7 @@ def refuse_unbuildable(spec: WalkerSpec) -> None:
 
 
 def _legs_elsewhere(spec: WalkerSpec) -> Sequence[Remedy]:
-    """Suggest that two equal legs which do not stand where they were put place themselves."""
+    """Suggest automatic placement if two equal legs do not stand where they were put."""
     if not isinstance(spec.legs, Legs) or spec.placed or spec.whole:
         return []
     return load_readers().suggest_placement(spec.body, spec.legs)

@@ -80,7 +80,7 @@ def template(parts: Iterable[str]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """Return whether a file differs from every `template` of walkers, so that it is kept. Raises InputError."""
+    """Return whether a file holds a user's work: it is no `template` of walkers. Raises InputError."""
     parts = _blank(path)
     return parts is None or not all(names.is_part(part) or part in CARRIED for part in parts)
 

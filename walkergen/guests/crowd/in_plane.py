@@ -112,7 +112,7 @@ def _seconds(job: Job) -> float:
 
 
 def _run(job: Job, number: int) -> deck.Crowd:
-    """Describe a run in a plane by its number."""
+    """Create the input for a run in a plane, from its number."""
     seed = int(np.random.SeedSequence([job.scene.run.seed, number]).generate_state(1)[0])
     places = jobs.placed(job, [kind.outline for kind in job.kinds], number)
     cards = [kind.card for kind in job.kinds if kind.card]

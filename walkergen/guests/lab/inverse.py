@@ -100,10 +100,10 @@ def measured(value: float | None, sd: float | None, tries: int, most: float) -> 
 
 
 def invert(curve: Curve, seen: Measured, what: str, where: str = "") -> Answer:
-    """Find the values of `what` that explain a measured number, from a curve; `where` ends the text without any.
+    """Find the values of `what` that explain a measured number, from a curve; `where` ends the text if none does.
 
-    Between its points the curve is cubic, and monotone. Errors are those of the number, and the scatter of so many
-    tries and of the simulated ones, in quadrature; a branch ends where the distance is one error.
+    Between its points the curve is cubic and monotone. The errors of the number and the scatter of its tries and of the
+    simulated ones add in quadrature. A branch ends at a distance of one error.
     """
     from scipy.interpolate import PchipInterpolator
 

@@ -47,9 +47,9 @@ def make(job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: 
     """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures.
 
     Pictures are sweep.png and .pdf, of crowds one of each statistic. Points that the store already has are not
-    evaluated again. The table grows row by row, and finished rows are kept whatever happens. Raises InputError if
-    another sweep writes there or a file there is not ours, OutputError when a file cannot be written, WalkergenError
-    when a worker is lost, and KeyboardInterrupt with a complete table.
+    evaluated again. The table grows row by row, and finished rows are always kept. Raises InputError if another sweep
+    writes there or a file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker is
+    lost, and KeyboardInterrupt with a complete table.
     """
     started = time.perf_counter()
     job.request.check()

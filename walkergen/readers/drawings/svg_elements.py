@@ -255,7 +255,7 @@ class Tree:
         pattern: re.Pattern[str],
         kind: "Callable[[str], svgelements.Path]",
     ) -> "svgelements.Path":
-        """Parse an attribute by svgelements, which reads it to its end. Raises InputError."""
+        """Parse an attribute with svgelements, to its end. Raises InputError."""
         try:
             if pattern.fullmatch(text):
                 return kind(text)

@@ -241,7 +241,7 @@ def _alone(remedy: Remedy) -> Remedy:
 
 
 def auto(body: Body, legs: Legs) -> list[Remedy]:
-    """Suggest that legs place themselves, if they can."""
+    """Suggest automatic placement of the legs, if it works."""
     own = legs.model_copy(update={"place": "auto"})
     return [Remedy("let the legs place themselves", {"legs.place": "auto"})] if _stands(body, own) else []
 

@@ -59,7 +59,7 @@ def pass_time(world, state, t):
 
 @lean
 def _swing_speed(state, R, points, shift, fast, leg, f, k, side):
-    """Bound the speed (mm/s) by which the legs' swing may bring contact k faster to its surface than now.
+    """Bound how much faster (mm/s) the legs' swing may bring contact k to its surface than it moves now.
 
     The surface is the plate (`side` 1), or the lid (-1).
     """
@@ -96,7 +96,7 @@ def _thrown(walker, motor, points, k, d_x, d_y, d_z):
 
 @lean
 def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
-    """Compute the torque by which leg coordinate j lags behind as the body is accelerated and turned.
+    """Compute the torque on leg coordinate j from the leg's inertia, as the body is accelerated and turned.
 
     The acceleration is (x, y, z), mm/s^2, the torque on the body t; momenta may replace both.
     """

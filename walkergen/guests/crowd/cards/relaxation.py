@@ -191,7 +191,7 @@ def fluctuations(
 def _unresolved(
     key: str, square: float, squares: Array, diffusion: Quantity, interval: float, curve: Curve
 ) -> Relaxation:
-    """Find a relaxation within a sample: an Ornstein-Uhlenbeck process of its time has this spread and diffusion."""
+    """Find a relaxation within a sample: the time of an Ornstein-Uhlenbeck process of this spread and diffusion."""
     assert diffusion.value is not None
     whole = _time_of(square, diffusion.value, interval)
     others = [_time_of(own, diffusion.value, interval) for own in squares]

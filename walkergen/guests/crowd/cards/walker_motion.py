@@ -110,9 +110,10 @@ def _runs(scene: Scene, design: Design, mass: MassProperties, progress: Progress
 
 
 def sideways(sloping: Tracks, force: float) -> Quantity:
-    """Estimate the time (s) in which a velocity across the heading forgets a push of `force` (mm/s^2) toward +x.
+    """Estimate the time (s) after which a velocity across the heading has forgotten a push.
 
-    It is the same whichever way a walker heads. Fluctuations give another time: pushes that turn it move it too.
+    The push is `force` (mm/s^2) toward +x, at any heading. Fluctuations would give another time: pushes that turn a
+    walker move it too.
     """
     rows = []
     for track in sloping.tracks:

@@ -190,7 +190,7 @@ def _noise(crowd: Crowd, parts: Mechanics) -> list[str]:
 
 
 def _sideways(parts: Mechanics) -> list[str]:
-    """Write the extra drag across the heading, of each kind whose drag along it differs."""
+    """Write the extra drag across the heading for kinds with other drag across than along it."""
     lines = [
         'variable cosine atom "c_heading[1]*c_heading[1] - c_heading[2]*c_heading[2]"',
         'variable sine atom "2.0*c_heading[1]*c_heading[2]"',

@@ -34,7 +34,7 @@ def crowd(
     seed: int,
     running: bool = False,
 ) -> deck.Crowd:
-    """Describe a run of N walkers of the cards in a dish. Raises InputError if no run can be made of it.
+    """Create the input for a run of N walkers of the cards in a dish. Raises InputError if it is invalid.
 
     They start at rest, or if `running` at their speeds. `kinds` are numbers of cards, shape (N,), `places` x, y (mm)
     and heading (rad), shape (N, 3), where no bodies overlap.

@@ -39,7 +39,7 @@ class Mover(NamedTuple):
 
 
 class Free(NamedTuple):
-    """What pushes change or read: arrays over walkers, in the same memory as the movers' own.
+    """Walkers' data that pushes change or read: arrays over walkers, in the same memory as the movers' own.
 
     Arrays over n coordinates of legs have room for the most that a walker has.
     """

@@ -143,7 +143,7 @@ def _check(films: Sequence[CrowdFilm]) -> None:
 
 
 def _words(film: CrowdFilm) -> str:
-    """Describe which walkers ran in which dish."""
+    """Describe which walkers ran, and their dish."""
     return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 

@@ -127,7 +127,7 @@ def rebound(readings: Readings) -> Rebound | None:
 
 
 def _spread(flights: Sequence[Reading], seconds: Array, ratios: Array) -> float:
-    """Estimate the standard deviation from drop to drop, whatever their heights, beyond that of the clock."""
+    """Estimate the standard deviation from drop to drop at all heights, beyond that of the clock."""
     tries, per_second = np.array([flight.tries for flight in flights]), ratios / seconds
     within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
     clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2

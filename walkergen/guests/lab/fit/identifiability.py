@@ -66,7 +66,7 @@ def unlearnt(rows: Sequence[Learnt]) -> list[str]:
 
 
 def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
-    """Return notes on parameters of which only a combination is known.
+    """Return notes on parameters that are known only in combination.
 
     Directions are eigenvectors of the correlation of the parameters' logarithms, so that what is known is a product of
     powers.

@@ -113,9 +113,9 @@ def _length(linked: Linked, straight: Sequence[Seen]) -> float:
 
 
 def scale_of(options: Options, length: float) -> tuple[float, float | None]:
-    """Return the given millimetres per pixel, or those from a walker's length, pixels; and the standard error.
+    """Return the millimetres per pixel with their standard error, as given or from a walker's length, pixels.
 
-    The error is also given, or that of blurred edges and of the true length.
+    Errors of a scale from a length are those of blurred edges and of the given length.
     """
     if options.mm_per_px is not None:
         return options.mm_per_px, options.mm_per_px_se
